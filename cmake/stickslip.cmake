@@ -1,0 +1,56 @@
+# What every target of this project shares, and the kernel compiled once per instruction set.
+
+function(stickslip_require_eigen)
+  find_package(Eigen3 QUIET NO_MODULE)
+  if(NOT TARGET Eigen3::Eigen)
+    message(FATAL_ERROR "stickslip needs the Eigen headers (3.4 or later) and found none: "
+      "`apt-get install libeigen3-dev` on Debian or Ubuntu, `dnf install eigen3-devel` on Fedora, "
+      "`conda install -c conda-forge eigen` elsewhere; or, if Eigen is in a place of your own, set "
+      "Eigen3_DIR to the folder that holds Eigen3Config.cmake.")
+  endif()
+  set(STICKSLIP_EIGEN_VERSION ${Eigen3_VERSION} PARENT_SCOPE)
+endfunction()
+
+# Warnings, optimisation and sanitizers of one target.
+function(stickslip_settings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow
+    $<$<BOOL:${STICKSLIP_WERROR}>:-Werror> $<$<CONFIG:Release>:-O3> -fno-math-errno -ffp-contract=fast)
+  if(STICKSLIP_SANITIZE)
+    set(sanitize -fsanitize=${STICKSLIP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE ${sanitize})
+    target_link_options(${target} PRIVATE ${sanitize})
+  endif()
+endfunction()
+
+# Compile `sources` into `library` for one instruction set, in the namespace stickslip::<isa>, for
+# vectors of `lanes` doubles. The other arguments are the compiler flags that select the set. The
+# namespace keeps the linker from merging an inline function of one set with another's.
+function(stickslip_kernel library isa lanes sources)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+    set(flags ${ARGN})
+  elseif(NOT isa STREQUAL "baseline")
+    return()
+  endif()
+  list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)
+  add_library(kernel_${isa} OBJECT ${sources})
+  target_include_directories(kernel_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/cpp/include)
+  target_link_libraries(kernel_${isa} PRIVATE Eigen3::Eigen)
+  target_compile_definitions(kernel_${isa} PRIVATE STICKSLIP_ISA=${isa} STICKSLIP_LANES=${lanes})
+  target_compile_options(kernel_${isa} PRIVATE ${flags})
+  stickslip_settings(kernel_${isa})
+  string(TOUPPER ${isa} upper)
+  target_compile_definitions(${library} PUBLIC STICKSLIP_HAS_${upper})
+  target_sources(${library} PRIVATE $<TARGET_OBJECTS:kernel_${isa}>)
+endfunction()
+
+# Tell one source file what build_config() reports.
+function(stickslip_build_facts source)
+  string(TOUPPER "CMAKE_CXX_FLAGS_${CMAKE_BUILD_TYPE}" typed)
+  string(STRIP "${CMAKE_CXX_FLAGS} ${${typed}} -O3 -fno-math-errno -ffp-contract=fast" flags)
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/${source} PROPERTIES COMPILE_DEFINITIONS
+    "STICKSLIP_VERSION=\"${PROJECT_VERSION}\";\
+STICKSLIP_COMPILER=\"${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}\";\
+STICKSLIP_BUILD_TYPE=\"${CMAKE_BUILD_TYPE}\";\
+STICKSLIP_FLAGS=\"${flags}\";\
+STICKSLIP_SANITIZERS=\"${STICKSLIP_SANITIZE}\"")
+endfunction()
