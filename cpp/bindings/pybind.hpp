@@ -20,5 +20,6 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;   // (n,) float64
 using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;  // (n,) int8: -1, 0, 1
 
 void bind_config(py::module_& m);
+void bind_filter(py::module_& m);
 
 }  // namespace stickslip::bindings
