@@ -21,5 +21,6 @@ using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;  // (n,) int8:
 
 void bind_config(py::module_& m);
 void bind_filter(py::module_& m);
+void bind_simulate(py::module_& m);
 
 }  // namespace stickslip::bindings

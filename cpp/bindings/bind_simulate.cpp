@@ -1,0 +1,141 @@
+// One trajectory: `_core.simulate`, its model structure and its record.
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "pybind.hpp"
+#include "stickslip/record.hpp"
+#include "stickslip/slots.hpp"
+
+namespace stickslip::bindings {
+
+namespace {
+
+using namespace stickslip_abi;
+
+// An array that owns a vector moved out of the record.
+template <class V>
+py::array_t<V> as_array(std::vector<V>&& values, std::vector<py::ssize_t> shape) {
+  auto* owner = new std::vector<V>(std::move(values));
+  const py::capsule free(owner, [](void* p) { delete static_cast<std::vector<V>*>(p); });
+  return py::array_t<V>(std::move(shape), owner->data(), free);
+}
+
+bool interrupted(void*) {
+  const py::gil_scoped_acquire gil;
+  return PyErr_CheckSignals() != 0;
+}
+
+py::dict as_dict(Record&& r) {
+  const auto n = static_cast<py::ssize_t>(r.t.size()), k = static_cast<py::ssize_t>(r.event_t.size());
+  const auto p = static_cast<py::ssize_t>(r.seeds), kinks = static_cast<py::ssize_t>(r.kink_t.size());
+  constexpr py::ssize_t d = state_count;
+  py::dict out;
+  out["t"] = as_array(std::move(r.t), {n});
+  out["state"] = as_array(std::move(r.state), {n, d});
+  out["mode"] = as_array(std::move(r.mode), {n});
+  out["sensitivity"] = as_array(std::move(r.sensitivity), {n, d, p});
+  out["transition_t"] = as_array(std::move(r.event_t), {k});
+  out["transition_state"] = as_array(std::move(r.event_state), {k, d});
+  out["transition_before"] = as_array(std::move(r.event_before), {k});
+  out["transition_after"] = as_array(std::move(r.event_after), {k});
+  out["transition_sensitivity"] = as_array(std::move(r.event_sensitivity), {k, d + 1, p});
+  out["kink_t"] = as_array(std::move(r.kink_t), {kinks});
+  out["outcome"] = r.summary.outcome;
+  out["t_reached"] = r.summary.t;
+  out["steps"] = r.summary.steps;
+  return out;
+}
+
+py::dict simulate(const Structure& structure, const ConstVector& parameters, const ConstVector& initial, double t_start,
+                  double t_end, int contact, const std::optional<ConstVector>& t_eval, double rtol, double atol,
+                  Locator locator, const ConstMatrix& seeds, long max_transitions, int order, double fixed_step) {
+  if (parameters.size() != parameter_count || initial.size() != state_count)
+    throw py::value_error("parameters must have the length of PARAMETERS plus MAX_KNOTS, initial that of STATES");
+  if (seeds.rows() > 0 && seeds.cols() != parameter_count + state_count)
+    throw py::value_error("seeds must have a column for every parameter, knot and state");
+  const Request request{&structure,
+                        parameters.data(),
+                        initial.data(),
+                        t_start,
+                        t_end,
+                        contact,
+                        t_eval ? t_eval->data() : nullptr,
+                        t_eval ? static_cast<long>(t_eval->size()) : 0,
+                        rtol,
+                        atol,
+                        locator,
+                        static_cast<int>(seeds.rows()),
+                        seeds.data(),
+                        max_transitions,
+                        order,
+                        fixed_step};
+  Record r;
+  {
+    const py::gil_scoped_release release;
+    r = record(request, interrupted);
+  }
+  if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
+  return as_dict(std::move(r));
+}
+
+template <std::size_t N>
+py::list names(const std::array<std::string_view, N>& all) {
+  py::list out;
+  for (const auto& name : all) out.append(py::str(name.data(), name.size()));
+  return out;
+}
+
+}  // namespace
+
+void bind_simulate(py::module_& m) {
+  py::native_enum<RigKind>(m, "RigKind", "enum.IntEnum")
+      .value("two_degree", RigKind::two_degree)
+      .value("block_on_belt", RigKind::block_on_belt)
+      .finalize();
+  py::native_enum<LawKind>(m, "LawKind", "enum.IntEnum")
+      .value("paper", LawKind::paper)
+      .value("coulomb", LawKind::coulomb)
+      .value("hyperbolic", LawKind::hyperbolic)
+      .finalize();
+  py::native_enum<Locator>(m, "Locator", "enum.IntEnum")
+      .value("henon", Locator::henon)
+      .value("bracket", Locator::bracket)
+      .finalize();
+  py::native_enum<Outcome>(m, "Outcome", "enum.IntEnum")
+      .value("finished", Outcome::finished)
+      .value("chatter", Outcome::chatter)
+      .value("not_finite", Outcome::not_finite)
+      .value("step_too_small", Outcome::step_too_small)
+      .value("too_many_transitions", Outcome::too_many_transitions)
+      .value("interrupted", Outcome::interrupted)
+      .finalize();
+  py::class_<Structure>(m, "Structure", "Which rig, law and effects a parameter vector describes.")
+      .def(py::init([](RigKind rig, LawKind law, std::uint32_t effects, int place, int variable, double period,
+                       const std::vector<double>& knots) {
+             Structure s;
+             s.rig = rig;
+             s.law = law;
+             s.effects = effects;
+             s.table_place = static_cast<TablePlace>(place);
+             s.table_variable = static_cast<TableVariable>(variable);
+             s.table_period = period;
+             if (knots.size() > max_knots) throw py::value_error("a tabulated term has at most 24 knots");
+             s.knots = static_cast<int>(knots.size());
+             std::copy(knots.begin(), knots.end(), s.knot);
+             return s;
+           }),
+           py::kw_only(), py::arg("rig"), py::arg("law"), py::arg("effects") = 0, py::arg("table_place") = 0,
+           py::arg("table_variable") = 0, py::arg("table_period") = 0.0, py::arg("knots") = std::vector<double>{});
+  m.attr("PARAMETERS") = py::tuple(names(slot_names));
+  m.attr("MAX_KNOTS") = max_knots;
+  m.attr("STATES") = py::tuple(names(state_names));
+  m.attr("EFFECTS") = py::tuple(names(effect_names));
+  m.def("simulate", &simulate, py::kw_only(), py::arg("structure"), py::arg("parameters").noconvert(),
+        py::arg("initial").noconvert(), py::arg("t_start"), py::arg("t_end"), py::arg("contact"),
+        py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),
+        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("order") = 0, py::arg("fixed_step") = 0.0);
+}
+
+}  // namespace stickslip::bindings

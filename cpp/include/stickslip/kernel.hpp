@@ -1,0 +1,21 @@
+// The kernels' entry points. Ordinary code calls the functions of namespace stickslip::dispatch, which pick the build
+// for this processor; the builds themselves live in stickslip::baseline, ::avx2 and ::avx512.
+#pragma once
+
+#include "stickslip/interface.hpp"
+#include "stickslip/isa.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// One trajectory with up to `max_seeds` derivatives. Never allocates; results go to `sink` as they come.
+void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
+
+}  // namespace stickslip::inline STICKSLIP_ISA
+
+namespace stickslip::dispatch {
+
+constexpr int max_seeds = 16;
+
+void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
+
+}  // namespace stickslip::dispatch

@@ -1,0 +1,147 @@
+// Lanes<W>: W trajectories in one register; arithmetic lane by lane, comparisons give masks.
+//
+// The compiler's vector types do the work (a vector wider than the machine's is split by the compiler), so that one
+// source serves SSE2, AVX2 and AVX-512. exp() is the same polynomial in every width, the scalar one included, so
+// that a lane agrees with the scalar kernel to rounding.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "stickslip/isa.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// Spelled out: the compiler drops the attribute where the size depends on a template parameter.
+template <int W>
+struct Register;
+template <>
+struct Register<2> {
+  using Vec [[gnu::vector_size(16)]] = double;
+  using Bits [[gnu::vector_size(16)]] = std::int64_t;
+};
+template <>
+struct Register<4> {
+  using Vec [[gnu::vector_size(32)]] = double;
+  using Bits [[gnu::vector_size(32)]] = std::int64_t;
+};
+template <>
+struct Register<8> {
+  using Vec [[gnu::vector_size(64)]] = double;
+  using Bits [[gnu::vector_size(64)]] = std::int64_t;
+};
+
+template <int W>
+struct Lanes {
+  static constexpr int size = W;
+  using Vec = typename Register<W>::Vec;
+  using Bits = typename Register<W>::Bits;
+  Vec v;
+
+  Lanes() = default;                 // uninitialised, as double is
+  Lanes(double s) : v(s - Vec{}) {}  // NOLINT(google-explicit-constructor): a constant is a number
+  explicit Lanes(Vec x) : v(x) {}
+
+  double operator[](int i) const { return v[i]; }
+  void set(int i, double x) { v[i] = x; }
+
+  Lanes& operator+=(const Lanes& o) {
+    v += o.v;
+    return *this;
+  }
+  Lanes& operator-=(const Lanes& o) {
+    v -= o.v;
+    return *this;
+  }
+  Lanes& operator*=(const Lanes& o) {
+    v *= o.v;
+    return *this;
+  }
+  friend Lanes operator+(const Lanes& a, const Lanes& b) { return Lanes(a.v + b.v); }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) { return Lanes(a.v - b.v); }
+  friend Lanes operator*(const Lanes& a, const Lanes& b) { return Lanes(a.v * b.v); }
+  friend Lanes operator/(const Lanes& a, const Lanes& b) { return Lanes(a.v / b.v); }
+  friend Lanes operator-(const Lanes& a) { return Lanes(-a.v); }
+};
+
+template <int W>
+void add_product(Lanes<W>& acc, const Lanes<W>& a, const Lanes<W>& b) {
+  acc.v += a.v * b.v;
+}
+template <int W>
+Lanes<W> abs(const Lanes<W>& a) {
+  return Lanes<W>(a.v < 0 ? -a.v : a.v);
+}
+template <int W>
+Lanes<W> max(const Lanes<W>& a, const Lanes<W>& b) {
+  return Lanes<W>(a.v > b.v ? a.v : b.v);
+}
+template <int W>
+Lanes<W> min(const Lanes<W>& a, const Lanes<W>& b) {
+  return Lanes<W>(a.v < b.v ? a.v : b.v);
+}
+
+namespace detail {
+// e^x by Cody-Waite reduction and a degree-13 Taylor polynomial on |r| <= ln2/2: error below 1 unit in the last
+// place. V is a double or a vector of them, B its bits.
+template <class V, class B>
+V exp_poly(V x) {
+  const V lo = x - x - 708.0, hi = x - x + 708.0;
+  x = x < lo ? lo : (x > hi ? hi : x);
+  constexpr double magic = 0x1.8p52;
+  V n = x * 1.4426950408889634074 + magic;
+  B k;
+  if constexpr (sizeof(V) == sizeof(double)) {
+    k = std::bit_cast<B>(n);
+  } else {
+    k = reinterpret_cast<B>(n);
+  }
+  n = n - magic;
+  const V r = (x - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
+  V p = r * (1.0 / 6227020800) + 1.0 / 479001600;
+  p = p * r + 1.0 / 39916800;
+  p = p * r + 1.0 / 3628800;
+  p = p * r + 1.0 / 362880;
+  p = p * r + 1.0 / 40320;
+  p = p * r + 1.0 / 5040;
+  p = p * r + 1.0 / 720;
+  p = p * r + 1.0 / 120;
+  p = p * r + 1.0 / 24;
+  p = p * r + 1.0 / 6;
+  p = p * r + 0.5;
+  p = p * r * r + r + 1.0;
+  const B scale = (k + 1023) << 52;
+  if constexpr (sizeof(V) == sizeof(double)) {
+    return p * std::bit_cast<V>(scale);
+  } else {
+    return p * reinterpret_cast<V>(scale);
+  }
+}
+
+// log2(x) to about 1e-4, for step-size control alone; x > 0 and normal.
+template <class V, class B>
+V log2_rough(V x) {
+  B k;
+  if constexpr (sizeof(V) == sizeof(double)) {
+    k = std::bit_cast<B>(x);
+  } else {
+    k = reinterpret_cast<B>(x);
+  }
+  const B e = (k >> 52) - 1023;
+  const B m = (k & 0x000fffffffffffff) | 0x3ff0000000000000;
+  V f;
+  V ev;
+  if constexpr (sizeof(V) == sizeof(double)) {
+    f = std::bit_cast<V>(m);
+    ev = static_cast<V>(e);
+  } else {
+    f = reinterpret_cast<V>(m);
+    ev = __builtin_convertvector(e, V);
+  }
+  const V u = (f - 1.0) / (f + 1.0), u2 = u * u;  // atanh series
+  return ev + 2.8853900817779268 * u * (1.0 + u2 * (1.0 / 3 + u2 * (0.2 + u2 * (1.0 / 7 + u2 / 9))));
+}
+}  // namespace detail
+
+}  // namespace stickslip::inline STICKSLIP_ISA

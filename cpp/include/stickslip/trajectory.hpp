@@ -1,0 +1,118 @@
+// The mode machine: expand a piece, step, watch its switching functions, land, change mode, go on.
+#pragma once
+
+#include "stickslip/start.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// Accumulation of transitions: this many within `chatter_span` natural time units end the run.
+constexpr int chatter_window = 64;
+constexpr double chatter_span = 1e-9;
+
+struct Options {
+  double rtol, atol, t_end;
+  bool henon;
+  int order;          // of the series of a curved piece
+  double fixed_step;  // 0: from the tolerance
+  long max_transitions;
+};
+
+inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2
+  const int order = static_cast<int>(2.0 - 0.5 * std::log(tol > 1e-18 ? tol : 1e-18));
+  return order < 4 ? 4 : (order > max_order ? max_order : order);
+}
+
+template <class T>
+struct Machine {
+  using R = Real<T>;
+  const System<T>& sys;
+  Options opt;
+  State<T> s;
+  Mode mode;
+  Piece<T> piece;
+  Side on[watch_count] = {};
+  Summary summary;
+  R recent[chatter_window] = {};
+
+  Machine(const System<T>& system, const Options& options) : sys(system), opt(options) {}
+
+  // Take the state and find (contact = 2) or take the mode to start in.
+  void start(const State<T>& state, int contact) {
+    s = state;
+    mode = Mode{};
+    set_modes(sys, s, mode, on, contact, piece);
+  }
+
+  // `observe(machine, h, order, last)` sees each step before the state moves on, `stepped(machine)` after;
+  // `changed(machine, before, kink)` sees each transition; `stop()` is asked now and then.
+  template <class Observe, class Changed, class Stepped, class Stop>
+  void run(Observe&& observe, Changed&& changed, Stepped&& stepped, Stop&& stop) {
+    while (value(s.t) < opt.t_end) {
+      if ((++summary.steps & 1023) == 0 && stop()) return finish(Outcome::interrupted);
+      bool linear = false;
+      const int order = expand(sys, mode, s, opt.order, piece, linear);
+      const R left = R(opt.t_end) - value(s.t);
+      R h = opt.fixed_step > 0 ? R(opt.fixed_step) : step_length(sys, piece, order, linear, opt.rtol, opt.atol);
+      if (!(h > 0)) return finish(Outcome::not_finite);
+      const bool last = h >= left;
+      if (last) h = left;
+      const R least = std::numeric_limits<R>::epsilon() * magnitude(value(s.t));
+      if (!(h > least) && !last) return finish(Outcome::step_too_small);
+      const Exit<T> exit = first_exit(piece.watch, piece.watches, order, h, on, opt.henon);
+      T dt(h);
+      if (exit.found) {
+        const Watch<T>& w = piece.watch[exit.watch];
+        dt = with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
+        h = exit.t;
+      } else if (last) {
+        dt = T(R(opt.t_end)) - s.t;
+      }
+      observe(*this, h, order, last && !exit.found);
+      advance(dt, order);
+      if (!finite()) return finish(Outcome::not_finite);
+      for (Side& side : on) side = Side::none;
+      if (exit.found) {
+        const Mode before = mode;
+        change_mode(sys, s, mode, on, piece.watch[exit.watch].id, exit.side, piece);
+        const bool kink = before.contact == mode.contact;
+        ++(kink ? summary.kinks : summary.transitions);
+        changed(*this, before, kink);
+        if (chattering()) return finish(Outcome::chatter);
+        if (summary.transitions + summary.kinks >= opt.max_transitions) return finish(Outcome::too_many_transitions);
+      }
+      stepped(*this);
+      if (last && !exit.found) break;
+    }
+    finish(Outcome::finished);
+  }
+
+  // The state `h` after the start of the piece.
+  void state_at(const T& h, int order, T* z) { piece_state(sys, mode, piece, s, order, h, z); }
+
+ private:
+  void advance(const T& dt, int order) {
+    T z[state_count];
+    state_at(dt, order, z);
+    for (int i = 0; i < state_count; ++i) s.z[i] = z[i];
+    s.t = s.t + dt;
+  }
+  bool finite() const {
+    R sum = value(s.t);
+    for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
+    return std::isfinite(sum);
+  }
+  bool chattering() {
+    const long n = summary.transitions + summary.kinks;
+    R& slot = recent[n % chatter_window];
+    const bool dense = n > chatter_window && value(s.t) - slot < chatter_span / natural_frequency(sys);
+    slot = value(s.t);
+    return dense;
+  }
+  void finish(Outcome outcome) {
+    summary.outcome = outcome;
+    summary.t = static_cast<double>(value(s.t));
+    summary.contact = mode.contact;
+  }
+};
+
+}  // namespace stickslip::inline STICKSLIP_ISA

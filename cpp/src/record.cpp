@@ -1,0 +1,75 @@
+#include "stickslip/record.hpp"
+
+#include "stickslip/kernel.hpp"
+
+namespace stickslip {
+
+namespace {
+
+using namespace stickslip_abi;
+
+// Where one group of seeds writes: values the first time, derivatives into its columns.
+struct Collector {
+  Record* out;
+  std::size_t first, count;
+  std::size_t row = 0, event_row = 0;
+
+  void place(std::vector<double>& all, std::size_t at, std::size_t numbers, const double* derivatives) const {
+    if (out->seeds == 0) return;
+    const std::size_t stride = numbers * out->seeds;
+    if (all.size() < (at + 1) * stride) all.resize((at + 1) * stride);
+    for (std::size_t i = 0; i < numbers; ++i)
+      for (std::size_t k = 0; k < count; ++k)
+        all[at * stride + i * out->seeds + first + k] = derivatives[i * count + k];
+  }
+};
+
+void on_sample(void* context, double t, const double* state, const double* derivatives, int mode) {
+  Collector& c = *static_cast<Collector*>(context);
+  if (c.first == 0) {
+    c.out->t.push_back(t);
+    c.out->state.insert(c.out->state.end(), state, state + state_count);
+    c.out->mode.push_back(static_cast<signed char>(mode));
+  }
+  c.place(c.out->sensitivity, c.row++, state_count, derivatives);
+}
+
+void on_transition(void* context, const Transition& event) {
+  Collector& c = *static_cast<Collector*>(context);
+  if (event.kink) {
+    if (c.first == 0) c.out->kink_t.push_back(event.t);
+    return;
+  }
+  if (c.first == 0) {
+    c.out->event_t.push_back(event.t);
+    c.out->event_state.insert(c.out->event_state.end(), event.state, event.state + state_count);
+    c.out->event_before.push_back(static_cast<signed char>(event.before));
+    c.out->event_after.push_back(static_cast<signed char>(event.after));
+  }
+  c.place(c.out->event_sensitivity, c.event_row++, 1 + state_count, event.derivatives);
+}
+
+}  // namespace
+
+Record record(const Request& request, bool (*interrupted)(void*)) {
+  Record out;
+  out.seeds = static_cast<std::size_t>(request.n_seeds);
+  if (request.t_eval != nullptr) {
+    out.t.reserve(static_cast<std::size_t>(request.n_eval));
+    out.state.reserve(static_cast<std::size_t>(request.n_eval) * state_count);
+  }
+  constexpr int row = parameter_count + state_count;
+  for (int first = 0; first == 0 || first < request.n_seeds; first += dispatch::max_seeds) {
+    Request part = request;
+    const int rest = request.n_seeds - first;
+    part.n_seeds = rest < dispatch::max_seeds ? rest : dispatch::max_seeds;
+    if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * row;
+    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(part.n_seeds)};
+    const Sink sink{&collector, on_sample, on_transition, interrupted};
+    dispatch::simulate(part, sink, out.summary);
+    if (out.summary.outcome == Outcome::interrupted) break;
+  }
+  return out;
+}
+
+}  // namespace stickslip

@@ -1,0 +1,180 @@
+"""From a declared model to what the core computes with: a structure, a flat vector, rows of seeds.
+
+The only place that knows the core's slot names. A public name may move several slots (a Coulomb law without
+`static_plus` has one `static` for both directions), which is why a seed is a row of weights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.effects import Effect, Tabulated
+from stickslip.errors import InputError, unknown
+from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.model import Model
+from stickslip.rig import BlockOnBelt, Rig
+
+Floats = NDArray[np.float64]
+
+SLOTS: Mapping[str, int] = {name: i for i, name in enumerate(_core.PARAMETERS)}
+STATES: Mapping[str, int] = {name: i for i, name in enumerate(_core.STATES)}
+WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
+HIDDEN = ("w", "z", "b", "m", "dwell")
+PLACES = ("block", "angle_body", "contact")
+VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
+READING_EFFECTS = frozenset({"sensor_delay", "sensor_crosstalk", "sensor_nonlinearity", "sensor_drift"})
+
+
+class _Put(Protocol):
+    """Store a value under a public name, in the slots given or in the one of that name."""
+
+    def __call__(self, name: str, value: float, *targets: str) -> None: ...
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A model as the core takes it; `slots` maps every public parameter name to its slots."""
+
+    structure: _core.Structure
+    parameters: Floats
+    slots: Mapping[str, tuple[int, ...]]
+    dimension: int
+
+    def initial(self, state: Iterable[float]) -> Floats:
+        """Return the core's full initial state from the visible one, followed by any hidden ones."""
+        given = np.asarray(list(state), dtype=np.float64)
+        full = np.zeros(len(STATES))
+        full[: self.dimension] = given[: self.dimension]
+        full[4 : 4 + given.size - self.dimension] = given[self.dimension :]
+        return full
+
+    def seeds(self, names: Iterable[str]) -> Floats:
+        """Return one row of weights a name, over all slots and states.
+
+        Raises
+        ------
+        InputError
+            A name is unknown; the nearest one is given.
+        """
+        chosen = list(names)
+        rows = np.zeros((len(chosen), WIDTH + len(STATES)))
+        for row, name in zip(rows, chosen, strict=True):
+            row[list(self._columns(name))] = 1.0
+        return rows
+
+    def known_names(self) -> list[str]:
+        """Every name a sensitivity may ask for."""
+        visible = _core.STATES[: self.dimension]
+        return [*self.slots, *(f"initial.{name}" for name in (*visible, *HIDDEN))]
+
+    def _columns(self, name: str) -> tuple[int, ...]:
+        if name in self.slots:
+            return self.slots[name]
+        if name.startswith("initial.") and name in self.known_names():
+            return (WIDTH + STATES[name.removeprefix("initial.")],)
+        if name.startswith("effect."):
+            parameter = name.removeprefix("effect.")
+            owners = [known for known in self.slots if known.endswith(f".{parameter}")]
+            if len(owners) == 1:
+                return self.slots[owners[0]]
+            if owners:
+                raise InputError(f"ambiguous: give one of {', '.join(owners)}", key=name)
+        raise unknown("parameter", name, self.known_names())
+
+
+def lower(model: Model, belt_speed: float) -> Lowered:
+    """Translate `model` on a belt of the given set-point speed."""
+    parameters = np.zeros(WIDTH)
+    slots: dict[str, tuple[int, ...]] = {}
+
+    def put(name: str, value: float, *targets: str) -> None:
+        places = tuple(SLOTS[target] for target in (targets or (name,)))
+        parameters[list(places)] = value
+        slots[name] = places
+
+    rig_kind = _lower_rig(model.rig, put, parameters)
+    law_kind = _lower_law(model.friction, put)
+    put("belt_speed", belt_speed)
+    bits, table = 0, None
+    for term in model.effects:
+        if isinstance(term, Tabulated):
+            table = term
+            bits |= 1 << _core.EFFECTS.index("tabulated")
+            for i, value in enumerate(term.values):
+                place = len(SLOTS) + i
+                parameters[place] = value
+                slots[f"{term.name}.value_{i}"] = (place,)
+            continue
+        bits |= _lower_effect(term, put)
+    structure = _core.Structure(
+        rig=rig_kind,
+        law=law_kind,
+        effects=bits,
+        table_place=0 if table is None else PLACES.index(table.where),
+        table_variable=0 if table is None else VARIABLES.index(table.depends_on_name),
+        table_period=0.0 if table is None or table.period is None else table.period,
+        knots=[] if table is None else list(table.knots),
+    )
+    return Lowered(structure, parameters, slots, len(model.rig.state_names))
+
+
+def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.RigKind:
+    if isinstance(rig, BlockOnBelt):
+        put("mass", rig.mass, "alpha1")
+        put("damping", rig.damping, "eta1")
+        put("stiffness", rig.stiffness)
+        return _core.RigKind.block_on_belt
+    for name in ("alpha1", "alpha2", "beta3", "eta1", "eta12"):
+        put(name, getattr(rig, name))
+    parameters[SLOTS["coupling"]] = 1.0 if rig.coupling == "reciprocal" else -1.0
+    return _core.RigKind.two_degree
+
+
+def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _Put) -> _core.LawKind:
+    if isinstance(law, PaperFriction):
+        names = (
+            "T_s_minus",
+            "A1",
+            "A2",
+            "t1",
+            "t2",
+            "v_w_min",
+            "T_min_minus",
+            "T_s_plus",
+            "T_min_plus",
+            "v_w_max",
+        )
+        for name in names:
+            put(name, getattr(law, name))
+        return _core.LawKind.paper
+    kind = _core.LawKind.coulomb if isinstance(law, CoulombFriction) else _core.LawKind.hyperbolic
+    names = (
+        ("static", "kinetic")
+        if isinstance(law, CoulombFriction)
+        else ("scale", "decay", "constant", "quadratic")
+    )
+    for name in names:
+        value, other = getattr(law, name), getattr(law, f"{name}_plus")
+        if other is None:
+            put(name, value, f"{name}_minus", f"{name}_plus")
+        else:
+            put(name, value, f"{name}_minus")
+            put(f"{name}_plus", other)
+    return kind
+
+
+def _lower_effect(term: Effect, put: _Put) -> int:
+    if term.name in READING_EFFECTS:  # acts on the reading, not on the motion
+        for name, value in term.parameters.items():
+            if f"{term.name}.{name}" in SLOTS:  # a lag that follows in the chain sees it
+                put(f"{term.name}.{name}", value)
+        return 0
+    for name, value in term.parameters.items():
+        put(f"{term.name}.{name}", value)
+    return 1 << _core.EFFECTS.index(term.name)

@@ -1,0 +1,269 @@
+"""One trajectory of a model on its belt: `simulate` and what it returns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip import _core
+from stickslip.errors import InputError, number
+from stickslip.lowering import HIDDEN, Lowered, lower
+from stickslip.model import Model
+
+Floats = NDArray[np.float64]
+Modes = NDArray[np.int8]
+
+
+class Status(Enum):
+    """How a run ended; the value is the sentence for the user."""
+
+    finished = "reached the end time"
+    chatter = (
+        "stopped: transitions accumulate without time passing (chatter); the law or start is ill-posed there"
+    )
+    not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
+    step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
+    too_many_transitions = "stopped: more transitions than max_transitions allows"
+    interrupted = "stopped by the user"
+
+    @property
+    def ok(self) -> bool:
+        """Did the run reach its end time?"""
+        return self is Status.finished
+
+
+@dataclass(frozen=True)
+class Transitions:
+    """Changes of the contact mode, in time order.
+
+    Attributes
+    ----------
+    t : (k,) times.
+    state : (k, d) states at them.
+    before, after : (k,) modes in {-1, 0, 1}: the sign of v_w, 0 for stick.
+    sensitivity : (k, p) derivative of the times.
+    state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
+    """
+
+    t: Floats
+    state: Floats
+    before: Modes
+    after: Modes
+    sensitivity: Floats
+    state_sensitivity: Floats
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What `simulate` returns.
+
+    Attributes
+    ----------
+    t : (n,) times: `t_eval`, or the ends of the integrator's own steps.
+    state : (n, d) states in the order of `rig.state_names`.
+    mode : (n,) int8 in {-1, 0, 1}: the mode that holds from that time on.
+    hidden : name -> (n,) hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell.
+    transitions : changes of the contact mode.
+    kinks : (j,) times at which a branch saturates or an effect switches, the mode staying.
+    sensitivity : (n, d, p) d state / d parameter at fixed time, parameters in the order asked for.
+    hidden_sensitivity : name -> (n, p).
+    status : how it ended.
+    steps : number of integration steps.
+    """
+
+    t: Floats
+    state: Floats
+    mode: Modes
+    hidden: dict[str, Floats]
+    transitions: Transitions
+    kinks: Floats
+    sensitivity: Floats
+    hidden_sensitivity: dict[str, Floats]
+    status: Status
+    steps: int
+    sensitivity_names: tuple[str, ...]
+
+
+def simulate(
+    model: Model,
+    *,
+    belt_speed: float,
+    initial: ArrayLike | None = None,
+    t_end: float,
+    t_start: float = 0.0,
+    t_eval: ArrayLike | None = None,
+    rtol: float = 1e-10,
+    atol: float = 1e-10,
+    sensitivity: Sequence[str] = (),
+    contact: Literal["auto", "stick", "slip-", "slip+"] = "auto",
+    locator: Literal["henon", "bracket"] = "henon",
+    max_transitions: int = 1_000_000,
+    order: int | None = None,
+    step: float | None = None,
+) -> Trajectory:
+    """Simulate the model, locating every transition.
+
+    The motion is a sequence of pieces (stick, slip either way, saturated branches), each expanded in its
+    Taylor series; linear pieces to machine precision, curved ones to the tolerance. Transitions are roots of
+    the switching polynomials, landed on by Hénon's method.
+
+    Parameters
+    ----------
+    model
+        What to simulate.
+    belt_speed
+        v_b, the set-point of the belt, of either sign or zero.
+    initial
+        State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
+        b, m, dwell. At rest at the origin if absent.
+    t_end, t_start
+        Time span, in the rig's unit of time.
+    t_eval
+        Increasing times at which to return the state, within the span; the integrator's steps if absent.
+    rtol, atol
+        Error allowed to each step, relative and absolute; not both zero.
+    sensitivity
+        Names of parameters (as in `model.parameters`, "belt_speed", "initial.x1", ...) to differentiate by.
+    contact
+        Mode to start in; found from the state by "auto".
+    locator
+        "henon", or "bracket" for plain bisection on the same series.
+    max_transitions
+        Transitions and kinks after which the run is ended.
+    order, step
+        Fixed order and step of the series of curved pieces; chosen from the tolerance if absent.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    InputError
+        A number is out of its bounds or not finite, `t_eval` not increasing or outside the span, a name
+        unknown.
+    """
+    speed = number("belt_speed", belt_speed)
+    start, end = _span(t_start, t_end)
+    tolerances = _tolerances(rtol, atol)
+    lowered = lower(model, speed)
+    times = None if t_eval is None else _sample_times(t_eval, start, end)
+    names = (sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity)
+    if contact not in _CONTACTS:
+        raise InputError(f"must be one of {', '.join(_CONTACTS)}", key="contact", value=contact)
+    if locator not in ("henon", "bracket"):
+        raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
+    raw = _core.simulate(
+        structure=lowered.structure,
+        parameters=lowered.parameters,
+        initial=_initial(model, lowered, initial),
+        t_start=start,
+        t_end=end,
+        contact=_CONTACTS[contact],
+        t_eval=times,
+        rtol=tolerances[0],
+        atol=tolerances[1],
+        locator=_core.Locator[locator],
+        seeds=lowered.seeds(names),
+        max_transitions=int(number("max_transitions", max_transitions, least=1)),
+        order=0 if order is None else int(number("order", order, least=2, most=30)),
+        fixed_step=0.0 if step is None else number("step", step, above=0),
+    )
+    return _trajectory(raw, lowered.dimension, names)
+
+
+_CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}
+
+
+def _span(t_start: float, t_end: float) -> tuple[float, float]:
+    start = number("t_start", t_start)
+    return start, number("t_end", t_end, above=start, why="the end must come after the start")
+
+
+def _tolerances(rtol: float, atol: float) -> tuple[float, float]:
+    relative, absolute = number("rtol", rtol, least=0, below=1), number("atol", atol, least=0)
+    if relative == 0 and absolute == 0:
+        raise InputError("both are zero; give one like 1e-10", key="rtol, atol")
+    if 0 < relative < 1e-15:
+        raise InputError("below the resolution of float64; the least is 1e-15", key="rtol", value=rtol)
+    return relative, absolute
+
+
+def _initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -> Floats:
+    names = model.rig.state_names
+    if initial is None:
+        return lowered.initial([0.0] * len(names))
+    try:
+        given = np.asarray(initial, dtype=np.float64).ravel()
+    except (TypeError, ValueError) as error:
+        raise InputError(f"not numbers; give {', '.join(names)}", key="initial", value=initial) from error
+    most = len(names) + len(HIDDEN)
+    if not len(names) <= given.size <= most:
+        raise InputError(
+            f"has {given.size} numbers; give {len(names)} ({', '.join(names)}), or up to {most} with the "
+            f"hidden states {', '.join(HIDDEN)}",
+            key="initial",
+        )
+    if not np.isfinite(given).all():
+        bad = [*names, *HIDDEN][int(np.flatnonzero(~np.isfinite(given))[0])]
+        raise InputError(f"{bad} is not finite", key="initial", value=given.tolist())
+    return lowered.initial(given)
+
+
+def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
+    times = np.ascontiguousarray(t_eval, dtype=np.float64)
+    if times.ndim != 1 or times.size == 0:
+        raise InputError(f"must be a list of times, has shape {times.shape}", key="t_eval")
+    if not np.isfinite(times).all():
+        raise InputError(f"entry {int(np.flatnonzero(~np.isfinite(times))[0])} is not finite", key="t_eval")
+    falls = np.flatnonzero(np.diff(times) <= 0)
+    if falls.size:
+        i = int(falls[0]) + 1
+        raise InputError(f"must increase; entry {i} is {times[i]:g} after {times[i - 1]:g}", key="t_eval")
+    slack = 4 * math.ulp(max(abs(start), abs(end)))
+    if times[0] < start - slack or times[-1] > end + slack:
+        raise InputError(
+            f"runs from {times[0]:g} to {times[-1]:g}, outside the span {start:g} to {end:g}", key="t_eval"
+        )
+    return np.clip(times, start, end)
+
+
+def _trajectory(raw: dict[str, object], d: int, names: tuple[str, ...]) -> Trajectory:
+    array = {key: np.asarray(value) for key, value in raw.items()}
+    n, k, p = len(array["t"]), len(array["transition_t"]), len(names)
+    state = array["state"]
+    sensitivity = array["sensitivity"].reshape(n, state.shape[1], p)
+    events = array["transition_sensitivity"].reshape(k, -1, p) if p else np.zeros((k, 1 + d, 0))
+    hidden = slice(4, 4 + len(HIDDEN))
+    transitions = Transitions(
+        t=array["transition_t"],
+        state=np.ascontiguousarray(array["transition_state"][:, :d]),
+        before=array["transition_before"],
+        after=array["transition_after"],
+        sensitivity=events[:, 0],
+        state_sensitivity=events[:, 1 : 1 + d],
+    )
+    outcome = raw["outcome"]
+    assert isinstance(outcome, _core.Outcome)
+    return Trajectory(
+        t=array["t"],
+        state=np.ascontiguousarray(state[:, :d]),
+        mode=array["mode"],
+        hidden=dict(zip(HIDDEN, state.T[hidden], strict=True)),
+        transitions=transitions,
+        kinks=array["kink_t"],
+        sensitivity=sensitivity[:, :d],
+        hidden_sensitivity=dict(zip(HIDDEN, sensitivity.transpose(1, 0, 2)[hidden], strict=True)),
+        status=Status[outcome.name],
+        steps=int(array["steps"]),
+        sensitivity_names=names,
+    )
