@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq, root
-from stickslip.model import Model
 
 from stickslip import reference
-from stickslip.effects import effect
+from stickslip.effects import effect, tabulated
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.model import Model
 from stickslip.rig import BlockOnBelt, Rig
 
 DATA = Path(__file__).parent / "data"
@@ -265,6 +265,29 @@ def test_sensor_lag_of_a_steady_ride_is_speed_times_lag():
     assert shown == pytest.approx(0.1 + 0.1 * times - lag + 0.01 * times, abs=1e-13)
 
 
+def test_tabulated_line_is_the_catalogue_term_it_draws():
+    # a natural spline through points of a line is that line: -c x2 by name and by table
+    drawn = tabulated("block", "x2", (-2.0, -0.05, 0.0, 0.1, 2.0), (1.0, 0.025, 0.0, -0.05, -1.0))
+    by_table = reference.simulate(paper_model(drawn), belt_speed=0.1, initial=START, t_end=40)
+    by_name = reference.simulate(
+        paper_model(effect("block_viscous_damping", c=0.5)), belt_speed=0.1, initial=START, t_end=40
+    )
+    assert {name for _, name in by_table.kinks} == {"clamp", "knot"}
+    assert by_table.transitions.t == pytest.approx(by_name.transitions.t, abs=1e-10)
+    assert by_table.state[-1] == pytest.approx(by_name.state[-1], abs=1e-10)
+
+
+def test_tabulated_period_repeats():
+    knots = tuple(np.linspace(0, np.pi, 9))
+    curve = tabulated("contact", "t", knots, (*(0.1 * np.sin(2 * np.array(knots[:-1]))), 0.0), period=np.pi)
+    run = reference.simulate(paper_model(curve), belt_speed=0.1, initial=START, t_end=20)
+    system, side = run.system, [s.side for s in run.steps]
+    for step, sides in list(zip(run.steps, side, strict=True))[5::50]:
+        told = 1 + float(curve.curve(step.t))
+        assert system.normal(step.t, step.z, sides) == pytest.approx(told, abs=1e-12)
+    assert side[-1].cycle == 6
+
+
 # effect, and the numbers of the independent simulator in bench/discovery that mean the same
 APART = {
     "none": ({}, {}),
@@ -355,7 +378,6 @@ def test_effects_agree_with_the_simulator_written_apart(name, v_b, monkeypatch):
 
     hidden = np.zeros(9)
     hidden[:4] = start
-    hidden[5] = start[1] - v_b
     hidden[7] = start[0] + numbers.get("crosstalk_c", 0.0) * start[2]
     x1, y1, _, _ = apart.simulate(RIG | LAW | {"vb": v_b} | numbers, times, hidden, h_max=0.002)
     shown = reference.readings(model, run, times)

@@ -133,16 +133,17 @@ def simulate(
     t_eval : (n,) array, optional
         Times of the output; the integrator's own steps otherwise.
     hidden : mapping, optional
-        Hidden states at t = 0: "w" (friction_memory), "z" (contact_compliance), "b" (belt_load_droop).
-        Where not given, w is v_w and the others are zero.
+        Hidden states at t = 0: "w" (friction_memory), "z" (contact_compliance), "b" (belt_load_droop), "dwell"
+        (static_aging, of a start in stick). Zero where not given.
     max_step : float
         Longest step; what happens twice within an eighth of it could be overlooked.
     max_transitions : int
         Number of switchings at which the run is given up.
     """
     system = System(model, belt_speed)
-    extra = [float((hidden or {}).get(n, 0.0)) for n in system.names[system.d :]]
-    z, side = system.start(np.array([*map(float, initial), *extra]), given_w="w" in (hidden or {}))
+    given = dict(hidden or {})
+    start = [*map(float, initial), *(float(given.get(name, 0.0)) for name in system.names[system.d :])]
+    z, side = system.start(np.array(start), given.get("dwell", 0.0))
     steps, kinks, changes = list[Step](), list[tuple[float, str]](), list[Change]()
     t, message, recent = 0.0, "", list[float]()
     while t < t_end and not message:

@@ -25,13 +25,13 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.interpolate import CubicSpline
 
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.effects import Tabulated
 from stickslip.model import Model
+from stickslip.reference_friction import Value, branch
 from stickslip.rig import Rig
 
-Value = Any  # a float or complex number, or an array of either
 Guard = Callable[[Value, Value], Value]  # a switching function S(t, z), negative while the side lasts
 
 REST = 1e-12  # |v| below this at the start is rest on the belt
@@ -49,65 +49,16 @@ class Side:
     quadratic: int = 1  # sign of x2 (block_quadratic_damping)
     pivot: int = 0  # sign of y2, 0 stuck (pivot_dry_friction)
     touching: bool = True  # the normal force is positive (normal_force_feedback)
+    cell: int = 0  # tabulated term: 0 before the first knot, i after knot i, counted from 1
+    cycle: int = 0  # periods behind (tabulated in t)
 
 
-@dataclass(frozen=True)
-class Branch:
-    """One direction of a friction law: static limit, R(u) below the kink, constant R beyond it."""
-
-    static: float
-    below: Callable[[Value], Value]
-    above: float = 0.0
-    kink: float | None = None
-
-
-def branch(law: object, direction: int) -> Branch:
-    """Magnitudes of `law` for slip with the sign `direction`: Table 1, Coulomb, hyperbolic."""
-    if isinstance(law, PaperFriction):
-        return _minus(law) if direction < 0 else _plus(law)
-    if isinstance(law, CoulombFriction):
-        static, kinetic = law.static, law.kinetic
-        if direction > 0:
-            static = static if law.static_plus is None else law.static_plus
-            kinetic = kinetic if law.kinetic_plus is None else law.kinetic_plus
-        return Branch(static, lambda u: kinetic + 0 * u)
-    if isinstance(law, HyperbolicFriction):
-        names = ("scale", "decay", "constant", "quadratic")
-        plus = [getattr(law, f"{n}_plus") for n in names] if direction > 0 else [None] * 4
-        a, d, c, q = (getattr(law, n) if p is None else p for n, p in zip(names, plus, strict=True))
-        return Branch(a + c, lambda u: a / (1 + d * u) + c + q * u * u)
-    raise TypeError(f"the reference knows no friction law {type(law).__name__}")
-
-
-def _minus(law: PaperFriction) -> Branch:
-    """T_- of (4.2), read as 0.28 - u, held at T_min_minus once it falls there."""
-    end = abs(law.v_w_min)
-
-    def curve(u: Value) -> Value:
-        e1, e2 = np.exp(-(end - u) / law.t1), np.exp(-(end - u) / law.t2)
-        return law.T_s_minus - law.A1 * e1 - law.A2 * e2
-
-    with np.errstate(over="ignore"):
-        high = end
-        while curve(high) > law.T_min_minus and high < 1e6:
-            high *= 2
-        if curve(0.0) <= law.T_min_minus:
-            return Branch(law.T_s_minus, lambda u: law.T_min_minus + 0 * u)
-        if curve(high) > law.T_min_minus:  # amplitudes so small that it never gets there
-            return Branch(law.T_s_minus, curve)
-        kink = float(brentq(lambda u: curve(u) - law.T_min_minus, 0.0, high, xtol=1e-16, rtol=1e-15))
-
-    def below(u: Value) -> Value:
-        # a trial stage far beyond the kink must not meet the exponentials' blow-up
-        return curve(np.where(u.real > kink + 0.05, kink + 0.05, u))
-
-    return Branch(law.T_s_minus, below, law.T_min_minus, kink)
-
-
-def _plus(law: PaperFriction) -> Branch:
-    """T_+ of (4.1), held at T_min_plus beyond the fitted range."""
-    slope = (law.T_s_plus - law.T_min_plus) / law.v_w_max
-    return Branch(law.T_s_plus, lambda u: law.T_s_plus - slope * u, law.T_min_plus, law.v_w_max)
+def _cells(curve: Tabulated) -> list[tuple[float, Value]]:
+    """Start and cubic of every cell: constant outside the knots, the natural (periodic) spline between."""
+    x, y = np.array(curve.knots), np.array(curve.values)
+    spline = CubicSpline(x, y, bc_type="periodic" if curve.period else "natural")
+    inner = [(float(a), spline.c[:, i]) for i, a in enumerate(x[:-1])]
+    return [(0.0, y[:1]), *inner, (0.0, y[-1:])]
 
 
 class System:
@@ -123,6 +74,11 @@ class System:
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
         self.names = names + [h for h, effect in hidden if effect in self.e]
         self.d = len(names)
+        curves = [x for x in model.effects if isinstance(x, Tabulated)]
+        if len(curves) > 1:
+            raise TypeError(f"the reference takes one tabulated term, the model has {len(curves)}")
+        self.curve = curves[0] if curves else None
+        self.cells = _cells(self.curve) if self.curve else []
         self.compliant = "contact_compliance" in self.e
         self.mass = self.rig.alpha1 if self.two else self.rig.mass
 
@@ -159,7 +115,7 @@ class System:
             load = load - p["f"]
         if p := e.get("harmonic_forcing"):
             load = load - p["a"] * np.sin(p["w"] * t + p.get("phi", 0.0))
-        return load
+        return load - self.tabulated("block", t, z, x2, side)
 
     def angle_force(self, t: Value, z: Value, side: Side) -> Value:
         """alpha2 y2' without the pivot's dry friction."""
@@ -171,11 +127,26 @@ class System:
             force = force - p["k"] * y1**3
         if (p := e.get("spring_gap_k3")) and side.gap:
             force = force - p["k"] * (y1 - side.gap * p["d"])
-        return force
+        return force + self.tabulated("angle_body", t, z, x2, side)
+
+    def table_variable(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """Return what the tabulated term depends on, the periods behind taken off."""
+        assert self.curve is not None
+        name, period = self.curve.variable, self.curve.period
+        if name == "t":
+            return t - side.cycle * period if period else t
+        return x2 - self.belt(t, z)[0] if name == "v_w" else x2 if name == "x2" else self.get(z, name)
+
+    def tabulated(self, where: str, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """G of the tabulated term, on the cubic of the frozen cell; 0 elsewhere than `where`."""
+        if self.curve is None or self.curve.where != where:
+            return 0.0
+        start, cubic = self.cells[side.cell]
+        return np.polyval(cubic, self.table_variable(t, z, x2, side) - start)
 
     def normal(self, t: Value, z: Value, side: Side) -> Value:
         """N: what friction is multiplied by."""
-        e, factor = self.e, 1.0 + 0.0 * z[0]
+        e, factor = self.e, 1.0 + 0.0 * z[0] + self.tabulated("contact", t, z, z[1], side)
         if "normal_force_feedback" in e:
             factor = factor * (self.pressure(z) if side.touching else 0.0)
         if p := e.get("friction_drift"):
@@ -268,7 +239,7 @@ class System:
             out["drag"] = lambda _, z: -side.quadratic * z[1]
         if "normal_force_feedback" in e:
             out["normal"] = lambda _, z: -self.pressure(z) if side.touching else self.pressure(z)
-        return out | self._gap_guards(side) | self._pivot_guards(side)
+        return out | self._gap_guards(side) | self._pivot_guards(side) | self._knot_guards(side)
 
     def _gap_guards(self, side: Side) -> dict[str, Guard]:
         if "spring_gap_k3" not in self.e:
@@ -289,6 +260,17 @@ class System:
             "pivot-": lambda t, z: -self.angle_force(t, z, side) - f,
         }
 
+    def _knot_guards(self, side: Side) -> dict[str, Guard]:
+        out: dict[str, Guard] = {}
+        if self.curve is None:
+            return out
+        knots, cell = self.curve.knots, side.cell
+        if cell < len(knots):
+            out["knot+"] = lambda t, z: self.table_variable(t, z, z[1], side) - knots[cell]
+        if cell > 0:
+            out["knot-"] = lambda t, z: knots[cell - 1] - self.table_variable(t, z, z[1], side)
+        return out
+
     def switch(self, name: str, t: float, z: Value, side: Side) -> tuple[Value, Side]:
         """State and sides after the switching `name` at t, z."""
         z = z.copy()
@@ -301,6 +283,8 @@ class System:
         if name.startswith("pivot"):
             z[3] = 0.0
             return z, replace(side, pivot=self.pivot(t, z, side))
+        if name == "knot+" and self.curve and self.curve.period and side.cell == len(self.curve.knots) - 1:
+            return z, replace(side, cell=1, cycle=side.cycle + 1)
         changes: dict[str, dict[str, Any]] = {
             "clamp": {"clamped": not side.clamped},
             "memory": {"memory": -side.memory},
@@ -309,6 +293,8 @@ class System:
             "gap": {"gap": 0},
             "gap+": {"gap": 1},
             "gap-": {"gap": -1},
+            "knot+": {"cell": side.cell + 1},
+            "knot-": {"cell": side.cell - 1},
         }
         return z, replace(side, **changes[name])
 
@@ -317,9 +303,9 @@ class System:
         f, load = self.e["pivot_dry_friction"]["f"], self.angle_force(t, z, side)
         return 1 if load >= f else -1 if load <= -f else 0
 
-    def arrive(self, t: float, z: Value, side: Side) -> tuple[Value, Side]:
+    def arrive(self, t: float, z: Value, side: Side, dwell: float = 0.0) -> tuple[Value, Side]:
         """Decide at v = 0: stick if the belt can supply q, else slip to the side it cannot hold."""
-        rest = replace(side, contact=0, since=t)
+        rest = replace(side, contact=0, since=t - dwell)
         q = self.demand(t, z, rest)
         contact = -1 if q > self.limit(-1, t, z, rest) else 1 if q < -self.limit(1, t, z, rest) else 0
         if "friction_memory" in self.e and contact in (0, side.contact):
@@ -335,8 +321,8 @@ class System:
             side = replace(side, clamped=True)
         return z, side
 
-    def start(self, z: Value, given_w: bool) -> tuple[Value, Side]:
-        """State and sides at t = 0; within `REST` of V is at rest on the belt; w = v unless given."""
+    def start(self, z: Value, dwell: float = 0.0) -> tuple[Value, Side]:
+        """State and sides at t = 0; within `REST` of V is at rest on the belt, since `dwell` if it sticks."""
         z, t = z.copy(), 0.0
         side = Side(contact=0, quadratic=-1 if z[1] < 0 else 1)
         if p := self.e.get("spring_gap_k3"):
@@ -344,13 +330,14 @@ class System:
         if "normal_force_feedback" in self.e:
             side = replace(side, touching=bool(self.pressure(z) > 0))
         v = z[1] - self.belt(t, z)[0]
+        if self.curve:
+            cell = np.searchsorted(self.curve.knots, self.table_variable(t, z, z[1], side), side="right")
+            side = replace(side, cell=int(cell))
         if abs(v) > REST:
-            if "friction_memory" in self.e and not given_w:
-                z[self.names.index("w")] = v
             z, side = self.enter(int(np.sign(v)), z, side, t)
         else:
             z[1] = self.belt(t, z)[0]
-            z, side = self.arrive(t, z, side)
+            z, side = self.arrive(t, z, side, dwell)
             if self.compliant:  # it goes the way the bristle and the springs push it
                 z, side = self.enter(1, z, side, t)
                 rise = -self.rate(self.guards(side)["rest"], t, z, side)
