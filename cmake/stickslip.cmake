@@ -22,6 +22,8 @@ function(stickslip_settings target)
   endif()
 endfunction()
 
+set(STICKSLIP_ISAS baseline avx2 avx512 CACHE STRING "instruction sets to compile the kernel for")
+
 # Compile `sources` into `library` for one instruction set, in the namespace stickslip::<isa>, for
 # vectors of `lanes` doubles. The other arguments are the compiler flags that select the set. The
 # namespace keeps the linker from merging an inline function of one set with another's.
@@ -29,6 +31,9 @@ function(stickslip_kernel library isa lanes sources)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
     set(flags ${ARGN})
   elseif(NOT isa STREQUAL "baseline")
+    return()
+  endif()
+  if(NOT isa IN_LIST STICKSLIP_ISAS)
     return()
   endif()
   list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)
