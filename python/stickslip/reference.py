@@ -133,8 +133,8 @@ def simulate(
     t_eval : (n,) array, optional
         Times of the output; the integrator's own steps otherwise.
     hidden : mapping, optional
-        Hidden states at t = 0: "w" (friction_memory), "z" (contact_compliance), "b" (belt_load_droop), "dwell"
-        (static_aging, of a start in stick). Zero where not given.
+        Hidden states at t = 0: "w" (friction_memory), "z" (contact_compliance), "b" (belt_load_droop),
+        "dwell" (static_aging, of a start in stick). Zero where not given.
     max_step : float
         Longest step; what happens twice within an eighth of it could be overlooked.
     max_transitions : int
