@@ -1,0 +1,208 @@
+"""What an identification says: the law, how sure it is of each number, and what it never saw."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from stickslip.config import write_text
+from stickslip.friction import FrictionLaw
+from stickslip.model import Model
+from stickslip.rig import AnyRig
+from stickslip.shooting import Array
+
+Status = Literal["identified", "weak", "unidentified"]
+Branch = Literal["minus", "plus"]
+BRANCHES: tuple[Branch, ...] = ("minus", "plus")
+DRAWS = 4000
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number of the law with its 95 % interval.
+
+    `status` is "identified", "weak" (the readings say something, yet the interval is wider than the number's
+    third or leans on the declared start) or "unidentified" (no reading depends on it: the value is the declared
+    start, and there is no interval).
+    """
+
+    value: float
+    low: float | None
+    high: float | None
+    std: float | None
+    status: Status
+    declared: float
+
+
+@dataclass(frozen=True)
+class ForcePoints:
+    """Friction force against relative velocity, from the rearranged equation of motion; (n,) arrays.
+
+    `mode` is 0 where the block sticks (there T is the force the belt supplies, -q), else the sign of v_w.
+    `T_std` is the standard deviation that the noise leaves in T. `run` numbers the run each point is from.
+    """
+
+    v_w: Array
+    T: Array
+    T_std: Array
+    mode: Array
+    run: Array
+
+
+@dataclass(frozen=True)
+class Events:
+    """Slips fitted one by one; (k,) arrays. Levels are forces in the rig's unit, times in the run's.
+
+    `static` is the breakaway force, `kinetic` the level of sliding at small speed behind it, `amplitude` the
+    displacement lost in the slip, `rms` what the fit leaves, `run` the run's number.
+    """
+
+    t: Array
+    static: Array
+    kinetic: Array
+    amplitude: Array
+    rms: Array
+    run: Array
+
+
+@dataclass(frozen=True)
+class Identified:
+    """Result of `stickslip.identify.identify`.
+
+    Attributes
+    ----------
+    rig, law
+        The declared rig and the identified friction law; together they are `model`.
+    estimates : mapping of str to Estimate
+        Every number of the law.
+    names, covariance
+        Parameters the readings bear on, and their (p, p) covariance.
+    covered : mapping
+        Per branch ("minus": v_w < 0, "plus": v_w > 0) the range of |v_w| visited in slip, or None.
+    noise : mapping of str to float
+        Standard deviation per channel, in the rig's units.
+    reduced_chi2 : float
+        Squared residual over noise per degree of freedom: 1 where noise alone remains.
+    force : ForcePoints or None
+    events : Events or None
+        For laws identified event by event.
+    diagnostics : mapping of str to float
+    messages : tuple of str
+        Sentences a person should read.
+    """
+
+    rig: AnyRig
+    law: FrictionLaw
+    estimates: Mapping[str, Estimate]
+    names: tuple[str, ...]
+    covariance: Array
+    covered: Mapping[Branch, tuple[float, float] | None]
+    noise: Mapping[str, float]
+    reduced_chi2: float
+    force: ForcePoints | None = None
+    events: Events | None = None
+    diagnostics: Mapping[str, float] = field(default_factory=dict)
+    messages: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> Model:
+        """The rig under the identified law."""
+        return Model(self.rig, friction=self.law)
+
+    @property
+    def unidentified(self) -> tuple[str, ...]:
+        """Names of the numbers that no reading depends on: they are the declared start."""
+        return tuple(n for n, e in self.estimates.items() if e.status == "unidentified")
+
+    def band(
+        self, branch: Branch, u: Array, *, level: float = 0.95, simultaneous: bool = True
+    ) -> tuple[Array, Array, Array]:
+        """Lower limit, value and upper limit of the kinetic magnitude R(u) on one branch.
+
+        Parameters
+        ----------
+        branch : "minus" or "plus"
+        u : (n,) array
+            |v_w|; meaningful inside `covered[branch]`.
+        level : float
+            Probability that the band holds the true branch.
+        simultaneous : bool
+            Over all of u at once (the default), or at each u by itself.
+
+        Returns
+        -------
+        low, value, high : (n,) arrays
+            NaN limits on a branch that was never visited.
+        """
+        sign = -1.0 if branch == "minus" else 1.0
+        u = np.asarray(u, dtype=float)
+        value = self.law.magnitude(sign * np.maximum(u, 1e-12))
+        if self.covered[branch] is None or not self.names:
+            return np.full_like(u, np.nan), value, np.full_like(u, np.nan)
+        gradient = np.column_stack([self._slope(n, sign, u) for n in self.names])
+        root = _root(self.covariance)
+        std = np.sqrt(np.sum((gradient @ root) ** 2, axis=1))
+        draws = np.random.default_rng(0).standard_normal((root.shape[1], DRAWS))
+        z = np.abs(gradient @ root @ draws) / np.where(std > 0, std, 1.0)[:, None]
+        largest = z.max(axis=0) if simultaneous else np.abs(draws[0])
+        half = float(np.quantile(largest, level)) * std
+        return value - half, value, value + half
+
+    def _slope(self, name: str, sign: float, u: Array) -> Array:
+        centre = float(self.estimates[name].value)
+        h = 1e-5 * max(abs(centre), 0.01)
+        at = sign * np.maximum(u, 1e-12)
+        up = self.model.replace(**{name: centre + h}).friction.magnitude(at)
+        down = self.model.replace(**{name: centre - h}).friction.magnitude(at)
+        return np.asarray((up - down) / (2 * h), dtype=float)
+
+    def summary(self) -> str:
+        """The estimates as a plain-text table, with the messages below."""
+        lines = [f"{'parameter':<16}{'value':>12}{'95 % interval':>28}   status"]
+        for name, e in self.estimates.items():
+            span = "-" if e.low is None or e.high is None else f"{e.low:.5g} .. {e.high:.5g}"
+            lines.append(f"{name:<16}{e.value:>12.5g}{span:>28}   {e.status}")
+        for branch in BRANCHES:
+            span_u = self.covered[branch]
+            seen = "never visited" if span_u is None else f"|v_w| up to {span_u[1]:.4g}"
+            lines.append(f"branch {'v_w < 0' if branch == 'minus' else 'v_w > 0'}: {seen}")
+        lines.append(f"chi2 per degree of freedom: {self.reduced_chi2:.4g}")
+        return "\n".join([*lines, *self.messages])
+
+    def to_dict(self) -> dict[str, object]:
+        """All numbers, for JSON."""
+        events = None
+        if self.events is not None:
+            events = {k: np.asarray(v).tolist() for k, v in vars(self.events).items()}
+        return {
+            "law": type(self.law).__name__,
+            "estimates": {n: vars(e) for n, e in self.estimates.items()},
+            "covered": {b: self.covered[b] for b in BRANCHES},
+            "unidentified": list(self.unidentified),
+            "names": list(self.names),
+            "covariance": self.covariance.tolist(),
+            "noise": dict(self.noise),
+            "reduced_chi2": self.reduced_chi2,
+            "diagnostics": dict(self.diagnostics),
+            "messages": list(self.messages),
+            "events": events,
+        }
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write `model.toml` and `identified.json` into `folder` (made if absent); return their paths."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        self.model.save(folder / "model.toml")
+        write_text(folder / "identified.json", json.dumps(self.to_dict(), indent=1))
+        return [folder / "model.toml", folder / "identified.json"]
+
+
+def _root(covariance: Array) -> Array:
+    """A matrix whose product with its transpose is the covariance (which may be singular)."""
+    w, V = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    return np.asarray(V * np.sqrt(np.maximum(w, 0.0)), dtype=float)

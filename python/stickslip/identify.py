@@ -1,0 +1,354 @@
+"""From recordings to a friction law: `identify`.
+
+The law's numbers are fitted through simulation (`stickslip.shooting`), first on windows of about one natural
+period, cut in the middle of sticks, then on whole runs if the law still explains the readings there. The static
+limits follow from the breakaway instants in the same fit. A real block on a belt, whose friction scatters from
+slip to slip, is identified event by event instead (`stickslip.events`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Literal
+
+import numpy as np
+
+from stickslip import force, segments, signals
+from stickslip.errors import InputError
+from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
+from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
+from stickslip.model import Model
+from stickslip.records import Case, Recording
+from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.shooting import Array, Shot, Simulator, Window, shoot
+from stickslip.simulate import simulate
+
+BeltSpeed = Literal["set-point", "plateau"]
+Progress = Callable[[str, float], None]
+FIXED = ("v_w_min", "v_w_max")  # ends of the fitted ranges: (4.1) and (4.2) have other numbers for their effect
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One run ready for fitting: readings (n, c) in the rig's units, its modes, the belt speed to use."""
+
+    name: str
+    t: Array
+    readings: Array
+    noise: Array
+    belt_speed: float
+    set_point: float
+    plateau: float
+    plateau_std: float
+    track: segments.Track
+
+
+def natural_period(rig: AnyRig) -> float:
+    """Period of the free block on its springs, in the rig's unit of time."""
+    if isinstance(rig, BlockOnBelt):
+        return float(2 * np.pi * np.sqrt(rig.mass / rig.stiffness))
+    return 2 * np.pi
+
+
+def columns(rig: AnyRig) -> tuple[int, ...]:
+    """State column of each recorded channel: x1, and y1 for the rig of (2.1)."""
+    return (0, 2) if isinstance(rig, Rig) else (0,)
+
+
+def measured(
+    recording: Recording, rig: AnyRig, *, noise: Mapping[str, float] | None = None, belt: BeltSpeed = "set-point"
+) -> Measured:
+    """Readings of one run with glitches taken out, their noise, and where the block sticks.
+
+    Raises
+    ------
+    InputError
+        If a channel the rig needs is missing or the record is too short.
+    """
+    channels: list[Array] = []
+    stds: list[float] = []
+    known = noise or recording.noise or {}
+    for name in ("x1", "y1")[: len(columns(rig))]:
+        x = getattr(recording, name)
+        if x is None:
+            raise InputError(f"{recording.name}: channel {name} is missing; the rig of (2.1) needs x1 and y1")
+        x = np.array(x, dtype=float)
+        std = float(known[name]) if name in known else signals.noise_std(x, t=recording.t)
+        x[signals.find_glitches(x).mask] = np.nan
+        channels.append(x)
+        stds.append(std)
+    period, set_point = natural_period(rig), float(recording.belt_speed)
+    t = np.asarray(recording.t, dtype=float)
+    t = t - t[0]
+    look = segments.track(t, channels[0], belt_speed=set_point, noise=stds[0], period=period)
+    speed, std = segments.plateau_speed(look, channels[0])
+    used = speed if belt == "plateau" and np.isfinite(speed) else set_point
+    if used != set_point:
+        look = segments.track(t, channels[0], belt_speed=used, noise=stds[0], period=period)
+    readings = np.column_stack(channels)
+    return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look)
+
+
+def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
+    """Names of the numbers each branch has to be identified from."""
+    if isinstance(law, PaperFriction):
+        return {
+            "minus": ("T_s_minus", "A1", "A2", "t1", "t2", "T_min_minus"),
+            "plus": ("T_s_plus", "T_min_plus"),
+        }
+    names = [f.name for f in fields(law) if getattr(law, f.name) is not None]
+    plus = tuple(n for n in names if n.endswith("_plus"))
+    minus = tuple(n for n in names if not n.endswith("_plus"))
+    return {"minus": minus, "plus": plus or minus}
+
+
+def identify(
+    source: Case | Recording | Sequence[Recording],
+    *,
+    rig: AnyRig | None = None,
+    friction: FrictionLaw | None = None,
+    noise: Mapping[str, float] | None = None,
+    belt_speed: BeltSpeed = "set-point",
+    scatter: bool | None = None,
+    simulator: Simulator = simulate,
+    progress: Progress | None = None,
+) -> Identified:
+    """Identify the friction law from recorded displacements.
+
+    Parameters
+    ----------
+    source : Case, Recording or sequence of Recording
+        A case's "train" runs are used.
+    rig : Rig or BlockOnBelt, optional
+        Required unless `source` is a case.
+    friction : PaperFriction, CoulombFriction or HyperbolicFriction, optional
+        The law's form and the values to start from; the case's, or Table 1, if absent.
+    noise : mapping of str to float, optional
+        Standard deviation per channel in the rig's units; the recording's, or estimated, if absent.
+    belt_speed : "set-point" or "plateau"
+        Whether v_b is what was set, or what the block was seen to ride at in its sticks.
+    scatter : bool, optional
+        Identify event by event, with levels that scatter. Default: for a block on a belt without a given law.
+    simulator : callable
+        `stickslip.simulate` or anything with its signature.
+    progress : callable, optional
+        Called with what is being done and the share done.
+
+    Returns
+    -------
+    Identified
+
+    Raises
+    ------
+    InputError
+        If a channel is missing, a record too short, or no slip is found.
+    """
+    recordings, rig, friction = _material(source, rig, friction)
+    tell = progress or (lambda _what, _share: None)
+    tell("reading modes", 0.0)
+    runs = [measured(r, rig, noise=noise, belt=belt_speed) for r in recordings]
+    if scatter is None:
+        scatter = isinstance(rig, BlockOnBelt) and friction is None
+    if scatter:
+        from stickslip.events import identify_events  # it needs what is above
+
+        found = identify_events(runs, rig, simulator=simulator, tell=tell)
+    else:
+        start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
+        found = _identify_by_shooting(runs, rig, start, simulator, tell)
+    tell("friction force", 0.95)
+    found = replace(found, force=_force(runs, rig), messages=(*found.messages, *_plateau_messages(runs, belt_speed)))
+    tell("done", 1.0)
+    return found
+
+
+def _material(
+    source: Case | Recording | Sequence[Recording], rig: AnyRig | None, friction: FrictionLaw | None
+) -> tuple[list[Recording], AnyRig, FrictionLaw | None]:
+    if isinstance(source, Case):
+        recordings = [r for r in source.runs if r.role == "train"]
+        rig = rig or source.rig
+        friction = friction or source.friction
+    else:
+        recordings = [source] if isinstance(source, Recording) else list(source)
+    if rig is None:
+        raise InputError("rig is missing: give identify(recording, rig=...)")
+    if not recordings:
+        raise InputError("no run to identify from: the case has no run with role 'train'")
+    return recordings, rig, friction
+
+
+def _identify_by_shooting(
+    runs: Sequence[Measured], rig: AnyRig, start: FrictionLaw, simulator: Simulator, tell: Progress
+) -> Identified:
+    """Fit the law to windows, then to whole runs if it explains those as well."""
+    branches = law_parameters(start)
+    names = tuple(dict.fromkeys([*branches["minus"], *branches["plus"]]))
+    model = Model(rig, friction=start)
+    declared = np.array([model.parameters[n] for n in names], dtype=float)
+    noise = np.mean([r.noise for r in runs], axis=0)
+    period, cols = natural_period(rig), columns(rig)
+    windows = [
+        segments.window(r.track, r.readings, b, run=i, columns=cols)
+        for i, r in enumerate(runs)
+        for b in segments.cut(r.track, period)
+    ]
+    steps = iter(np.linspace(0.1, 0.9, 80))
+
+    def fit(model: Model, windows: Sequence[Window], what: str) -> Shot:
+        return shoot(
+            model,
+            windows,
+            names,
+            noise=noise,
+            simulator=simulator,
+            declared=declared,
+            progress=lambda _: tell(what, float(next(steps, 0.9))),
+        )
+
+    short = fit(model, windows, "fitting windows")
+    found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
+    first = {w.run: w for w in reversed(short.windows)}
+    whole = [
+        replace(segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial)
+        for i, r in enumerate(runs)
+    ]
+    best, where = short, "windows"
+    try:
+        long = fit(found, whole, "fitting whole runs")
+        if _explains(long, short):
+            best, where = long, "whole runs"
+    except (np.linalg.LinAlgError, ValueError):
+        pass  # whole runs are a refinement; a law that cannot follow one keeps the windows' estimate
+    return _conclude(runs, rig, start, names, declared, best, short, where, simulator)
+
+
+def _explains(long: Shot, short: Shot) -> bool:
+    """Whether whole runs cost no more than their fewer free states must (three standard deviations)."""
+    gained = max(long.dof - short.dof, 0)
+    excess = (long.chi2 - short.chi2) / max(1.0, short.reduced)
+    return bool(np.isfinite(long.chi2) and excess < gained + 3 * np.sqrt(2 * gained) + 3)
+
+
+def _conclude(
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    start: FrictionLaw,
+    names: tuple[str, ...],
+    declared: Array,
+    best: Shot,
+    short: Shot,
+    where: str,
+    simulator: Simulator,
+) -> Identified:
+    covariance = best.covariance * max(1.0, best.reduced)
+    if best.reduced > 1.2 and len(best.windows) >= 20:
+        # the law is not the whole truth: let the scatter between windows speak where it is larger
+        ratio = np.diag(best.sandwich) / np.maximum(np.diag(covariance), 1e-300)
+        stretch = np.sqrt(np.maximum(ratio, 1.0))
+        covariance = covariance * np.outer(stretch, stretch)
+    seen = best.prior_share < 0.99
+    values = np.where(seen, best.values, declared)
+    law = Model(rig, friction=start).replace(**dict(zip(names, values.tolist(), strict=True))).friction
+    estimates = {
+        n: estimate(v, float(np.sqrt(c)), float(share), float(d))
+        for n, v, c, share, d in zip(names, values, np.diag(covariance), best.prior_share, declared, strict=True)
+    }
+    kept = np.flatnonzero(seen)
+    covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
+    messages = _messages(estimates, covered, best, where)
+    return Identified(
+        rig=rig,
+        law=law,
+        estimates=estimates,
+        names=tuple(names[i] for i in kept),
+        covariance=covariance[np.ix_(kept, kept)],
+        covered=covered,
+        noise=dict(zip(("x1", "y1"), np.mean([r.noise for r in runs], axis=0).tolist(), strict=False)),
+        reduced_chi2=best.reduced,
+        diagnostics={
+            "windows": float(len(best.windows)),
+            "reduced_chi2_windows": short.reduced,
+            "runs": float(len(runs)),
+            "whole_runs": float(where == "whole runs"),
+        },
+        messages=messages,
+    )
+
+
+def estimate(value: float, std: float, prior_share: float, declared: float) -> Estimate:
+    """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
+    if prior_share >= 0.99:
+        return Estimate(declared, None, None, None, "unidentified", declared)
+    weak = prior_share > 0.1 or std > abs(value) / 3
+    half = 1.96 * std
+    return Estimate(value, value - half, value + half, std, "weak" if weak else "identified", declared)
+
+
+def covered_speeds(
+    model: Model, windows: Sequence[Window], simulator: Simulator
+) -> dict[Branch, tuple[float, float] | None]:
+    """Range of |v_w| on each branch while the readings' simulation slips."""
+    speeds: dict[Branch, list[Array]] = {"minus": [], "plus": []}
+    for w in windows:
+        local = model.replace(**w.local) if w.local else model
+        run = simulator(
+            local, belt_speed=w.belt_speed, initial=tuple(w.initial), t_end=float(w.t[-1]), t_eval=w.t
+        )
+        v_w = run.state[:, 1] - w.belt_speed
+        tiny = 1e-6 * (abs(w.belt_speed) + float(np.max(np.abs(v_w))))
+        speeds["minus"].append(-v_w[v_w < -tiny])
+        speeds["plus"].append(v_w[v_w > tiny])
+    covered: dict[Branch, tuple[float, float] | None] = {}
+    for branch in BRANCHES:
+        u = np.concatenate(speeds[branch]) if speeds[branch] else np.array([])
+        covered[branch] = (float(u.min()), float(u.max())) if u.size else None
+    return covered
+
+
+def _messages(
+    estimates: Mapping[str, Estimate],
+    covered: Mapping[Branch, tuple[float, float] | None],
+    best: Shot,
+    where: str,
+) -> tuple[str, ...]:
+    out = [f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"]
+    if best.reduced > 1.2:
+        out.append("the declared law does not explain the readings; the intervals are widened by what it leaves")
+    absent = [n for n, e in estimates.items() if e.status == "unidentified"]
+    if absent:
+        out.append(f"unidentified, declared start kept: {', '.join(absent)}")
+    weak = [n for n, e in estimates.items() if e.status == "weak"]
+    if weak:
+        out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")
+    for branch in BRANCHES:
+        if covered[branch] is None:
+            out.append(f"branch T_{branch} was never visited")
+    return tuple(out)
+
+
+def _plateau_messages(runs: Sequence[Measured], belt: BeltSpeed) -> list[str]:
+    """Say so where the block rides in its sticks at a speed that is not the set-point."""
+    off = [
+        r
+        for r in runs
+        if np.isfinite(r.plateau)
+        and abs(r.plateau - r.set_point) > max(5 * r.plateau_std, 0.03 * abs(r.set_point))
+    ]
+    if not off:
+        return []
+    ratio = float(np.mean([r.plateau / r.set_point for r in off]))
+    used = "the plateau speed is used" if belt == "plateau" else "the set-point is used; belt_speed='plateau' changes that"
+    return [f"in {len(off)} of {len(runs)} runs the sticks ride at {ratio:.3f} times the set-point; {used}"]
+
+
+def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:
+    return force.joined(
+        [
+            force.force_points(
+                rig, r.t, r.readings, belt_speed=r.belt_speed, noise=r.noise, run=i, stick_speed=r.track.threshold
+            )
+            for i, r in enumerate(runs)
+        ]
+    )
