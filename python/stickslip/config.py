@@ -1,0 +1,197 @@
+"""TOML files: read with the line of every key at hand, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from stickslip.errors import InputError, Place, did_you_mean
+
+Table = Mapping[str, object]
+Key = str | int
+M = TypeVar("M", bound=BaseModel)
+
+_HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(#.*)?$")
+_ASSIGNED = re.compile(r"^\s*([\w.\-\"']+)\s*=")
+_INLINE = re.compile(r"[{,]\s*([\w\-\"']+)\s*=")
+_AT_LINE = re.compile(r"\s*\(at (?:line (\d+), column \d+|end of document)\)")
+
+
+@dataclass(frozen=True)
+class Document:
+    """A TOML file: its tables and where in the text each key stands."""
+
+    path: Path
+    text: str
+    tables: Table
+
+    def line(self, *keys: Key) -> int | None:
+        """Return the line of the key that `keys` lead to, or of the deepest table on the way, or None."""
+        best, found, counts, table = 0, None, dict[str, int](), tuple[Key, ...]()
+        for number, text in enumerate(self.text.splitlines(), start=1):
+            header = _HEADER.match(text)
+            if header:
+                table = _parts(header[2])
+                if header[1] == "[[":
+                    counts[header[2]] = counts.get(header[2], -1) + 1
+                    table = (*table, counts[header[2]])
+                paths = [table]
+            else:
+                assigned = _ASSIGNED.match(text)
+                head = (*table, *_parts(assigned[1])) if assigned else table
+                inline = [(*head, *_parts(key)) for key in _INLINE.findall(text)]
+                paths = [head, *inline] if assigned else inline
+            for path in paths:
+                if len(path) > best and path == keys[: len(path)]:
+                    best, found = len(path), number
+        return found
+
+    def place(self, *keys: Key) -> tuple[Place, str | None]:
+        """Return the place of a key for an error, and the key itself: [table] of all but the last."""
+        names = [str(key) if isinstance(key, str) else str(key + 1) for key in keys]
+        key = names.pop() if names and isinstance(keys[-1], str) else None
+        return Place(self.path.name, self.line(*keys), " ".join(names) or None), key
+
+    def error(self, what: str, *keys: Key, value: object = None) -> InputError:
+        """Return the error `what` at a key."""
+        place, key = self.place(*keys)
+        return InputError(what, key=key, value=value, place=place)
+
+    @contextmanager
+    def at(self, *keys: Key) -> Iterator[None]:
+        """Say of errors raised within that they lie in the table `keys`, at the key they name."""
+        try:
+            yield
+        except InputError as error:
+            if error.place is not None:
+                raise
+            if error.key is None:
+                place, last = self.place(*keys)
+                table = " ".join(part for part in (place.table, last) if part)
+                raise error.placed(Place(place.file, place.line, table or None)) from None
+            # "belt_seam.L" is said by an effect; the file knows it as L
+            path = (*keys, error.key.rsplit(".", 1)[-1])
+            raise self.error(error.what, *path, value=error.value) from None
+
+    def validated(self, model: type[M]) -> M:
+        """Return the tables as a `model`, or raise its first fault in one line."""
+        try:
+            return model.model_validate(self.tables)
+        except ValidationError as error:
+            raise _first_fault(self, model, error) from None
+
+
+def _parts(dotted: str) -> tuple[str, ...]:
+    return tuple(part.strip().strip("\"'") for part in dotted.split("."))
+
+
+def read_toml(path: str | os.PathLike[str]) -> Document:
+    """Read a TOML file.
+
+    Raises
+    ------
+    InputError
+        No such file, not text, or not TOML (with the line).
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError("no such file", place=Place(str(file))) from None
+    except IsADirectoryError:
+        raise InputError("a folder, not a file; give the .toml file in it", place=Place(str(file))) from None
+    except UnicodeDecodeError:
+        raise InputError("not UTF-8 text; save it as UTF-8", place=Place(file.name)) from None
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", place=Place(str(file))) from None
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        words = str(error)
+        at = _AT_LINE.search(words)
+        line = int(at[1]) if at and at[1] else len(text.splitlines())
+        what = _AT_LINE.sub("", words)
+        raise InputError(f"not TOML: {what[:1].lower()}{what[1:]}", place=Place(file.name, line)) from None
+    return Document(file, text, tables)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a file whole: it appears complete under its name, or what was there before stays.
+
+    Raises
+    ------
+    InputError
+        The folder does not exist or cannot be written to.
+    """
+    file = Path(path)
+    try:
+        handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", place=Place(str(file))) from None
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        umask = os.umask(0)
+        os.umask(umask)
+        Path(temporary).chmod(0o666 & ~umask)  # mkstemp's 0600 is not what a user expects of a result
+        Path(temporary).replace(file)
+    except BaseException as error:
+        Path(temporary).unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise InputError(f"cannot be written ({error.strerror})", place=Place(str(file))) from None
+        raise
+
+
+def _first_fault(document: Document, model: type[BaseModel], error: ValidationError) -> InputError:
+    """Say the first of pydantic's faults in a sentence; a misspelt key before what it leaves missing."""
+    faults = error.errors(include_url=False)
+    order = {"extra_forbidden": 0, "missing": 2}
+    fault = min(faults, key=lambda one: order.get(one["type"], 1))
+    keys = tuple(key for key in fault["loc"] if key != "[key]")
+    match fault["type"]:
+        case "extra_forbidden":
+            return document.error(f"unknown; {did_you_mean(str(keys[-1]), _known(model, keys[:-1]))}", *keys)
+        case "missing":
+            return document.error("missing", *keys)
+        case "literal_error":
+            words = "must be " + str(fault["ctx"]["expected"])
+            return document.error(words, *keys, value=fault["input"])
+        case "float_type" | "float_parsing":
+            return document.error("not a number; give one like 0.5", *keys, value=fault["input"])
+        case "string_type":
+            return document.error('not text; write it in "quotes"', *keys, value=fault["input"])
+        case "value_error":
+            return document.error(str(fault["ctx"]["error"]), *keys, value=fault["input"])
+    words = fault["msg"].replace("Input should", "must")
+    return document.error(f"{words[:1].lower()}{words[1:]}", *keys, value=fault["input"])
+
+
+def _known(model: type[BaseModel], keys: tuple[Key, ...]) -> list[str]:
+    """Names of the fields at `keys` below a model, through lists and tables of tables."""
+    here: object = model
+    for key in keys:
+        if isinstance(here, type) and issubclass(here, BaseModel):
+            by_name = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
+            here = by_name.get(str(key))
+            models = [one for one in _leaves(here) if isinstance(one, type) and issubclass(one, BaseModel)]
+            here = models[0] if models else here
+    if isinstance(here, type) and issubclass(here, BaseModel):
+        return [field.alias or name for name, field in here.model_fields.items()]
+    return []
+
+
+def _leaves(annotation: object) -> Iterator[object]:
+    inner = get_args(annotation)
+    if not inner:
+        yield annotation
+    for one in inner:
+        yield from _leaves(one)

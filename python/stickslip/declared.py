@@ -1,0 +1,139 @@
+"""The tables [rig], [friction], [[effect]] and [channels] of TOML files: to what is declared, and back."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from stickslip.config import Document, Key, Table
+from stickslip.effects import CATALOGUE, AnyEffect, Tabulated, effect, tabulated
+from stickslip.errors import InputError, did_you_mean
+from stickslip.friction import LAWS, FrictionLaw
+from stickslip.rig import AnyRig, BlockOnBelt, Rig, Scales
+from stickslip.units import Channel
+
+T = TypeVar("T")
+
+RIG_KINDS = ("two_degree", "block_on_belt")
+NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")
+SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
+
+
+def read_rig(document: Document, *keys: Key, table: Table) -> AnyRig:
+    """Make the rig that `table`, at `keys` of the document, declares; `kind` is "two_degree" if absent."""
+    given = dict(table)
+    kind = given.pop("kind", "two_degree")
+    if kind not in RIG_KINDS:
+        raise document.error(did_you_mean(str(kind), RIG_KINDS), *keys, "kind", value=kind)
+    if kind == "block_on_belt":
+        short = {"m": "mass", "k": "stiffness", "c": "damping"}
+        if given.keys() & short.keys():
+            return _made(document, keys, _block_on_belt, given)
+        return _made(document, keys, BlockOnBelt, given, required=("mass", "stiffness"))
+    if given.keys() & {"m", "J", "k1", "k2", "length"}:
+        mixed = [name for name in NONDIMENSIONAL if name in given]
+        if mixed:
+            words = f"the rig is declared in SI ({', '.join(SI)}); leave the nondimensional numbers out"
+            raise document.error(words, *keys, mixed[0])
+        return _made(document, keys, Rig.from_si, given)
+    scales = given.get("scales")
+    if isinstance(scales, Mapping):
+        given["scales"] = _made(document, (*keys, "scales"), Scales, dict(scales))
+    return _made(document, keys, Rig, given)
+
+
+def read_friction(document: Document, *keys: Key, table: Table) -> FrictionLaw:
+    """Make the law that `table` declares; `kind` is "paper" if absent, and so is every number left out."""
+    given = dict(table)
+    kind = given.pop("kind", "paper")
+    if kind not in LAWS:
+        raise document.error(did_you_mean(str(kind), LAWS), *keys, "kind", value=kind)
+    make: Callable[..., FrictionLaw] = LAWS[str(kind)]
+    return _made(document, keys, make, given)
+
+
+def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
+    """Make the effect that `table` declares; "tabulated" has where, depends_on, knots, values."""
+    given = dict(table)
+    name = given.pop("name", None)
+    if name == "tabulated":
+        return _made(document, keys, tabulated, given)
+    if not isinstance(name, str) or name not in CATALOGUE:
+        hint = did_you_mean(str(name), [*CATALOGUE, "tabulated"]) if name is not None else "missing"
+        raise document.error(hint if name is None else f"unknown effect; {hint}", *keys, "name", value=name)
+    for key in given:
+        if key not in CATALOGUE[name].parameter_names:
+            hint = did_you_mean(key, CATALOGUE[name].parameter_names)
+            raise document.error(f"unknown; {hint}", *keys, key)
+    with document.at(*keys):
+        return effect(name, **given)  # type: ignore[arg-type]  # `effect` checks every number
+
+
+def read_channel(document: Document, *keys: Key, table: Table) -> Channel:
+    """Make the channel that `table` declares: column, unit, scale."""
+    given = dict(table)
+    for name in ("column", "unit"):
+        if not isinstance(given.get(name, ""), str):
+            raise document.error('not text; write it in "quotes"', *keys, name, value=given[name])
+    return _made(document, keys, Channel, given)
+
+
+def rig_table(rig: AnyRig) -> dict[str, object]:
+    """Return the table that `read_rig` makes `rig` of, to the last bit."""
+    table: dict[str, object] = {"kind": "two_degree" if isinstance(rig, Rig) else "block_on_belt"}
+    table |= {field.name: getattr(rig, field.name) for field in fields(rig)}
+    scales = table.pop("scales", None)
+    if isinstance(scales, Scales):
+        table["scales"] = {field.name: getattr(scales, field.name) for field in fields(scales)}
+    return table
+
+
+def friction_table(law: FrictionLaw) -> dict[str, object]:
+    """Return the table that `read_friction` makes `law` of."""
+    numbers = {field.name: getattr(law, field.name) for field in fields(law)}
+    return {"kind": law.kind} | {name: value for name, value in numbers.items() if value is not None}
+
+
+def effect_table(one: AnyEffect) -> dict[str, object]:
+    """Return the table that `read_effect` makes the effect of."""
+    if not isinstance(one, Tabulated):
+        return {"name": one.name, **one.parameters}
+    table: dict[str, object] = {"name": "tabulated", "where": one.where, "depends_on": one.variable}
+    table |= {"knots": list(one.knots), "values": list(one.values)}
+    return table if one.period is None else table | {"period": one.period}
+
+
+def _block_on_belt(*, m: float, k: float, c: float = 0.0) -> BlockOnBelt:
+    """Make the block m x1'' = -k x1 - c x1' - T, its numbers in SI."""
+    for key, value in {"m": m, "k": k, "c": c}.items():
+        name = {"m": "mass", "k": "stiffness", "c": "damping"}[key]
+        try:
+            BlockOnBelt(**{name: value})
+        except InputError as error:
+            raise InputError(error.what, key=key, value=error.value) from None
+    return BlockOnBelt(mass=m, stiffness=k, damping=c)
+
+
+def _made(
+    document: Document,
+    keys: tuple[Key, ...],
+    make: Callable[..., T],
+    given: dict[str, Any],
+    *,
+    required: Iterable[str] = (),
+) -> T:
+    """Call `make` with the given keys, which must be its keywords, and place what it complains of."""
+    parameters = inspect.signature(make).parameters
+    for key in given:
+        if key not in parameters:
+            raise document.error(f"unknown; {did_you_mean(key, parameters)}", *keys, key)
+    needed = {name for name, one in parameters.items() if one.default is one.empty} | set(required)
+    for name in parameters:
+        if name in needed and name not in given:
+            table = " ".join(str(key) if isinstance(key, str) else str(key + 1) for key in keys)
+            needs = ", ".join(one for one in parameters if one in needed)
+            raise document.error(f"[{table}] lacks '{name}'; it needs {needs}")
+    with document.at(*keys):
+        return make(**given)

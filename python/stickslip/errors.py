@@ -1,0 +1,167 @@
+"""What can go wrong, said in one line: what, where, and what would be right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Self, SupportsFloat
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in the user's material a fault lies; what is None is left out of the sentence."""
+
+    file: str | None = None
+    line: int | None = None
+    table: str | None = None
+    column: str | None = None
+
+    def __str__(self) -> str:
+        head = "" if self.file is None else self.file
+        if self.line is not None:
+            head += f" line {self.line}"
+        table = None if self.table is None else f"[{self.table}]"
+        column = None if self.column is None else f"column '{self.column}'"
+        return ", ".join(part for part in (head.strip(), table, column) if part)
+
+
+class StickslipError(ValueError):
+    """Base of every error this package raises on purpose."""
+
+
+class InputError(StickslipError):
+    """Something given by the user is wrong.
+
+    Parameters
+    ----------
+    what
+        One line: what is wrong and what would be right.
+    key
+        Name of the number or key at fault, where there is one.
+    value
+        What was given for `key`; None leaves it out of the sentence.
+    place
+        File, line, table and column.
+    """
+
+    def __init__(
+        self, what: str, *, key: str | None = None, value: object = None, place: Place | None = None
+    ) -> None:
+        self.what, self.key, self.value, self.place = what, key, value, place
+        super().__init__(self._sentence())
+
+    def _sentence(self) -> str:
+        given = "" if self.value is None else f" = {_short(self.value)}"
+        if self.place is None:
+            subject = "" if self.key is None else f"{self.key}{given}"
+        else:
+            subject = str(self.place)
+            if self.key is not None:
+                joint = " " if self.place.table is not None else ", "
+                subject += f"{joint}key '{self.key}'{given}"
+        return f"{subject}: {self.what}" if subject else self.what
+
+    def placed(self, place: Place) -> Self:
+        """Return the same error, said to lie at `place`; one that has a place already keeps it."""
+        if self.place is not None:
+            return self
+        return type(self)(self.what, key=self.key, value=self.value, place=place)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # errors cross process borders in a distributed sweep
+        return _rebuilt, (type(self), self.what, self.key, self.value, self.place)
+
+
+def _rebuilt(
+    kind: type[InputError], what: str, key: str | None, value: object, place: Place | None
+) -> InputError:
+    return kind(what, key=key, value=value, place=place)
+
+
+def _short(value: object) -> str:
+    """Show a value as the user wrote it, cut to a line."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    text = repr(value).replace("\n", " ")
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that `name` is most likely meant to be, or None."""
+    names = list(known)
+    folded = {known_name.lower(): known_name for known_name in names}
+    found = get_close_matches(name.lower(), folded, n=1, cutoff=0.55)
+    return folded[found[0]] if found else None
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Say what would have been right for an unknown `name`: the nearest one, or all of them."""
+    names = list(known)
+    guess = nearest(name, names)
+    if guess is not None:
+        return f"did you mean '{guess}'?"
+    return f"it must be one of {', '.join(names)}" if names else "none is known here"
+
+
+def unknown(what: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error for a `name` that is not a `what`, with the nearest known one."""
+    return InputError(f"unknown {what} '{name}'; {did_you_mean(name, known)}")
+
+
+def number(
+    name: str,
+    value: SupportsFloat | None,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    below: float = math.inf,
+    most: float = math.inf,
+    why: str = "",
+) -> float:
+    """Return `value` as a finite float within bounds, or raise `InputError` naming it.
+
+    Parameters
+    ----------
+    name
+        Name said in the error.
+    value
+        A real number; numpy scalars and 0-d arrays count, booleans and text do not.
+    above, least, below, most
+        Open and closed lower bound, open and closed upper bound.
+    why
+        Meaning of the bound, appended to the sentence.
+
+    Raises
+    ------
+    InputError
+        Not a number, NaN, infinite or out of bounds.
+    """
+    if not _is_real(value):
+        raise InputError("not a number; give one like 0.5", key=name, value=value)
+    result = float(value)  # type: ignore[arg-type]  # _is_real has seen to it
+    if math.isnan(result):
+        raise InputError("not a number; it must be finite", key=name, value=value)
+    if math.isinf(result):
+        raise InputError("infinite; it must be finite", key=name, value=value)
+    tail = f" ({why})" if why else ""
+    for broken, words in (
+        (result <= above, f"must be above {above:g}"),
+        (result < least, f"must be at least {least:g}"),
+        (result >= below, f"must be below {below:g}"),
+        (result > most, f"must be at most {most:g}"),
+    ):
+        if broken:
+            raise InputError(words + tail, key=name, value=result if result != value else value)
+    return result
+
+
+def _is_real(value: object) -> bool:
+    if isinstance(value, (bool, np.bool_, str, bytes, complex)) or value is None:
+        return False
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "iuf"
+    return isinstance(value, (int, float, np.integer, np.floating))

@@ -1,0 +1,255 @@
+"""The model: a rig, a friction law, and the effects it has beside them."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Self
+
+from stickslip.config import read_toml, write_text
+from stickslip.declared import (
+    effect_table,
+    friction_table,
+    read_channel,
+    read_effect,
+    read_friction,
+    read_rig,
+    rig_table,
+)
+from stickslip.effects import AnyEffect, Effect, Tabulated
+from stickslip.errors import InputError, did_you_mean, number, unknown
+from stickslip.friction import LAWS, FrictionLaw
+from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.units import DIMENSIONS, Channel
+
+NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivities, but given to `simulate`
+
+_HEADER = """\
+# A model of stickslip: stickslip.load_model reads it.
+# [rig] as in (2.1), [friction] as in (4.1)-(4.3) or another kind, an [[effect]] for each thing these lack,
+# nondimensional; [rig.scales] turns them back to SI. [channels], [noise]: columns and units of the readings.
+"""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A rig, its friction law and its effects.
+
+    Parameters
+    ----------
+    rig
+        `Rig` or `BlockOnBelt`.
+    friction
+        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`.
+    effects
+        From `effect` and `tabulated`, each name once.
+    channels
+        Columns and units in which readings are recorded (keys t, x1, y1, belt, spring_force), for a model
+        that was identified; None: nondimensional readings in columns of these names.
+    noise
+        Standard deviation of the readings by channel, in the channel's unit.
+
+    Raises
+    ------
+    InputError
+        Something is of the wrong kind, or an effect is there twice or needs an angle body that the rig lacks.
+    """
+
+    rig: AnyRig
+    friction: FrictionLaw = field(kw_only=True)
+    effects: tuple[AnyEffect, ...] = field(default=(), kw_only=True)
+    channels: Mapping[str, Channel] | None = field(default=None, kw_only=True, hash=False)
+    noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
+
+    def __post_init__(self) -> None:
+        _must_be("rig", self.rig, (Rig, BlockOnBelt))
+        _must_be("friction", self.friction, tuple(LAWS.values()))
+        if isinstance(self.effects, (Effect, Tabulated, str)):
+            raise InputError("must be a list of effects; put it in [ ]", key="effects")
+        object.__setattr__(self, "effects", tuple(self.effects))
+        for one in self.effects:
+            _must_be("effects", one, (Effect, Tabulated))
+        names = [one.name for one in self.effects]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"effect '{name}' is there twice; give it once")
+        if isinstance(self.rig, BlockOnBelt):
+            for one in self.effects:
+                if _needs_angle_body(one):
+                    raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
+        if self.noise is not None:
+            checked = {name: number(name, value, above=0) for name, value in self.noise.items()}
+            object.__setattr__(self, "noise", checked)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Every number of the model by the name that sweeps and sensitivities use.
+
+        Names of the rig and the law are their own ("alpha1", "T_s_minus", "mass"); an effect's are
+        "<effect>.<parameter>". Optional numbers that are not set are left out.
+        """
+        flat: dict[str, float] = {}
+        for part in (self.rig, self.friction):
+            values = {one.name: getattr(part, one.name) for one in dataclasses.fields(part)}
+            flat |= {name: value for name, value in values.items() if isinstance(value, float)}
+        for one in self.effects:
+            flat |= {f"{one.name}.{name}": value for name, value in one.parameters.items()}
+        return flat
+
+    def parameter_name(self, name: str) -> str:
+        """Return the full name of a parameter; "effect.c" stands for the only effect that has a `c`.
+
+        Raises
+        ------
+        InputError
+            Unknown (with the nearest known name) or ambiguous.
+        """
+        known = self.parameters
+        if name in known:
+            return name
+        if name.startswith("effect."):
+            ending = name.removeprefix("effect")
+            found = [one for one in known if one.endswith(ending)]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                raise InputError(f"'{name}' is ambiguous; give one of {', '.join(found)}")
+        if name in self._optional():
+            raise InputError(f"'{name}' is not set in this law; set it there first")
+        if name in NOT_IN_MODEL or name.startswith("initial."):
+            raise InputError(f"'{name}' is not a number of the model; give it to simulate or sweep")
+        states = [f"initial.{state}" for state in self.rig.state_names]
+        raise unknown("parameter", name, [*known, *NOT_IN_MODEL, *states])
+
+    def replace(self, values: Mapping[str, float] | None = None, /, **named: float) -> Self:
+        """Return the model with some parameters changed.
+
+        Parameters
+        ----------
+        values
+            By name, for names with a dot ("belt_seam.L").
+        **named
+            The same as keywords. A rig's scales stay as they are.
+
+        Raises
+        ------
+        InputError
+            Unknown name (with the nearest known one) or a value out of bounds.
+        """
+        rig: dict[str, float] = {}
+        law: dict[str, float] = {}
+        effects: dict[str, dict[str, float]] = {}
+        ours = {one.name for one in dataclasses.fields(self.rig)}
+        for given, value in {**(values or {}), **named}.items():
+            name = given if given in self._optional() else self.parameter_name(given)
+            if "." in name:
+                owner, _, parameter = name.partition(".")
+                effects.setdefault(owner, {})[parameter] = value
+            elif name in ours:
+                rig[name] = value
+            else:
+                law[name] = value
+        return dataclasses.replace(
+            self,
+            rig=dataclasses.replace(self.rig, **rig),  # type: ignore[arg-type]  # floats by name
+            friction=_replaced(self.friction, law),
+            effects=tuple(one.replace(**effects.get(one.name, {})) for one in self.effects),
+        )
+
+    def _optional(self) -> set[str]:
+        """Names of the law's numbers that default to None."""
+        return {one.name for one in dataclasses.fields(self.friction) if one.default is None}
+
+    def with_effects(self, effects: Iterable[AnyEffect]) -> Self:
+        """Return the model with these effects instead of its own."""
+        return dataclasses.replace(self, effects=tuple(effects))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as TOML; `load_model` reads it back equal, to the last bit.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written; nothing half-written is left.
+        """
+        import tomlkit
+
+        tables: dict[str, object] = {"rig": rig_table(self.rig), "friction": friction_table(self.friction)}
+        if self.effects:
+            tables["effect"] = [effect_table(one) for one in self.effects]
+        if self.channels is not None:
+            tables["channels"] = {name: dataclasses.asdict(one) for name, one in self.channels.items()}
+        if self.noise is not None:
+            tables["noise"] = dict(self.noise)
+        write_text(path, _HEADER + "\n" + tomlkit.dumps(tables))
+
+
+def load_model(path: str | os.PathLike[str]) -> Model:
+    """Read a model from TOML.
+
+    Parameters
+    ----------
+    path
+        A file as `Model.save` writes it. [rig] may also be in SI; Table 1 where there is no [friction].
+
+    Raises
+    ------
+    InputError
+        No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
+    """
+    document = read_toml(path)
+    tables = document.tables
+    if "run" in tables:
+        raise document.error("this is a case with its runs, not a model; read it with load_case", "run", 0)
+    known = ("rig", "friction", "effect", "channels", "noise")
+    for key, table in tables.items():
+        if key not in known:
+            raise document.error(f"unknown; {did_you_mean(key, known)}", key)
+        if not isinstance(table, list if key == "effect" else Mapping):
+            raise document.error(f"must be a table [{'[effect]' if key == 'effect' else key}]", key)
+    if "rig" not in tables:
+        raise document.error("a model lacks its table [rig]")
+    listed = enumerate(_list(tables.get("effect")))
+    effects = [read_effect(document, "effect", i, table=one) for i, one in listed]
+    channels = None
+    if "channels" in tables:
+        channels = {}
+        for name, table in _table(tables["channels"]).items():
+            if name not in DIMENSIONS:
+                raise document.error(f"unknown channel; {did_you_mean(name, DIMENSIONS)}", "channels", name)
+            channels[name] = read_channel(document, "channels", name, table=_table(table))
+    noise = None
+    if "noise" in tables:
+        with document.at("noise"):
+            noise = {name: number(name, value, above=0) for name, value in _table(tables["noise"]).items()}  # type: ignore[arg-type]
+    rig = read_rig(document, "rig", table=_table(tables["rig"]))
+    law = read_friction(document, "friction", table=_table(tables.get("friction", {})))
+    with document.at():
+        return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
+
+
+def _replaced(law: FrictionLaw, values: Mapping[str, float]) -> FrictionLaw:
+    numbers: dict[str, float] = {one.name: getattr(law, one.name) for one in dataclasses.fields(law)}
+    return type(law)(**{**numbers, **values})
+
+
+def _table(value: object) -> Mapping[str, object]:
+    return value if isinstance(value, Mapping) else {}
+
+
+def _list(value: object) -> list[Mapping[str, object]]:
+    return [_table(one) for one in value] if isinstance(value, list) else []
+
+
+def _needs_angle_body(one: AnyEffect) -> bool:
+    if isinstance(one, Effect):
+        return one.kind.two_degree
+    return one.where == "angle_body" or one.variable in ("y1", "y2")
+
+
+def _must_be(key: str, value: object, kinds: tuple[type, ...]) -> None:
+    if not isinstance(value, kinds):
+        names = " or ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"must be a {names}, not {type(value).__name__}", key=key)

@@ -1,0 +1,220 @@
+"""The rigs: the two-degree-of-freedom rig of (2.1) and the block on a belt."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import ClassVar, Literal, Self, get_args
+
+from stickslip.errors import InputError, did_you_mean, number
+
+Coupling = Literal["reciprocal", "as_printed"]
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What is 1 in (2.1), in SI: every reading and every number of a model is turned with these.
+
+    Parameters
+    ----------
+    length
+        Displacement [m].
+    omega
+        Inverse of the time unit [1/s], omega^2 = (k1 + k2)/m.
+    k2
+        Stiffness [N/m].
+    r
+        Leg of the angle body [m]: y1 is the displacement r * angle of its end.
+    """
+
+    length: float
+    omega: float
+    k2: float
+    r: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            object.__setattr__(self, field.name, number(field.name, getattr(self, field.name), above=0))
+
+    @property
+    def time(self) -> float:
+        """Unit of time [s]."""
+        return 1 / self.omega
+
+    @property
+    def velocity(self) -> float:
+        """Unit of velocity [m/s]."""
+        return self.length * self.omega
+
+    @property
+    def force(self) -> float:
+        """Unit of force, T and the static limits included [N]."""
+        return self.k2 * self.length
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """Block on a belt, coupled to an angle body, nondimensional as in (2.1).
+
+    State (x1, x2, y1, y2): block displacement and velocity, leg displacement and velocity.
+
+    Parameters
+    ----------
+    alpha1
+        1 + k1/k2, at least 1.
+    alpha2
+        omega^2 J/(r^2 k2), positive.
+    beta3
+        1 + k3/k2, at least 1.
+    eta1
+        c1 omega/k2, not negative.
+    eta12
+        eta1 + c2 omega/k2, at least eta1.
+    coupling
+        "reciprocal" (s = +1) or "as_printed" (s = -1), the sign of y1 on the block.
+    scales
+        Units of length, time and force; None for a rig declared nondimensional.
+
+    Raises
+    ------
+    InputError
+        A number is not finite or out of its bounds, or the coupling is unknown.
+    """
+
+    state_names: ClassVar[tuple[str, ...]] = ("x1", "x2", "y1", "y2")
+
+    alpha1: float
+    alpha2: float
+    beta3: float
+    eta1: float
+    eta12: float
+    coupling: Coupling = "reciprocal"
+    scales: Scales | None = None
+
+    def __post_init__(self) -> None:
+        checked = {
+            "alpha1": number("alpha1", self.alpha1, least=1, why="it is 1 + k1/k2"),
+            "alpha2": number("alpha2", self.alpha2, above=0, why="it is the angle body's inertia"),
+            "beta3": number("beta3", self.beta3, least=1, why="it is 1 + k3/k2"),
+            "eta1": number("eta1", self.eta1, least=0, why="negative damping creates energy"),
+        }
+        why = "eta12 = eta1 + c2 omega/k2 with damping c2 >= 0"
+        checked["eta12"] = number("eta12", self.eta12, least=checked["eta1"], why=why)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        known = get_args(Coupling)
+        if self.coupling not in known:
+            hint = did_you_mean(str(self.coupling), known)
+            raise InputError(f"unknown; {hint}", key="coupling", value=self.coupling)
+        if self.scales is not None and not isinstance(self.scales, Scales):
+            raise InputError("must be a Scales or None", key="scales", value=self.scales)
+
+    @classmethod
+    def from_si(
+        cls,
+        *,
+        m: float,
+        J: float,
+        r: float,
+        k1: float,
+        k2: float,
+        k3: float,
+        c1: float,
+        c2: float,
+        length: float,
+        coupling: Coupling = "reciprocal",
+    ) -> Self:
+        """Make the rig of (2.1) from SI constants; `scales` remembers the units.
+
+        Parameters
+        ----------
+        m, J, r
+            Mass of the block [kg], moment of inertia of the angle body [kg m^2], its leg [m].
+        k1, k2, k3
+            Stiffnesses [N/m]; k2, the coupling spring, must be positive.
+        c1, c2
+            Dampings [N s/m].
+        length
+            Displacement that is 1 in (2.1) [m].
+        coupling
+            As for `Rig`.
+
+        Raises
+        ------
+        InputError
+            A number is not finite, or mass, inertia, stiffness or damping has the wrong sign.
+        """
+        positive = {"m": m, "J": J, "r": r, "k2": k2, "length": length}
+        m, J, r, k2, length = (number(name, value, above=0) for name, value in positive.items())
+        k1, k3 = number("k1", k1, least=0), number("k3", k3, least=0)
+        c1 = number("c1", c1, least=0, why="negative damping creates energy")
+        c2 = number("c2", c2, least=0, why="negative damping creates energy")
+        omega = math.sqrt((k1 + k2) / m)
+        return cls(
+            alpha1=1 + k1 / k2,
+            alpha2=omega * omega * J / (r * r * k2),
+            beta3=1 + k3 / k2,
+            eta1=c1 * omega / k2,
+            eta12=(c1 + c2) * omega / k2,
+            coupling=coupling,
+            scales=Scales(length=length, omega=omega, k2=k2, r=r),
+        )
+
+    def to_si(self) -> dict[str, float]:
+        """Return m, J, r, k1, k2, k3, c1, c2 and length in SI, the keywords of `from_si`.
+
+        Raises
+        ------
+        InputError
+            The rig has no scales.
+        """
+        if self.scales is None:
+            raise InputError("the rig is nondimensional: it has no scales to give SI constants with")
+        length, omega, k2, r = self.scales.length, self.scales.omega, self.scales.k2, self.scales.r
+        return {
+            "m": self.alpha1 * k2 / omega**2,
+            "J": self.alpha2 * r * r * k2 / omega**2,
+            "r": r,
+            "k1": (self.alpha1 - 1) * k2,
+            "k2": k2,
+            "k3": (self.beta3 - 1) * k2,
+            "c1": self.eta1 * k2 / omega,
+            "c2": (self.eta12 - self.eta1) * k2 / omega,
+            "length": length,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockOnBelt:
+    """A block on a spring on a belt: mass x1'' = -stiffness x1 - damping x1' - T(v_w).
+
+    State (x1, x2). A belt with positive speed drags the block towards positive x1, so x1 is the spring's
+    deflection. There are no scales: numbers in SI give results in SI; the defaults are nondimensional.
+
+    Parameters
+    ----------
+    mass, stiffness
+        Positive.
+    damping
+        Not negative.
+
+    Raises
+    ------
+    InputError
+        A number is not finite or out of its bounds.
+    """
+
+    state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
+
+    mass: float = 1.0
+    stiffness: float = 1.0
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", number("mass", self.mass, above=0))
+        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, above=0))
+        why = "negative damping creates energy"
+        object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
+
+
+AnyRig = Rig | BlockOnBelt

@@ -1,0 +1,97 @@
+"""The catalogue, effects with their numbers, and the tabulated term."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from stickslip.catalogue import CATALOGUE
+from stickslip.effects import Effect, effect, tabulated
+from stickslip.errors import InputError
+
+NAMES = [
+    "block_viscous_damping",
+    "block_quadratic_damping",
+    "spring_cubic_k1",
+    "spring_cubic_k2",
+    "spring_cubic_k3",
+    "spring_gap_k3",
+    "constant_load",
+    "harmonic_forcing",
+    "pivot_dry_friction",
+    "normal_force_feedback",
+    "stribeck_peak",
+    "static_aging",
+    "friction_memory",
+    "friction_drift",
+    "belt_seam",
+    "contact_compliance",
+    "belt_speed_ripple",
+    "belt_load_droop",
+    "sensor_lag",
+    "sensor_delay",
+    "sensor_crosstalk",
+    "sensor_nonlinearity",
+    "sensor_drift",
+]
+
+
+def test_the_catalogue_has_these_names_in_this_order() -> None:
+    assert list(CATALOGUE) == NAMES
+    assert all(kind.name == name for name, kind in CATALOGUE.items())
+
+
+def test_phases_are_per_run_and_zero_unless_given() -> None:
+    with_phase = [name for name, kind in CATALOGUE.items() if "phi" in kind.parameter_names]
+    assert with_phase == ["harmonic_forcing", "belt_seam", "belt_speed_ripple"]
+    assert all(CATALOGUE[name].parameter("phi").per_run for name in with_phase)
+    assert effect("belt_seam", a=0.1, L=2).parameters == {"a": 0.1, "L": 2.0, "phi": 0.0}
+
+
+def test_readings_and_motion_are_told_apart() -> None:
+    sensors = {name for name, kind in CATALOGUE.items() if kind.physics == "reading"}
+    assert sensors == {name for name in NAMES if name.startswith("sensor_")}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_effect_can_be_declared_changed_and_pickled(name: str) -> None:
+    kind = CATALOGUE[name]
+    one = effect(name, **{info.name: 0.5 for info in kind.parameters})
+    assert isinstance(one, Effect)
+    assert one.where == kind.where
+    assert tuple(one.parameters) == kind.parameter_names
+    first = kind.parameter_names[0]
+    changed = one.replace(**{first: 0.25})
+    assert changed.parameters[first] == 0.25
+    assert changed != one
+    assert pickle.loads(pickle.dumps(one)) == one
+    assert hash(one) == hash(effect(name, **one.parameters))
+
+
+def test_tabulated_curve_is_smooth_and_held_outside() -> None:
+    knots, values = [-1.0, 0.0, 0.5, 2.0], [0.0, 1.0, -1.0, 3.0]
+    term = tabulated("block", "x1", knots, values)
+    np.testing.assert_allclose(term.curve(knots), values, atol=1e-14)
+    np.testing.assert_allclose(term.curve([-5.0, 7.0]), [0.0, 3.0])
+    h = 1e-4
+    bend = (term.curve(0.0 - 2 * h) - 2 * term.curve(0.0 - h) + term.curve(0.0)) / h**2
+    bend_after = (term.curve(0.0) - 2 * term.curve(h) + term.curve(2 * h)) / h**2
+    assert bend == pytest.approx(bend_after, rel=1e-2)
+    line = tabulated("contact", "v_w", [0.0, 1.0, 3.0], [1.0, 2.0, 4.0])
+    np.testing.assert_allclose(line.curve([0.25, 2.0]), [1.25, 3.0])
+    assert line.name == "tabulated_contact_v_w"
+    assert line.replace(value_1=5.0).values == (1.0, 5.0, 4.0)
+
+
+def test_tabulated_curve_repeats_in_time() -> None:
+    t = np.linspace(0, 2.0, 9)
+    wave = np.sin(np.pi * t)
+    wave[-1] = wave[0]
+    term = tabulated("block", "t", t, wave, period=2.0)
+    at = np.linspace(-3, 9, 50)
+    np.testing.assert_allclose(term.curve(at), np.sin(np.pi * at), atol=5e-3)
+    np.testing.assert_allclose(term.curve(at), term.curve(at + 4.0), atol=1e-12)
+    with pytest.raises(InputError, match="only a curve in t repeats"):
+        tabulated("block", "x1", t, wave, period=2.0)
+    with pytest.raises(InputError, match="equal first and last"):
+        tabulated("block", "t", t, wave + t, period=2.0)

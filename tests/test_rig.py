@@ -1,0 +1,75 @@
+"""Rigs: (2.1)'s numbers from SI and back, checks, equality."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stickslip.errors import InputError
+from stickslip.rig import BlockOnBelt, Rig, Scales
+
+POSITIVE = st.floats(1e-3, 1e3)
+SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
+
+
+@given(st.fixed_dictionaries(dict.fromkeys(SI, POSITIVE)), st.sampled_from(["reciprocal", "as_printed"]))
+def test_si_round_trip(si: dict[str, float], coupling: str) -> None:
+    rig = Rig.from_si(**si, coupling=coupling)
+    back = rig.to_si()
+    # k = (alpha - 1) k2 loses the digits of k/k2 beside 1
+    loss = 1e-14 * (1 + max(1, si["k2"] / si["k1"], si["k2"] / si["k3"], (si["c1"] + si["c2"]) / si["c2"]))
+    assert list(back) == list(SI)
+    assert back == pytest.approx(si, rel=loss)
+    assert rig.coupling == coupling
+
+
+def test_from_si_gives_the_same_motion() -> None:
+    """The nondimensional field, turned back, is Newton's law in SI (friction and belt apart)."""
+    si = {
+        "m": 40.0,
+        "J": 0.3,
+        "r": 0.1,
+        "k1": 6e3,
+        "k2": 4e2,
+        "k3": 1.2e3,
+        "c1": 2.0,
+        "c2": 3.0,
+        "length": 0.01,
+    }
+    rig = Rig.from_si(**si)
+    assert rig.scales is not None
+    length, velocity = rig.scales.length, rig.scales.velocity
+    x, v, leg, w = (
+        0.3 * length,
+        -0.2 * velocity,
+        0.5 * length,
+        0.7 * velocity,
+    )  # SI displacements and velocities
+    newton = -(si["k1"] + si["k2"]) * x - si["c1"] * (v + w) - si["k2"] * leg
+    euler = -(si["k2"] + si["k3"]) * leg - (si["c1"] + si["c2"]) * w - si["k2"] * x - si["c1"] * v
+    x1, x2, y1, y2 = 0.3, -0.2, 0.5, 0.7
+    a_block = -x1 - (rig.eta1 * (x2 + y2) + y1) / rig.alpha1
+    a_leg = (-rig.beta3 * y1 - rig.eta12 * y2 - x1 - rig.eta1 * x2) / rig.alpha2
+    acceleration = length * rig.scales.omega**2
+    assert newton / si["m"] == pytest.approx(a_block * acceleration, rel=1e-13)
+    assert euler / (si["J"] / si["r"] ** 2) == pytest.approx(a_leg * acceleration, rel=1e-13)
+
+
+def test_scales() -> None:
+    scales = Scales(length=0.01, omega=20.0, k2=300.0, r=0.1)
+    assert (scales.time, scales.velocity, scales.force) == (0.05, 0.2, 3.0)
+    with pytest.raises(InputError, match="omega = 0: must be above 0"):
+        Scales(length=0.01, omega=0, k2=300.0, r=0.1)
+
+
+def test_value_semantics() -> None:
+    rig = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    assert rig == Rig(alpha1=np.float64(16), alpha2=np.int64(8), beta3=np.array(4.0), eta1=0.1, eta12=0.2)
+    assert {rig, pickle.loads(pickle.dumps(rig))} == {rig}
+    assert type(rig.alpha1) is float
+    assert rig.state_names == ("x1", "x2", "y1", "y2")
+    assert BlockOnBelt().state_names == ("x1", "x2")
+    with pytest.raises(AttributeError):
+        rig.alpha1 = 3.0  # type: ignore[misc]
