@@ -156,12 +156,15 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
     faults = error.errors(include_url=False)
     order = {"extra_forbidden": 0, "missing": 2}
     fault = min(faults, key=lambda one: order.get(one["type"], 1))
-    keys = tuple(key for key in fault["loc"] if key != "[key]")
+    # of a value that may be of several types the last key is the type tried
+    keys = tuple(key for key in fault["loc"] if key not in ("[key]", "float", "str"))
     match fault["type"]:
         case "extra_forbidden":
             return document.error(f"unknown; {did_you_mean(str(keys[-1]), _known(model, keys[:-1]))}", *keys)
         case "missing":
-            return document.error("missing", *keys)
+            needed = ", ".join(_known(model, keys[:-1], required=True))
+            place, key = document.place(*keys)
+            return InputError(f"lacks '{key}'; it needs {needed}", place=place)
         case "literal_error":
             words = "must be " + str(fault["ctx"]["expected"])
             return document.error(words, *keys, value=fault["input"])
@@ -175,17 +178,18 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
     return document.error(f"{words[:1].lower()}{words[1:]}", *keys, value=fault["input"])
 
 
-def _known(model: type[BaseModel], keys: tuple[Key, ...]) -> list[str]:
-    """Names of the fields at `keys` below a model, through lists and tables of tables."""
+def _known(model: type[BaseModel], keys: tuple[Key, ...], *, required: bool = False) -> list[str]:
+    """Names of the fields (all, or those required) at `keys` below a model, through lists of tables."""
     here: object = model
-    for key in keys:
+    for key in (key for key in keys if isinstance(key, str)):
         if isinstance(here, type) and issubclass(here, BaseModel):
             by_name = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
-            here = by_name.get(str(key))
+            here = by_name.get(key)
             models = [one for one in _leaves(here) if isinstance(one, type) and issubclass(one, BaseModel)]
             here = models[0] if models else here
     if isinstance(here, type) and issubclass(here, BaseModel):
-        return [field.alias or name for name, field in here.model_fields.items()]
+        fields = here.model_fields.items()
+        return [field.alias or name for name, field in fields if field.is_required() or not required]
     return []
 
 

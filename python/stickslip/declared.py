@@ -132,8 +132,8 @@ def _made(
     needed = {name for name, one in parameters.items() if one.default is one.empty} | set(required)
     for name in parameters:
         if name in needed and name not in given:
-            table = " ".join(str(key) if isinstance(key, str) else str(key + 1) for key in keys)
             needs = ", ".join(one for one in parameters if one in needed)
-            raise document.error(f"[{table}] lacks '{name}'; it needs {needs}")
+            place, _ = document.place(*keys, name)
+            raise InputError(f"lacks '{name}'; it needs {needs}", place=place)
     with document.at(*keys):
         return make(**given)

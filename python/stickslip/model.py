@@ -29,7 +29,8 @@ NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivit
 _HEADER = """\
 # A model of stickslip: stickslip.load_model reads it.
 # [rig] as in (2.1), [friction] as in (4.1)-(4.3) or another kind, an [[effect]] for each thing these lack,
-# nondimensional; [rig.scales] turns them back to SI. [channels], [noise]: columns and units of the readings.
+# nondimensional; [rig.scales] turns them back to SI (a block on a belt has none: its numbers are as given).
+# [channels] and [noise]: columns and units of the readings.
 """
 
 

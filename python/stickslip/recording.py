@@ -1,0 +1,335 @@
+"""A recording: channels in the model's numbers and as they were read, with what is odd about them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import InputError, Place, did_you_mean, number
+from stickslip.findings import Finding, belt_findings, channel_findings, size_findings, time_findings
+from stickslip.friction import FrictionLaw
+from stickslip.rig import AnyRig, BlockOnBelt
+from stickslip.tables import Columns, column_names, read_columns
+from stickslip.units import Channel, default_speed_unit, factor, speed
+
+Floats = NDArray[np.float64]
+Role = Literal["train", "validate"]
+
+FEWEST = 8  # samples below which no derivative, let alone a law, can be had
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One recorded run of a rig.
+
+    Arrays are the model's numbers: nondimensional for a `Rig`, SI (m, s) for a `BlockOnBelt` declared in SI.
+    A recorded spring force appears as the deflection x1 = force/stiffness. Times are those of the file, which
+    need not start at 0.
+
+    Attributes
+    ----------
+    name
+        Name of the run.
+    role
+        "train" or "validate".
+    rig
+        The rig it was recorded on, the run's overrides included.
+    belt_speed
+        Set-point.
+    t, x1
+        Times, increasing but not always regular, and block displacement (n,).
+    y1, belt
+        Leg displacement and measured belt speed (n,), None if not recorded.
+    raw
+        Columns by channel (n,), as in the file.
+    channels
+        Column, unit and scale by channel.
+    factors
+        The model's number for 1 in the column, by channel.
+    noise
+        Standard deviation by channel ("x1", "y1", "belt") in the model's numbers; unknown ones are missing.
+    source
+        The file.
+    findings
+        What is odd: gaps, clipping, quantisation, ...
+    """
+
+    name: str
+    role: Role
+    rig: AnyRig
+    belt_speed: float
+    t: Floats
+    x1: Floats
+    y1: Floats | None
+    belt: Floats | None
+    raw: Mapping[str, Floats] = field(repr=False)
+    channels: Mapping[str, Channel] = field(repr=False)
+    factors: Mapping[str, float] = field(repr=False)
+    noise: Mapping[str, float]
+    source: Path
+    findings: tuple[Finding, ...] = ()
+
+    def __len__(self) -> int:
+        return self.t.size
+
+    def channel(self, name: str) -> str:
+        """Return the channel that records a quantity: "spring_force" may stand for "x1".
+
+        Raises
+        ------
+        InputError
+            It is not recorded.
+        """
+        if name in self.channels:
+            return name
+        if name == "x1" and "spring_force" in self.channels:
+            return "spring_force"
+        raise InputError(f"{self.name} has no channel '{name}'; {did_you_mean(name, self.channels)}")
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a channel's column, its scale applied."""
+        return self.channels[self.channel(name)].unit
+
+    def factor(self, name: str) -> float:
+        """Return the model's number for 1 in the channel's column."""
+        return self.factors[self.channel(name)]
+
+    def to_readings(self, name: str, values: ArrayLike) -> Floats:
+        """Turn the model's numbers of a channel into numbers of its column."""
+        return np.asarray(values, dtype=np.float64) / self.factor(name)
+
+    def from_readings(self, name: str, values: ArrayLike) -> Floats:
+        """Turn numbers of a channel's column into the model's."""
+        return np.asarray(values, dtype=np.float64) * self.factor(name)
+
+    def window(self, start: float, end: float) -> Recording:
+        """Return the samples with start <= t < end (the model's time); findings are those of the whole.
+
+        Raises
+        ------
+        InputError
+            No sample lies there.
+        """
+        kept = (self.t >= start) & (self.t < end)
+        if not kept.any():
+            words = f"holds no samples; the run lasts from {self.t[0]:g} to {self.t[-1]:g}"
+            raise InputError(f"{self.name}: the window {start:g} to {end:g} {words}")
+        return replace(
+            self,
+            t=self.t[kept],
+            x1=self.x1[kept],
+            y1=None if self.y1 is None else self.y1[kept],
+            belt=None if self.belt is None else self.belt[kept],
+            raw={name: column[kept] for name, column in self.raw.items()},
+        )
+
+
+def needed_channels(rig: AnyRig) -> tuple[str, ...]:
+    """Return the channels a rig cannot do without; a spring force may stand for x1 of a block on a belt."""
+    return ("t", "x1") if isinstance(rig, BlockOnBelt) else ("t", "x1", "y1")
+
+
+def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
+    """Raise `InputError` if channels are unknown, missing, or contradict each other or the rig."""
+    one_degree = isinstance(rig, BlockOnBelt)
+    known = [*needed_channels(rig), *(["spring_force"] if one_degree else []), "belt"]
+    for name in channels:
+        if name not in known:
+            raise InputError(f"unknown channel of this rig; {did_you_mean(name, known)}", key=name)
+    for name in needed_channels(rig):
+        if name not in channels and not (name == "x1" and "spring_force" in channels and one_degree):
+            either = "x1 or spring_force" if one_degree and name == "x1" else name
+            raise InputError(f"no channel {either}; this rig needs {', '.join(needed_channels(rig))}")
+    if "x1" in channels and "spring_force" in channels:
+        raise InputError("x1 is recorded too; give one of them", key="spring_force")
+    if one_degree and len({channel.unit == "1" for channel in channels.values()}) > 1:
+        bare = next(name for name, channel in channels.items() if channel.unit == "1")
+        words = "unit '1' beside units; the numbers of a block on a belt are all SI or all bare"
+        raise InputError(words, key=bare)
+
+
+def load_recording(
+    path: str | os.PathLike[str],
+    rig: AnyRig,
+    *,
+    channels: Mapping[str, Channel] | None = None,
+    belt_speed: float | str = 0.0,
+    role: Role = "train",
+    noise: Mapping[str, float] | None = None,
+    window: tuple[float | None, float | None] = (None, None),
+    name: str | None = None,
+    friction: FrictionLaw | None = None,
+) -> Recording:
+    """Read one run from a CSV or .mat file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rig
+        `Rig` or `BlockOnBelt`.
+    channels
+        Column, unit and scale for t, x1, y1 and, if recorded, belt; a `BlockOnBelt` has t and x1 or
+        spring_force. None: columns of these names, nondimensional.
+    belt_speed
+        Set-point in the unit of the belt channel; without one, m/s for an SI rig and nondimensional
+        otherwise. Text may carry a unit ("1100 um/s").
+    role
+        "train" or "validate".
+    noise
+        Standard deviation by channel, in the unit of its column.
+    window
+        First and last time to keep, start <= t < end, in the unit of t; None: open.
+    name
+        Name of the run; None: that of the file.
+    friction
+        Declared law; readings of a size it cannot explain are then found.
+
+    Raises
+    ------
+    InputError
+        The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
+        do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
+    """
+    declared = dict(channels) if channels is not None else _bare_channels(path, rig)
+    check_channels(declared, rig)
+    columns = read_columns(path, [channel.column for channel in declared.values()])
+    factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
+    raw = {one: columns.values[channel.column] for one, channel in declared.items()}
+    _check_times(columns, declared, raw)
+    raw = _cut(columns, declared, raw, window)
+    unit = declared["belt"].unit if "belt" in declared else default_speed_unit(rig)
+    set_point = speed(belt_speed, unit, rig)
+    position = "spring_force" if "spring_force" in declared else "x1"
+    model = {one: column * factors[one] for one, column in raw.items()}
+    _check_belt(columns, declared, raw, set_point)
+    sizes = noise_in_model(noise or {}, declared, rig)
+    recording = Recording(
+        name=name or Path(path).stem,
+        role=role,
+        rig=rig,
+        belt_speed=set_point,
+        t=model["t"],
+        x1=model[position],
+        y1=model.get("y1"),
+        belt=model.get("belt"),
+        raw=raw,
+        channels=declared,
+        factors=factors,
+        noise=sizes,
+        source=Path(path),
+    )
+    return replace(recording, findings=tuple(_findings(recording, friction)))
+
+
+def channel_factor(name: str, channel: Channel, rig: AnyRig) -> float:
+    """Return the model's number for 1 in a channel's column: unit and scale together."""
+    return channel.scale * factor(name, channel.unit, rig)
+
+
+def noise_in_model(
+    noise: Mapping[str, float], channels: Mapping[str, Channel], rig: AnyRig
+) -> dict[str, float]:
+    """Turn standard deviations in the units of the channels into the model's numbers.
+
+    Raises
+    ------
+    InputError
+        Of a channel that is not recorded, or not positive.
+    """
+    turned = {}
+    for name, value in noise.items():
+        if name not in channels:
+            raise InputError(f"no such channel; {did_you_mean(name, channels)}", key=name)
+        why = "leave it out to have it estimated"
+        key = "x1" if name == "spring_force" else name
+        turned[key] = number(name, value, above=0, why=why) * abs(factor(name, channels[name].unit, rig))
+    return turned
+
+
+def _bare_channels(path: str | os.PathLike[str], rig: AnyRig) -> dict[str, Channel]:
+    """Channels of a file whose columns bear the channels' names."""
+    names = [*needed_channels(rig), *(["belt"] if "belt" in column_names(path) else [])]
+    return {name: Channel(name) for name in names}
+
+
+def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:
+    t, name = raw["t"], channels["t"].column
+    if t.size < FEWEST:
+        count = "1 sample" if t.size == 1 else f"{t.size} samples"
+        raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(columns.path.name))
+    step = np.diff(t) * np.sign(channels["t"].scale)
+    wrong = np.flatnonzero(step <= 0)
+    if not wrong.size:
+        return
+    at = int(wrong[0]) + 1
+    place = columns.place(name, at)
+    for other, column in raw.items():
+        if wrong.size > 0.05 * t.size and other != "t" and (np.diff(column) > 0).all():
+            swapped = channels[other].column
+            words = f"does not increase, but column '{swapped}' does; are the two swapped?"
+            raise InputError(words, place=place)
+    what = f"{t[at]:g} twice in a row" if t[at] == t[at - 1] else f"{t[at]:g} after {t[at - 1]:g}"
+    more = "" if wrong.size == 1 else f" ({wrong.size} such places)"
+    raise InputError(f"{what}{more}; times must increase", place=place)
+
+
+def _cut(
+    columns: Columns,
+    channels: Mapping[str, Channel],
+    raw: Mapping[str, Floats],
+    window: tuple[float | None, float | None],
+) -> dict[str, Floats]:
+    """Keep the samples within the window, in the unit of t."""
+    start, end = window
+    if start is None and end is None:
+        return dict(raw)
+    t = raw["t"] * channels["t"].scale
+    kept = (t >= (-np.inf if start is None else start)) & (t < (np.inf if end is None else end))
+    if np.count_nonzero(kept) < FEWEST:
+        said = f"{'its start' if start is None else start} to {'its end' if end is None else end}"
+        words = f"{np.count_nonzero(kept)} samples from {said}; the run lasts from {t[0]:g} to {t[-1]:g}"
+        raise InputError(words, place=Place(columns.path.name, column=channels["t"].column))
+    return {name: column[kept] for name, column in raw.items()}
+
+
+def _check_belt(
+    columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats], set_point: float
+) -> None:
+    if "belt" not in raw or set_point == 0 or np.any(raw["belt"] != 0):
+        return
+    words = (
+        "the belt never moves (0 throughout) but its set-point is not 0; leave the channel out if it is dead"
+    )
+    raise InputError(words, place=Place(columns.path.name, column=channels["belt"].column))
+
+
+def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Finding]:
+    found = time_findings(recording.raw["t"] * recording.channels["t"].scale, recording.unit("t"))
+    jumps = np.array([i for finding in found for i in finding.samples], dtype=np.intp)
+    for name, channel in recording.channels.items():
+        if name == "t":
+            continue
+        noise = recording.noise.get("x1" if name == "spring_force" else name)
+        per_unit = factor(name, channel.unit, recording.rig)
+        own = None if noise is None else noise / per_unit
+        readings = recording.raw[name] * channel.scale
+        found += channel_findings(name, readings, _word(channel.unit), own, jumps)
+        if name == "belt":
+            found += belt_findings(readings, recording.belt_speed / per_unit, _word(channel.unit))
+        elif friction is not None and name != "y1":
+            rig = recording.rig
+            stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else rig.alpha1
+            reach = max(friction.static_limits) / stiffness
+            found += size_findings(name, recording.x1, reach, _word(channel.unit), per_unit)
+    return found
+
+
+def _word(unit: str) -> str:
+    return "" if unit == "1" else unit
