@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from typing import TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from stickslip.errors import InputError, Place, did_you_mean
+from stickslip.files import whole
 
 Table = Mapping[str, object]
 Key = str | int
@@ -130,25 +130,13 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     Raises
     ------
     InputError
-        The folder does not exist or cannot be written to.
+        The folder cannot be made or written to.
     """
-    file = Path(path)
     try:
-        handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+        with whole(Path(path)) as temporary:
+            temporary.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", place=Place(str(file))) from None
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)  # mkstemp's 0600 is not what a user expects of a result
-        Path(temporary).replace(file)
-    except BaseException as error:
-        Path(temporary).unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise InputError(f"cannot be written ({error.strerror})", place=Place(str(file))) from None
-        raise
+        raise InputError(f"cannot be written ({error.strerror})", place=Place(str(path))) from None
 
 
 def _first_fault(document: Document, model: type[BaseModel], error: ValidationError) -> InputError:

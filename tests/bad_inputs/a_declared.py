@@ -190,6 +190,7 @@ def no_such_file(folder: Path) -> None:
     load_model(folder / "model_affter.toml")
 
 
-@bad_input(MODEL, "a folder that is not there to save in")
-def no_such_folder(folder: Path) -> None:
+@bad_input(MODEL, "a file for the folder to save in")
+def no_folder(folder: Path) -> None:
+    (folder / "results").write_text("not a folder")
     model().save(folder / "results" / "model.toml")

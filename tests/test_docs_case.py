@@ -1,0 +1,46 @@
+"""The rig.toml files that docs/case.md shows are read as it says."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.records import Case, load_case
+from stickslip.rig import BlockOnBelt, Rig
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "case.md"
+
+
+@pytest.fixture
+def cases(tmp_path: Path) -> list[Case]:
+    t = 0.5 * np.arange(50)
+    rows = [f"{1000 * a},{np.sin(a)},{np.cos(a)},{6.3},{a}" for a in t]
+    found = []
+    for i, text in enumerate(re.findall(r"```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        (folder / "rig.toml").write_text(text)
+        header = "time,block,angle,belt,s" if "block_on_belt" not in text else "ms,force,angle,belt,time"
+        for name in ("run_01.csv", "run_02.csv"):
+            (folder / name).write_text("\n".join([header, *rows]))
+        found.append(load_case(folder))
+    return found
+
+
+def test_the_cases_of_the_page(cases: list[Case]) -> None:
+    two, one = cases
+    assert isinstance(two.rig, Rig)
+    assert two.rig.scales is not None
+    assert two.friction.static_limits == (6.2, 3.63)
+    speed = two.rig.scales.velocity
+    assert [run.belt_speed * speed for run in two.runs] == pytest.approx([6.3e-3, -11e-3])
+    run = two.train[0]
+    np.testing.assert_allclose(run.t * two.rig.scales.time, 0.5 * np.arange(50), atol=1e-12)
+    assert run.y1 is not None
+    np.testing.assert_allclose(run.y1 * 0.0089 / 0.1256, np.deg2rad(np.cos(0.5 * np.arange(50))), atol=1e-12)
+
+    assert one.rig == BlockOnBelt(mass=0.0307, stiffness=168)
+    assert [len(run) for run in one.runs] == [24, 26, 50]
+    assert one.runs[2].rig == BlockOnBelt(mass=0.0307, stiffness=1002)
+    np.testing.assert_allclose(one.runs[2].x1 * 1002, 0.301 * np.sin(0.5 * np.arange(50)), atol=1e-12)
