@@ -1,5 +1,6 @@
 """Recorded channels: checked, filtered and differentiated, by (3.1) or better."""
 
+from stickslip.signals.belt import BeltSpeed, find_belt_speed
 from stickslip.signals.derivatives import Derivatives, derivatives
 from stickslip.signals.lowpass import Lowpassed, lowpass
 from stickslip.signals.quality import (
@@ -13,20 +14,24 @@ from stickslip.signals.quality import (
     remove_glitches,
 )
 from stickslip.signals.recursion import Differentiator, differentiate, differentiator, first_order
+from stickslip.signals.smoother import Smoothed, smooth
 from stickslip.signals.timebase import TimeBase, check_time_base
 
 __all__ = [
+    "BeltSpeed",
     "Clipping",
     "Derivatives",
     "Differentiator",
     "Glitches",
     "Lowpassed",
     "Quantisation",
+    "Smoothed",
     "TimeBase",
     "check_time_base",
     "derivatives",
     "differentiate",
     "differentiator",
+    "find_belt_speed",
     "find_clipping",
     "find_glitches",
     "first_order",
@@ -34,4 +39,5 @@ __all__ = [
     "noise_std",
     "quantisation",
     "remove_glitches",
+    "smooth",
 ]

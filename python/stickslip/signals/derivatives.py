@@ -105,9 +105,20 @@ def derivatives(
         settled &= samples <= values.size - 1 - 2.0 * d.delay / dt
     impulse = np.zeros(1 + 2 * d.settling(1e-8) + 8)
     impulse[2] = 1.0
-    gains = [float(np.linalg.norm(response)) for response in _chain(impulse, d, align)]
+    gain_x, gain_v, gain_a = (float(np.linalg.norm(response)) for response in _chain(impulse, d, align))
+    lag_x, lag_v, lag_a = (count * d.delay for count in lags)
     return Derivatives(
-        relative + level, v, a, *(float(n * d.delay) for n in lags), *gains, settled=settled, differentiator=d
+        x=relative + level,
+        v=v,
+        a=a,
+        lag_x=lag_x,
+        lag_v=lag_v,
+        lag_a=lag_a,
+        noise_gain_x=gain_x,
+        noise_gain_v=gain_v,
+        noise_gain_a=gain_a,
+        settled=settled,
+        differentiator=d,
     )
 
 

@@ -9,29 +9,28 @@ from scipy.ndimage import median_filter
 from scipy.stats import norm
 
 from stickslip.errors import InputError
-from stickslip.signals._input import Booleans, Floats, finite_vector, real_array
+from stickslip.signals._input import Booleans, Floats, finite_vector, positive, real_array
 
-_CUT = 3.5  # standard deviations kept by the trimmed estimate
-_KEPT = math.sqrt(1.0 - 2.0 * _CUT * norm.pdf(_CUT) / (2.0 * norm.cdf(_CUT) - 1.0))  # std of a cut normal
 _CUBIC = (-1.0 / 6.0, 4.0 / 6.0, 0.0, 4.0 / 6.0, -1.0 / 6.0)  # the middle of five by its four neighbours
 _CUBIC_STD = math.sqrt(1.0 + sum(w * w for w in _CUBIC))  # of x - prediction, for unit white noise
 _WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
 
 
-def _trimmed_std(values: Floats) -> float:
-    """Standard deviation of a normal sample of mean 0, deaf to a minority of outliers."""
+def _trimmed_std(values: Floats, cut: float) -> float:
+    """Scale of a normal sample of mean 0, deaf to what lies beyond `cut` standard deviations."""
+    kept = math.sqrt(1.0 - 2.0 * cut * norm.pdf(cut) / (2.0 * norm.cdf(cut) - 1.0))  # std of a cut normal
     scale = 1.4826 * float(np.median(np.abs(values))) or float(np.mean(np.abs(values)))
     for _ in range(20):
-        inside = values[np.abs(values) <= _CUT * scale]
-        new = float(np.sqrt(np.mean(inside**2))) / _KEPT if inside.size else scale
+        inside = values[np.abs(values) <= cut * scale]
+        new = float(np.sqrt(np.mean(inside**2))) / kept if inside.size else scale
         if abs(new - scale) <= 1e-6 * scale:
             break
         scale = new
     return scale
 
 
-def noise_std(x: ArrayLike, *, t: ArrayLike | None = None) -> float:
-    """Standard deviation of the white noise on a channel.
+def noise_std(x: ArrayLike, *, t: ArrayLike | None = None, cut: float = 3.5) -> float:
+    """Estimate the standard deviation of the white noise on a channel.
 
     Third differences, scaled to unit weight, leave the noise and next to nothing of a signal that is a
     parabola over four samples; the few that meet an onset of slip, a capture or a glitch are trimmed.
@@ -42,6 +41,8 @@ def noise_std(x: ArrayLike, *, t: ArrayLike | None = None) -> float:
         Channel, n >= 12.
     t : array_like, shape (n,), optional
         Times, if the sampling is not regular.
+    cut : float
+        Differences beyond so many standard deviations are left out.
 
     Returns
     -------
@@ -66,7 +67,7 @@ def noise_std(x: ArrayLike, *, t: ArrayLike | None = None) -> float:
         divided = 1.0 / np.prod(apart / (quads[:, 3:] - quads[:, :1])[:, :, None], axis=2)
         weights = divided / np.linalg.norm(divided, axis=1, keepdims=True)
     windows = np.lib.stride_tricks.sliding_window_view(values, 4)
-    return _trimmed_std(np.einsum("ij,ij->i", weights, windows))
+    return _trimmed_std(np.einsum("ij,ij->i", weights, windows), positive(cut, "cut"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,8 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
     x : array_like, shape (n,)
         Channel; with n < 12 nothing is marked.
     false_alarms : float
-        Probability that a sound sample with normal noise is marked, in (0, 1).
+        Bound on the probability that a sound sample with normal noise is marked, in (0, 1); about half
+        of it is met, because a marked sample must also stand out from its neighbours.
     noise : float, optional
         Standard deviation of the noise; by default estimated by `noise_std`.
 

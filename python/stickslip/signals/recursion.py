@@ -110,7 +110,7 @@ class Differentiator:
         return np.asarray((1.0 - self.a) * np.sinc(angle / (2.0 * np.pi)) / pole)
 
     def noise_gain(self, order: int = 1) -> float:
-        """Standard deviation of the derivative of white noise of standard deviation 1.
+        """Give the standard deviation of the derivative of white noise of standard deviation 1.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class Differentiator:
         raise InputError(f"order must be 1 or 2, not {order}")
 
     def settling(self, fraction: float = 1e-3) -> int:
-        """Samples until the start ``y_0 = 0`` has died out to `fraction` of its size."""
+        """Count the samples until the start ``y_0 = 0`` has died out to `fraction` of its size."""
         if self.a == 0.0:
             return 1
         return max(1, math.ceil(math.log(fraction) / math.log(abs(self.a))))

@@ -60,7 +60,8 @@ class TimeBase:
         if self.gaps.size:
             first, last = self.gaps[0]
             said.append(
-                f"{len(self.gaps)} gap(s), {self.missing} sample(s) missing, the first from t = {first:g} to {last:g}"
+                f"{len(self.gaps)} gap(s), {self.missing} sample(s) missing, "
+                f"the first from t = {first:g} to {last:g}"
             )
         if self.irregular.size:
             said.append(f"steps differ from dt = {self.dt:g} at {_count(self.irregular)}")
