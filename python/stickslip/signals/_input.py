@@ -14,7 +14,7 @@ def real_array(values: ArrayLike, name: str) -> Floats:
     array = np.asarray(values)
     if array.dtype.kind not in "fiub" and not (array.dtype.kind == "O" and _all_real(array)):
         raise InputError(f"{name} must hold real numbers, not {array.dtype}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.asarray(array, dtype=np.float64, order="C")
 
 
 def _all_real(array: NDArray[np.object_]) -> bool:

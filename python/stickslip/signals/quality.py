@@ -234,10 +234,8 @@ def quantisation(x: ArrayLike) -> Quantisation:
     spacing = np.diff(level)
     level = np.concatenate([level[:1], level[1:][spacing > rounding]])
     spacing = np.diff(level)
-    if spacing.size < 4:
-        return Quantisation(
-            float(spacing.min()) if spacing.size else 0.0, level.size, 1.0 if spacing.size else 0.0
-        )
+    if spacing.size < 2:  # two values make no grid
+        return Quantisation(0.0, level.size, 0.0)
     smallest = float(spacing.min())
     step = float(np.median(spacing[spacing < 1.5 * smallest]))
     for _ in range(3):  # refine over several steps, while the count of steps is beyond doubt

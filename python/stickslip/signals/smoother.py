@@ -166,11 +166,11 @@ def smooth(
     -----
     In the belt's frame a stick is a constant. A slip is a curve with a third derivative that is white
     noise (a quintic spline with a penalty on ``(x''')^2``) which leaves its stick and reaches the next
-    one at zero speed against the belt, and whose acceleration may jump there. Sticks are first found
+    one at zero speed against the belt; its acceleration may jump at either end. Sticks are first found
     where a window is constant to within its noise; then every instant is moved, to a fraction of the
     sampling interval, to where the evidence (likelihood with the curve integrated out) is greatest, as
     is the density of the third derivative. A slip whose speed against the belt changes sign is split
-    there: friction turns over at once, the acceleration jumps.
+    there, and its acceleration may jump there too, as friction turns over at once.
 
     References
     ----------
@@ -249,30 +249,47 @@ def _segment(record: Record, has_belt: bool) -> tuple[Layout, float]:
     return layout, best_jerk(record, layout, jerk)
 
 
-def _reversals(record: Record, layout: Layout, jerk: float) -> Layout:
-    """Split slips where the speed against the belt changes sign beyond doubt."""
-    solution = fit(record, layout, jerk)
-    inverse = selected_inverse(solution.factor)
+def _turns(record: Record, solution: Solution) -> Floats:
+    """Instants within slips at which the speed against the belt changes sign beyond doubt."""
     index, weight = solution.system.rows(record.t, 1)
     v = solution.at(record.t, 1)
-    sure = np.abs(v) > 5.0 * np.sqrt(variances(index, weight, inverse))
+    std = np.sqrt(variances(index, weight, selected_inverse(solution.factor)))
     slip = solution.system.place(record.t)
-    at = np.flatnonzero(sure & (slip >= 0))
-    turn = (slip[at[1:]] == slip[at[:-1]]) & (v[at[1:]] * v[at[:-1]] < 0.0)
-    ends, room = solution.system.slips[slip[at]], 3.0 * record.dt
-    turn &= (record.t[at[:-1]] > ends[:-1, 0] + room) & (record.t[at[1:]] < ends[1:, 1] - room)
-    before, after = at[:-1][turn], at[1:][turn]
+    sure = np.flatnonzero((np.abs(v) > 5.0 * std) & (slip >= 0))
+    before, after = sure[:-1], sure[1:]
+    ends, room = solution.system.slips[slip[before]], 3.0 * record.dt
+    turn = (slip[before] == slip[after]) & (v[before] * v[after] < 0.0)
+    turn &= (record.t[before] > ends[:, 0] + room) & (record.t[after] < ends[:, 1] - room)
+    before, after = before[turn], after[turn]
     share = v[before] / (v[before] - v[after])
-    when = record.t[before] + share * (record.t[after] - record.t[before])
+    return np.asarray(record.t[before] + share * (record.t[after] - record.t[before]))
+
+
+def _reversals(record: Record, layout: Layout, jerk: float) -> Layout:
+    """Let the acceleration jump wherever a slip turns over: the friction may."""
+    when = _turns(record, fit(record, layout, jerk))
     capture, onset = np.append(layout.capture, when), np.append(layout.onset, when)
     order = np.argsort(capture, kind="stable")
     return make_layout(record.t, capture[order], onset[order])
+
+
+def _slips(record: Record, solution: Solution) -> tuple[Floats, NDArray[np.int8], NDArray[np.int8]]:
+    """Slips cut where they turn over, their directions, and the mode at every sample."""
+    slips, turns = solution.system.slips, _turns(record, solution)
+    begin, end = np.sort(np.append(slips[:, 0], turns)), np.sort(np.append(slips[:, 1], turns))
+    direction = np.sign(solution.at(end) - solution.at(begin)).astype(np.int8)
+    inside = solution.system.place(record.t) >= 0
+    part = np.clip(np.searchsorted(begin, record.t, side="right") - 1, 0, None)
+    mode = np.where(inside, np.append(direction, 0)[part], 0).astype(np.int8)
+    return np.column_stack([begin, end]), direction, mode
 
 
 def _blur(
     record: Record, solution: Solution, instants: Floats, std: Floats, side: float, spread: list[Floats]
 ) -> None:
     """Add what not knowing an instant exactly does to velocity and acceleration near it."""
+    if instants.size == 0:
+        return
     within = side * np.minimum(1e-6 * record.dt, 0.25 * np.min(np.ptp(solution.system.slips, axis=1)))
     edge = np.clip(instants + within, record.t[0], record.t[-1])
     jump = solution.at(edge, 2)
@@ -303,12 +320,7 @@ def _result(record: Record, solution: Solution, motion: _Belt, jerk: float, has_
         (layout.onset[inside[1]], onset_std[inside[1]], 1.0),
     ):
         _blur(record, solution, instants, std, side, spread)
-    slips = solution.system.slips
-    ends = np.clip(slips, record.t[0], record.t[-1])
-    gone = solution.at(ends[:, 1]) - solution.at(ends[:, 0])
-    direction = np.sign(gone).astype(np.int8)
-    place = solution.system.place(record.t)
-    mode = np.where(place >= 0, np.append(direction, 0)[np.maximum(place, -1)], 0).astype(np.int8)
+    slips, direction, mode = _slips(record, solution)
     stuck = layout.onset > layout.capture
     return Smoothed(
         t=record.t,
