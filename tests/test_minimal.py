@@ -1,0 +1,48 @@
+"""Is this install alive?"""
+
+import pickle
+import subprocess
+import sys
+
+import stickslip as ss
+
+
+def test_every_public_name_is_there() -> None:
+    assert sorted(ss.__all__) == sorted(set(ss.__all__))
+    assert all(hasattr(ss, name) for name in ss.__all__)
+
+
+def test_names_shared_by_a_module_and_its_function_are_the_function() -> None:
+    shared = "import stickslip.simulate, stickslip.identify, stickslip.compare, stickslip as ss; "
+    code = shared + "assert all(callable(f) for f in (ss.simulate, ss.identify, ss.compare))"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_build_config_says_what_is_in_use() -> None:
+    config = ss.build_config()
+    assert config["version"] == ss.__version__
+    assert config["isa"] in config["isa_compiled"]
+    assert config["simd_width"] == {"baseline": 2, "avx2": 4, "avx512": 8}[config["isa"]]
+    assert config["sanitize"] == ""
+    assert {"compiler", "flags", "eigen", "pybind11"} <= set(config)
+
+
+def test_a_narrower_instruction_set_can_be_asked_for_and_agrees() -> None:
+    code = (
+        "import stickslip as ss, pickle, sys\n"
+        "rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)\n"
+        "run = ss.simulate(ss.Model(rig, friction=ss.PaperFriction()), belt_speed=0.1,"
+        " initial=(0.1, 0.1, 0, 0), t_end=50)\n"
+        "sys.stdout.buffer.write(pickle.dumps((ss.build_config()['isa'], run.transitions.t)))\n"
+    )
+    told = {}
+    for isa in ss.build_config()["isa_compiled"]:
+        result = subprocess.run(
+            [sys.executable, "-c", code], env={"STICKSLIP_ISA": isa}, check=True, capture_output=True
+        )
+        used, told[isa] = pickle.loads(result.stdout)
+        if isa == "baseline":
+            assert used == "baseline"
+    for times in told.values():
+        assert len(times) == len(told["baseline"]) > 4
+        assert max(abs(times - told["baseline"])) < 1e-8
