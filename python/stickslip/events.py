@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
 RESAMPLES = 2000
+DECISIVE = 6.0  # difference of BIC from which the law with one more number is taken
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,24 @@ class _Slip:
     window: Window
 
 
+@dataclass(frozen=True)
+class _Choice:
+    """The law preferred, with what is common to all slips; `preference` is BIC(Coulomb) - BIC(hyperbolic)."""
+
+    kind: Kind
+    shot: Shot
+    common: dict[str, float]
+    profile: _Profile | None
+    preference: float
+
+
 def identify_events(
-    runs: Sequence[Measured], rig: AnyRig, *, simulator: Simulator, tell: Callable[[str, float], None]
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    *,
+    declared: FrictionLaw | None,
+    simulator: Simulator,
+    tell: Callable[[str, float], None],
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
 
@@ -48,6 +65,8 @@ def identify_events(
     ----------
     runs : sequence of Measured
     rig : BlockOnBelt
+    declared : law or None
+        Gives the numbers of the direction that is not visited, where it is of the kind chosen.
     simulator : callable
     tell : callable
         Progress.
@@ -71,11 +90,17 @@ def identify_events(
         raise InputError(
             f"{len(slips)} slips found; at least 3 are needed (is the belt speed right, does the block stick?)"
         )
-    tell("hyperbolic law", 0.6)
-    hyperbolic = _hyperbolic(slips, coulomb, rig, noise, simulator)
+    hyperbolic, decay, profile = _hyperbolic(slips, coulomb, rig, noise, simulator, tell)
+    # three numbers a slip in both laws; the hyperbolic one has one more for all
+    readings = _effective(coulomb.residuals)
+    gain = float(np.sum(_scores(coulomb, coulomb) - _scores(hyperbolic, coulomb)))
+    preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
-    chosen, preference = _choose(coulomb, hyperbolic, slips)
-    return _conclude(runs, rig, branch, chosen, preference, slips, noise)
+    if preference > DECISIVE:
+        choice = _Choice("hyperbolic", hyperbolic, {"decay": decay}, profile, preference)
+    else:
+        choice = _Choice("coulomb", coulomb, {}, None, preference)
+    return _conclude(runs, rig, branch, choice, slips, noise, declared)
 
 
 def _branch(runs: Sequence[Measured]) -> Branch:
@@ -165,22 +190,64 @@ def _merged(shots: Sequence[Shot]) -> Shot:
     )
 
 
+@dataclass(frozen=True)
+class _Profile:
+    """Hyperbolic fits of every slip at several common decays: (g,), g shots, and scores (g, k)."""
+
+    decays: Array
+    shots: list[Shot]
+    scores: Array
+
+    def best(self, weights: Array) -> float:
+        """Decay of least total score, by a parabola in log decay through the three lowest."""
+        total = self.scores @ weights
+        i = int(np.clip(np.argmin(total), 1, len(total) - 2))
+        a, b, _ = np.polyfit(np.log(self.decays[i - 1 : i + 2]), total[i - 1 : i + 2], 2)
+        at = float(np.exp(-b / (2 * a))) if a > 0 else float(self.decays[np.argmin(total)])
+        return float(np.clip(at, self.decays[0], self.decays[-1]))
+
+
 def _hyperbolic(
-    slips: Sequence[_Slip], coulomb: Shot, rig: BlockOnBelt, noise: Array, simulator: Simulator
-) -> Shot | None:
-    """Joint fit with a common decay, each slip with its own R(0) and its own level at speed."""
-    decay = 1.0 / (0.3 * float(np.median([s.speed for s in slips])))
-    windows = []
-    for w in coulomb.windows:
+    slips: Sequence[_Slip],
+    coulomb: Shot,
+    rig: BlockOnBelt,
+    noise: Array,
+    simulator: Simulator,
+    tell: Callable[[str, float], None],
+) -> tuple[Shot, float, _Profile]:
+    """Each slip with its own R(0) and level at speed under a common decay, which is profiled."""
+    decays = np.array([0.1, 0.4, 1.5, 6.0, 24.0]) / float(np.median([s.speed for s in slips]))
+    shots = []
+    for i, decay in enumerate(decays):
+        tell("hyperbolic law", 0.5 + 0.06 * i)
+        shots.append(_hyperbolic_at(decay, coulomb, rig, noise, simulator))
+    scores = np.array([_scores(s, coulomb) for s in shots])
+    profile = _Profile(decays, shots, scores)
+    decay = profile.best(np.ones(len(slips)))
+    return _hyperbolic_at(decay, coulomb, rig, noise, simulator), decay, profile
+
+
+def _hyperbolic_at(decay: float, coulomb: Shot, rig: BlockOnBelt, noise: Array, simulator: Simulator) -> Shot:
+    model = Model(rig, friction=HyperbolicFriction(decay=decay))
+    shots = []
+    for w, r, std in zip(coulomb.windows, coulomb.residuals, coulomb.local_std, strict=True):
         static, kinetic = w.local["static"], w.local["kinetic"]
-        # same mean over the slip: 1/(1 + decay u) averages about 0.4 over it
-        drop = (static - kinetic) / 0.6
-        windows.append(replace(w, local={"scale": drop, "constant": static - drop}))
-    model = Model(rig, friction=HyperbolicFriction(scale=1.0, decay=decay))
-    try:
-        return shoot(model, windows, ("decay",), noise=noise, simulator=simulator, iterations=25)
-    except (StickslipError, np.linalg.LinAlgError):
-        return None
+        u = 0.05 * float(np.nanmax(np.abs(np.diff(w.readings[:, 0])))) / float(np.median(np.diff(w.t)))
+        drop = min((static - kinetic) * (1 + 1 / max(decay * u, 1e-3)), 0.9 * static)
+        start = replace(w, local={"scale": drop, "constant": static - drop})
+        try:
+            shot = shoot(model, [start], (), noise=noise, simulator=simulator, iterations=15)
+        except StickslipError:
+            shot = Shot((), np.zeros(0), *[np.zeros((0, 0))] * 2, [start], [std], [3 * r], np.inf, 1, np.zeros(0))
+        shots.append(shot)
+    return _merged(shots)
+
+
+def _scores(shot: Shot, reference: Shot) -> Array:
+    """-2 log likelihood of each slip, its noise level unknown, on the reference's number of readings."""
+    effective = np.array([_effective([r]) for r in reference.residuals])
+    chi2 = np.array([float(np.sum(r**2)) for r in shot.residuals])
+    return np.asarray(effective * np.log(np.maximum(chi2, 1e-300)), dtype=float)
 
 
 def _effective(residuals: Sequence[Array]) -> float:
@@ -194,39 +261,26 @@ def _effective(residuals: Sequence[Array]) -> float:
     return total
 
 
-def _choose(coulomb: Shot, hyperbolic: Shot | None, slips: Sequence[_Slip]) -> tuple[Shot, float]:
-    """The law with the lower Bayesian information criterion, and by how much the hyperbolic one is preferred."""
-    if hyperbolic is None or not np.isfinite(hyperbolic.chi2):
-        return coulomb, -np.inf
-    n = _effective(coulomb.residuals)
-    # both have three numbers a slip; the hyperbolic law has one more for all
-    preference = n * float(np.log(coulomb.chi2 / hyperbolic.chi2)) - float(np.log(n))
-    del slips
-    return (hyperbolic if preference > 2 else coulomb), preference
-
-
 def _conclude(
     runs: Sequence[Measured],
     rig: BlockOnBelt,
     branch: Branch,
-    shot: Shot,
-    preference: float,
+    choice: _Choice,
     slips: Sequence[_Slip],
     noise: Array,
+    declared: FrictionLaw | None,
 ) -> Identified:
-    kind: Kind = "hyperbolic" if shot.names else "coulomb"
+    kind, shot, preference = choice.kind, choice.shot, choice.preference
     local = {n: np.array([w.local[n] for w in shot.windows]) for n in shot.windows[0].local}
-    names = (*local, *shot.names)
-    level = np.column_stack([*local.values(), *(np.full(len(slips), v) for v in shot.values)])
-    mean = level.mean(axis=0)
-    covariance = _block_bootstrap(level)
-    for i, n in enumerate(shot.names):
-        k = names.index(n)
-        covariance[k, k] = max(float(shot.sandwich[i, i]), float(shot.covariance[i, i]))
-    law, estimates = _law(kind, branch, names, mean, np.sqrt(np.diag(covariance)))
+    names = (*local, *choice.common)
+    level = np.column_stack(list(local.values()))
+    mean = np.array([*level.mean(axis=0), *choice.common.values()])
+    resamples = _block_bootstrap(level, choice.profile)
+    covariance = np.atleast_2d(np.cov(resamples.T))
+    law, estimates = _law(kind, branch, names, mean, resamples, declared)
     suffix = "" if branch == "minus" else "_plus"
     static = local["static"] if kind == "coulomb" else local["scale"] + local["constant"]
-    kinetic = local["kinetic"] if kind == "coulomb" else _kinetic(law, local, slips, float(shot.values[0]))
+    kinetic = local["kinetic"] if kind == "coulomb" else _kinetic(local, slips, choice.common["decay"])
     rms = np.array([float(np.sqrt(np.mean(r**2))) * noise[0] for r in shot.residuals])
     events = Events(
         t=np.array([s.t for s in slips]),
@@ -252,38 +306,45 @@ def _conclude(
     )
 
 
-def _kinetic(law: FrictionLaw, local: dict[str, Array], slips: Sequence[_Slip], decay: float) -> Array:
+def _kinetic(local: dict[str, Array], slips: Sequence[_Slip], decay: float) -> Array:
     """Sliding force of each slip at half its largest speed."""
-    del law
     u = 0.5 * np.array([s.speed for s in slips])
     return np.asarray(local["scale"] / (1 + decay * u) + local["constant"], dtype=float)
 
 
 def _law(
-    kind: Kind, branch: Branch, names: Sequence[str], mean: Array, std: Array
+    kind: Kind, branch: Branch, names: Sequence[str], mean: Array, resamples: Array, declared: FrictionLaw | None
 ) -> tuple[FrictionLaw, dict[str, Estimate]]:
-    """The mean law; the direction never visited keeps the same numbers and is marked unidentified."""
+    """The mean law; the direction never visited keeps what was declared, or else repeats the other's numbers."""
     make = CoulombFriction if kind == "coulomb" else HyperbolicFriction
     numbers = dict(zip(names, mean.tolist(), strict=True))
     own, other = ("", "_plus") if branch == "minus" else ("_plus", "")
-    both = {n + own: v for n, v in numbers.items()} | {n + other: v for n, v in numbers.items()}
+    unseen = dict(numbers)
+    if isinstance(declared, make):
+        for n in numbers:
+            value = getattr(declared, n + other)
+            unseen[n] = float(getattr(declared, n) if value is None else value)
+    low, high = np.quantile(resamples, [0.025, 0.975], axis=0)
     estimates = {
-        n + own: Estimate(v, v - 1.96 * s, v + 1.96 * s, s, "weak" if s > abs(v) / 3 else "identified", v)
-        for (n, v), s in zip(numbers.items(), std.tolist(), strict=True)
+        n + own: Estimate(v, float(a), float(b), float(s), "weak" if s > abs(v) / 3 else "identified", v)
+        for (n, v), a, b, s in zip(numbers.items(), low, high, resamples.std(axis=0), strict=True)
     }
-    estimates |= {n + other: Estimate(v, None, None, None, "unidentified", v) for n, v in numbers.items()}
-    return make(**both), estimates
+    estimates |= {n + other: Estimate(v, None, None, None, "unidentified", v) for n, v in unseen.items()}
+    return make(**{n: e.value for n, e in estimates.items()}), estimates
 
 
-def _block_bootstrap(level: Array) -> Array:
-    """Covariance of the mean over slips when neighbours are correlated (circular blocks)."""
+def _block_bootstrap(level: Array, profile: _Profile | None = None) -> Array:
+    """Means over slips (and common decays) of resampled records, blocks long enough to keep neighbours' correlation."""
     n = len(level)
-    size = int(min(max(np.ceil(2 * _correlation_length(level[:, 0])), 1), max(n // 4, 1)))
+    size = int(min(max(np.ceil(2 * max(_correlation_length(c) for c in level.T)), 1), max(n // 4, 1)))
     rng = np.random.default_rng(0)
     starts = rng.integers(0, n, size=(RESAMPLES, -(-n // size)))
-    index = (starts[:, :, None] + np.arange(size)) % n
-    means = level[index.reshape(RESAMPLES, -1)[:, :n]].mean(axis=1)
-    return np.atleast_2d(np.cov(means.T))
+    index = ((starts[:, :, None] + np.arange(size)) % n).reshape(RESAMPLES, -1)[:, :n]
+    means = level[index].mean(axis=1)
+    if profile is not None:
+        decay = [profile.best(np.bincount(i, minlength=n).astype(float)) for i in index]
+        means = np.column_stack([means, decay])
+    return np.asarray(means, dtype=float)
 
 
 def _correlation_length(x: Array) -> float:
@@ -327,15 +388,15 @@ def _messages(
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
     why = {
-        "coulomb": "a decay with speed is not called for",
+        "coulomb": "no decisive gain from a decay with speed" if preference > 0 else "a decay with speed fits worse",
         "hyperbolic": "friction falls with speed rather than at once",
     }[kind]
     q = np.quantile(events.static, [0.05, 0.5, 0.95])
     return (
-        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC, difference {abs(preference):.1f} ({why})",
+        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC (Coulomb minus hyperbolic: {preference:.1f}): {why}",
         f"breakaway force: median {q[1]:.4g}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}",
         f"drop at breakaway: {drop.mean():.4g} +- {drop.std(ddof=1):.2g} between slips",
         f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "
         "amplitude (median)",
-        f"branch T_{other} was never visited: its numbers repeat T_{branch}'s and are unidentified",
+        f"branch T_{other} was never visited: its numbers are unidentified (declared, or T_{branch}'s repeated)",
     )

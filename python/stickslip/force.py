@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import savgol_filter
 
-from stickslip import signals
 from stickslip.identified import ForcePoints
 from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.segments import Track
 from stickslip.shooting import Array
 
 
@@ -35,49 +36,79 @@ def friction_force(rig: AnyRig, x: tuple[Array, Array, Array], y: tuple[Array, A
 
 
 def force_points(
-    rig: AnyRig,
-    t: Array,
-    readings: Array,
-    *,
-    belt_speed: float,
-    noise: Array,
-    run: int = 0,
-    stick_speed: float = 0.0,
+    rig: AnyRig, track: Track, readings: Array, *, noise: Array, period: float, run: int = 0
 ) -> ForcePoints:
     """T against v_w from one run's readings.
 
-    Velocity and acceleration come from the smoother that respects sticks and slip onsets, so that neither
-    capture nor release is smeared over the filter's length.
+    Inside each slip, velocity and acceleration come from a local cubic that never reaches across a transition, so
+    that neither capture nor release is smeared over the filter's length. In sticks the block moves as the belt.
 
     Parameters
     ----------
-    t : (n,) array
+    track : Track
+        Where the block sticks.
     readings : (n, c) array
         x1, and y1 for the rig of (2.1), in the rig's units.
-    belt_speed : float
     noise : (c,) array
         Standard deviation of each channel.
+    period : float
+        Natural period; the local cubic spans an eighth of it.
     run : int
         Number the points are marked with.
-    stick_speed : float
-        |v_w| tolerated in a stick (creep, a belt that is not exactly at its speed).
 
     Returns
     -------
     ForcePoints
+        Without the samples next to a transition, where the mode is in doubt.
     """
-    block = signals.smooth(t, readings[:, 0], belt_speed=belt_speed, noise=noise[0], stick_speed=stick_speed)
-    mode = np.zeros(len(t)) if block.mode is None else block.mode.astype(float)
-    x = (block.x, block.v, block.a)
+    dt = float(np.median(np.diff(track.t)))
+    width = max(int(period / 8 / dt), 7) | 1
+    readings = _bridged(track.t, readings)
+    y = None
     if isinstance(rig, Rig):
-        legs = signals.smooth(t, readings[:, 1], noise=noise[1])
-        T = friction_force(rig, x, (legs.x, legs.v))
-        variance = (rig.alpha1 * block.x_std) ** 2 + (rig.alpha1 * block.a_std) ** 2 + legs.x_std**2
-    else:
-        T = friction_force(rig, x)
-        variance = (rig.stiffness * block.x_std) ** 2 + (rig.mass * block.a_std) ** 2
-    v_w = np.where(mode == 0, 0.0, block.v - belt_speed)
-    return ForcePoints(v_w, T, np.sqrt(variance), mode, np.full(len(t), float(run)))
+        y = savgol_filter(readings[:, 1], width, 3), savgol_filter(readings[:, 1], width, 3, deriv=1, delta=dt)
+    inertia, stiffness = (rig.alpha1, rig.alpha1) if isinstance(rig, Rig) else (rig.mass, rig.stiffness)
+    index, blocks = [], []
+    for s in track.segments:
+        trim = max(track.width // 3, 2)
+        part = np.arange(s.start + trim, s.stop - trim)
+        if len(part) < (width if s.mode else 1):
+            continue
+        t, x = track.t[part], readings[part, 0]
+        if s.mode:
+            block = np.array([savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3)])
+            std = noise[0] * _gain(len(part), width, dt, inertia, stiffness)
+        else:
+            block = np.array([track.x[part], np.full(len(t), track.belt_speed), np.zeros(len(t))])
+            std = np.full(len(t), stiffness * noise[0] / np.sqrt(track.width))
+        index.append(part)
+        blocks.append(np.vstack([block, std]))
+    if not index:
+        return ForcePoints(*(np.zeros(0) for _ in range(5)))
+    i, all_ = np.concatenate(index), np.hstack(blocks)
+    T = friction_force(rig, (all_[0], all_[1], all_[2]), None if y is None else (y[0][i], y[1][i]))
+    mode = track.mode[i].astype(float)
+    v_w = np.where(mode == 0, 0.0, all_[1] - track.belt_speed)
+    return ForcePoints(v_w, T, all_[3], mode, np.full(len(i), float(run)))
+
+
+def _gain(n: int, width: int, dt: float, inertia: float, stiffness: float) -> Array:
+    """Standard deviation of inertia x'' + stiffness x per unit of noise, at each of n samples of a slip."""
+    offsets = np.arange(width) - width // 2
+    fit = np.linalg.pinv(np.vander(offsets, 4, increasing=True))
+    at = np.clip(np.arange(n), 0, width // 2) - width // 2 + np.clip(np.arange(n) - (n - 1 - width // 2), 0, None)
+    position = fit.T @ np.vander(at, 4, increasing=True).T
+    curvature = (2 * fit[2][:, None] + 6 * fit[3][:, None] * at) / dt**2
+    return np.asarray(np.linalg.norm(stiffness * position + inertia * curvature, axis=0), dtype=float)
+
+
+def _bridged(t: Array, readings: Array) -> Array:
+    """Missing readings interpolated: one-sample glitches were taken out before."""
+    out = readings.copy()
+    for x in out.T:
+        bad = ~np.isfinite(x)
+        x[bad] = np.interp(t[bad], t[~bad], x[~bad])
+    return out
 
 
 def joined(points: list[ForcePoints]) -> ForcePoints | None:

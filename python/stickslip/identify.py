@@ -26,7 +26,8 @@ from stickslip.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
-FIXED = ("v_w_min", "v_w_max")  # ends of the fitted ranges: (4.1) and (4.2) have other numbers for their effect
+BELT_TOLERANCE = 0.05  # share of v_b by which a stick may be off it
+CREEP = 0.25  # the same for a contact that creeps before it slips
 
 
 @dataclass(frozen=True)
@@ -81,11 +82,18 @@ def measured(
     period, set_point = natural_period(rig), float(recording.belt_speed)
     t = np.asarray(recording.t, dtype=float)
     t = t - t[0]
-    look = segments.track(t, channels[0], belt_speed=set_point, noise=stds[0], period=period)
+    tolerance = CREEP if isinstance(rig, BlockOnBelt) else BELT_TOLERANCE
+
+    def look_at(speed: float) -> segments.Track:
+        return segments.track(
+            t, channels[0], belt_speed=speed, noise=stds[0], period=period, tolerance=tolerance
+        )
+
+    used, look = set_point, look_at(set_point)
     speed, std = segments.plateau_speed(look, channels[0])
-    used = speed if belt == "plateau" and np.isfinite(speed) else set_point
-    if used != set_point:
-        look = segments.track(t, channels[0], belt_speed=used, noise=stds[0], period=period)
+    for _ in range(3 if belt == "plateau" and np.isfinite(speed) else 0):
+        used, look = speed, look_at(speed)
+        speed, std = segments.plateau_speed(look, channels[0])
     readings = np.column_stack(channels)
     return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look)
 
@@ -96,7 +104,7 @@ def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
         return {
             "minus": ("T_s_minus", "A1", "A2", "t1", "t2", "T_min_minus"),
             "plus": ("T_s_plus", "T_min_plus"),
-        }
+        }  # not the ends of the fitted ranges, v_w_min and v_w_max: the other numbers can do what they do
     names = [f.name for f in fields(law) if getattr(law, f.name) is not None]
     plus = tuple(n for n in names if n.endswith("_plus"))
     minus = tuple(n for n in names if not n.endswith("_plus"))
@@ -129,7 +137,8 @@ def identify(
     belt_speed : "set-point" or "plateau"
         Whether v_b is what was set, or what the block was seen to ride at in its sticks.
     scatter : bool, optional
-        Identify event by event, with levels that scatter. Default: for a block on a belt without a given law.
+        Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
+        is given.
     simulator : callable
         `stickslip.simulate` or anything with its signature.
     progress : callable, optional
@@ -144,16 +153,16 @@ def identify(
     InputError
         If a channel is missing, a record too short, or no slip is found.
     """
+    if scatter is None:
+        scatter = friction is None and isinstance(source.rig if isinstance(source, Case) else rig, BlockOnBelt)
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
     runs = [measured(r, rig, noise=noise, belt=belt_speed) for r in recordings]
-    if scatter is None:
-        scatter = isinstance(rig, BlockOnBelt) and friction is None
     if scatter:
         from stickslip.events import identify_events  # it needs what is above
 
-        found = identify_events(runs, rig, simulator=simulator, tell=tell)
+        found = identify_events(runs, rig, declared=friction, simulator=simulator, tell=tell)
     else:
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
         found = _identify_by_shooting(runs, rig, start, simulator, tell)
@@ -344,11 +353,10 @@ def _plateau_messages(runs: Sequence[Measured], belt: BeltSpeed) -> list[str]:
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:
+    period = natural_period(rig)
     return force.joined(
         [
-            force.force_points(
-                rig, r.t, r.readings, belt_speed=r.belt_speed, noise=r.noise, run=i, stick_speed=r.track.threshold
-            )
+            force.force_points(rig, r.track, r.readings, noise=r.noise, period=period, run=i)
             for i, r in enumerate(runs)
         ]
     )

@@ -81,10 +81,10 @@ class Track:
 
 
 def filter_width(dt: float, noise: float, belt_speed: float, period: float) -> int:
-    """Odd number of samples for which `SIGMAS` of velocity noise stay below a quarter of the belt speed."""
+    """Odd number of samples for which `SIGMAS` of velocity noise stay below 15 % of the belt speed."""
     longest = max(9, int(period / 6 / dt))
     n = 9
-    while n < longest and SIGMAS * velocity_noise(n, dt, noise) > 0.25 * abs(belt_speed):
+    while n < longest and SIGMAS * velocity_noise(n, dt, noise) > 0.15 * abs(belt_speed):
         n += 2
     return n | 1
 
@@ -95,7 +95,7 @@ def velocity_noise(width: int, dt: float, noise: float) -> float:
 
 
 def track(
-    t: Array, x: Array, *, belt_speed: float, noise: float, period: float, width: int | None = None
+    t: Array, x: Array, *, belt_speed: float, noise: float, period: float, width: int | None = None, tolerance: float = 0.05
 ) -> Track:
     """Modes and velocity of one displacement record.
 
@@ -111,6 +111,8 @@ def track(
         Natural period of the block on its spring, in the unit of t.
     width : int, optional
         Samples of the local quadratic; chosen from the noise if absent.
+    tolerance : float
+        Share of the belt speed by which a stick may be off it: belts ripple, and real contacts creep.
 
     Returns
     -------
@@ -130,10 +132,9 @@ def track(
     filled = np.interp(t, t[good], x[good])
     smooth = savgol_filter(filled, n, 2)
     v = savgol_filter(filled, n, 2, deriv=1, delta=dt)
-    # a real belt is never exactly at its set-point: tolerate 2 %
-    threshold = max(SIGMAS * velocity_noise(n, dt, noise), 0.02 * abs(belt_speed))
-    stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=max(n // 2, 5))
-    mode = np.where(stick, 0, np.where(v > belt_speed, 1, -1))
+    threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * abs(belt_speed))
+    stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
+    mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))
     return Track(t, smooth, v, mode, _runs(mode), belt_speed, threshold, n)
 
 
@@ -168,10 +169,19 @@ def _runs(mode: npt.NDArray[np.int64]) -> tuple[Segment, ...]:
 def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArray[np.bool_]:
     """Sticks shorter than `shortest` are slips passing through v_b; shorter slips are noise."""
     out = mask.copy()
-    for value, limit in ((False, max(shortest // 2, 3)), (True, shortest)):
+    for value, limit in ((False, max(shortest // 3, 3)), (True, shortest)):
         for s in _runs(out.astype(np.int64)):
             if bool(out[s.start]) is value and s.stop - s.start < limit and 0 < s.start and s.stop < len(out):
                 out[s.start : s.stop] = not value
+    return out
+
+
+def _without_specks(mode: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Slips of one or two samples take the mode of the segment before them."""
+    out = mode.copy()
+    for s in _runs(mode)[1:]:
+        if s.mode and s.stop - s.start < 3:
+            out[s.start : s.stop] = out[s.start - 1]
     return out
 
 

@@ -1,0 +1,343 @@
+"""Simulated against measured: the numbers of one table, and the curves of Fig. 4.
+
+Both sides go through the same estimators: the simulation is sampled where the readings are and its velocity,
+modes and transition times are read from the samples in the same way, so that what a filter does to one it does
+to the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from stickslip import segments
+from stickslip.errors import InputError, StickslipError
+from stickslip.identify import BeltSpeed, Measured, columns, measured, natural_period
+from stickslip.model import Model
+from stickslip.records import Recording
+from stickslip.shooting import Array, Simulator, Window, shoot
+from stickslip.simulate import simulate
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table; `scatter` is the standard deviation of the measured value from cycle to cycle."""
+
+    quantity: str
+    unit: str
+    measured: float | None
+    simulated: float | None
+    scatter: float | None
+    meaning: str
+
+    @property
+    def difference(self) -> float | None:
+        """Simulated minus measured, where there are both."""
+        if self.measured is None or self.simulated is None:
+            return None
+        return self.simulated - self.measured
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """Cycle-by-cycle numbers of one side; arrays of one entry a cycle (may be empty)."""
+
+    period: Array
+    stick: Array
+    amplitude: Array
+    speed: Array
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Result of `compare`.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+    measured, simulated : Track
+        Displacement, velocity and modes of both sides on the same times; the simulation runs freely from the
+        state estimated at the start.
+    readings, simulated_readings : (n, c) arrays
+    units : mapping-like tuple
+        Units of time, displacement and velocity in `rows`.
+    model : Model
+    recording : Recording
+    belt_speed : float
+        v_b used, in the rig's units.
+    """
+
+    rows: tuple[Row, ...]
+    measured: segments.Track
+    simulated: segments.Track
+    readings: Array
+    simulated_readings: Array
+    units: tuple[str, str, str]
+    model: Model
+    recording: Recording
+    belt_speed: float
+
+    def row(self, quantity: str) -> Row:
+        """The row of that name; KeyError if there is none."""
+        return {r.quantity: r for r in self.rows}[quantity]
+
+    def table(self) -> str:
+        """The rows as plain text."""
+        head = f"{'quantity':<34}{'measured':>12}{'simulated':>12}{'difference':>12}{'scatter':>11}  unit"
+        lines = [head]
+        for r in self.rows:
+            cells = "".join(f"{number(v):>12}" for v in (r.measured, r.simulated, r.difference))
+            lines.append(f"{r.quantity:<34}{cells}{number(r.scatter):>11}  {r.unit}")
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, object]:
+        """The rows for JSON."""
+        return {"rows": [{**vars(r), "difference": r.difference} for r in self.rows], "belt_speed": self.belt_speed}
+
+
+def number(value: float | None) -> str:
+    """A table's cell: four digits, or a dash."""
+    return "-" if value is None or not np.isfinite(value) else f"{value:.4g}"
+
+
+def compare(
+    model: Model,
+    recording: Recording,
+    *,
+    belt_speed: BeltSpeed = "set-point",
+    simulator: Simulator = simulate,
+    progress: Callable[[str, float], None] | None = None,
+) -> Comparison:
+    """Simulate the model with the run's belt speed from the run's estimated start, and measure both alike.
+
+    Parameters
+    ----------
+    model : Model
+    recording : Recording
+    belt_speed : "set-point" or "plateau"
+        As in `identify`.
+    simulator, progress : callable, optional
+
+    Returns
+    -------
+    Comparison
+        With the rows period, stick fraction, slip amplitude, largest slip speed, release and capture time errors,
+        missed transitions, phase-portrait distance and forecast error.
+
+    Raises
+    ------
+    InputError
+        If the model does not belong to the recording's rig, or cannot be simulated from the estimated start.
+    """
+    tell = progress or (lambda _what, _share: None)
+    tell("reading modes", 0.0)
+    run = measured(recording, model.rig, belt=belt_speed)
+    windows = _windows(run, model)
+    tell("simulating", 0.2)
+    free = _free_run(run, model, simulator)
+    ours = replace_track(run, free[:, 0])
+    tell("forecasts from cycle to cycle", 0.5)
+    ahead, where = _forecasts(run, model, windows, simulator)
+    rows = [*_cycle_rows(run, ours, recording), *_timing_rows(run, ahead, where, recording)]
+    rows.append(_portrait_row(run, ours))
+    rows.append(_forecast_row(run, ahead, where))
+    tell("done", 1.0)
+    units = (recording.unit("t"), recording.unit("x1"), _speed_unit(recording))
+    return Comparison(
+        tuple(rows), run.track, ours, run.readings, free, units, model, recording, run.belt_speed
+    )
+
+
+def per_model(recording: Recording, channel: str) -> float:
+    """How many of the channel's unit make 1 of the model's."""
+    return recording.channels[recording.channel(channel)].scale / recording.factor(channel)
+
+
+def _speed_unit(recording: Recording) -> str:
+    if recording.channel("x1") == "spring_force":
+        return "m/s"
+    t, x = recording.unit("t"), recording.unit("x1")
+    return "1" if t == x == "1" else f"{x}/{t}"
+
+
+def _windows(run: Measured, model: Model) -> list[tuple[Window, int]]:
+    """Windows of about two cycles for forecasting: (window from past readings, its first sample)."""
+    length = 1.2 * natural_period(model.rig)
+    return [
+        (segments.window(run.track, run.readings, b, run=0, columns=columns(model.rig), past_only=True), b[0])
+        for b in segments.cut(run.track, length)
+        if b[1] - b[0] > 12
+    ]
+
+
+def _free_run(run: Measured, model: Model, simulator: Simulator) -> Array:
+    """Readings (n, c) of the model running freely from the start, its initial state fitted to the first cycles."""
+    cols = list(columns(model.rig))
+    whole = segments.window(run.track, run.readings, (0, len(run.t)), run=0, columns=cols)
+    first = segments.cut(run.track, 2 * natural_period(model.rig))[0]
+    opening = segments.window(run.track, run.readings, first, run=0, columns=cols)
+    try:
+        fitted = shoot(model, [opening], (), noise=run.noise, simulator=simulator, iterations=20).windows[0]
+        if len(cols) > 1:
+            whole = replace(whole, initial=fitted.initial)
+            longer = shoot(model, [whole], (), noise=run.noise, simulator=simulator, iterations=20)
+            fitted = longer.windows[0] if np.isfinite(longer.chi2) else fitted
+    except (StickslipError, np.linalg.LinAlgError):
+        fitted = opening
+    state = _states(model, replace(whole, initial=fitted.initial), simulator)
+    if state is None:
+        raise InputError("the model cannot be simulated over the run from the estimated start")
+    return state[:, cols]
+
+
+def _states(model: Model, window: Window, simulator: Simulator) -> Array | None:
+    try:
+        run = simulator(
+            model,
+            belt_speed=window.belt_speed,
+            initial=tuple(window.initial),
+            t_end=float(window.t[-1]),
+            t_eval=window.t,
+        )
+    except StickslipError:
+        return None
+    return run.state if len(run.state) == len(window.t) else None
+
+
+def _forecasts(
+    run: Measured, model: Model, windows: list[tuple[Window, int]], simulator: Simulator
+) -> tuple[Array, Array]:
+    """Readings forecast cycle by cycle, each from a state estimated from earlier readings only; and where."""
+    cols = list(columns(model.rig))
+    out = np.full_like(run.readings, np.nan)
+    for window, start in windows[1:]:
+        state = _states(model, window, simulator)
+        if state is not None:
+            out[start : start + len(state)] = state[:, cols]
+    return out, np.isfinite(out[:, 0])
+
+
+def cycles(track: segments.Track) -> Cycles:
+    """Period, stick time, slip amplitude and largest slip speed of every cycle from release to release."""
+    releases = [i for i, s in enumerate(track.segments[1:], 1) if s.mode and not track.segments[i - 1].mode]
+    period, stick, amplitude, speed = [], [], [], []
+    for a, b in zip(releases[:-1], releases[1:], strict=True):
+        part = slice(track.segments[a].start, track.segments[b].start)
+        x = track.x[part]
+        period.append(track.t[part.stop] - track.t[part.start])
+        stick.append(float(np.mean(track.mode[part] == 0)))
+        amplitude.append(float(x.max() - x.min()))
+        speed.append(float(np.max(np.abs(track.v[part] - track.belt_speed))))
+    return Cycles(*(np.array(v, dtype=float) for v in (period, stick, amplitude, speed)))
+
+
+def _cycle_rows(run: Measured, ours: segments.Track, recording: Recording) -> list[Row]:
+    theirs, mine = cycles(run.track), cycles(ours)
+    t, x = per_model(recording, "t"), abs(per_model(recording, "x1"))
+    v, unit = (1.0 if recording.channel("x1") == "spring_force" else x / t), _speed_unit(recording)
+    what = (
+        ("period", recording.unit("t"), t, theirs.period, mine.period, "from release to release"),
+        ("slip amplitude", recording.unit("x1"), x, theirs.amplitude, mine.amplitude, "range of x1 in a cycle"),
+        ("largest slip speed", unit, v, theirs.speed, mine.speed, "of |v_w| in a cycle"),
+    )
+    rows = [
+        Row(name, unit, _mean(m * f), _mean(s * f), _std(m * f), meaning) for name, unit, f, m, s, meaning in what
+    ]
+    fractions = [float(np.mean(k.mode == 0)) for k in (run.track, ours)]
+    rows.insert(1, Row("stick fraction", "1", *fractions, _std(theirs.stick), "share of the time spent in stick"))
+    return rows
+
+
+def _mean(x: Array) -> float | None:
+    return float(x.mean()) if x.size else None
+
+
+def _std(x: Array) -> float | None:
+    return float(x.std(ddof=1)) if x.size > 1 else None
+
+
+def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording) -> list[Row]:
+    """Errors of release and capture times forecast from one cycle to the next, matched event by event."""
+    out = []
+    scale = per_model(recording, "t")
+    if not where.any():
+        return []
+    filled = np.where(where, ahead[:, 0], run.track.x)
+    theirs = run.track
+    mine = replace_track(run, filled)
+    missed = 0
+    typical = cycles(theirs).period
+    reach = 0.5 * float(np.median(typical)) if typical.size else np.inf
+    for name, a, b in (
+        ("release time error", theirs.releases, mine.releases),
+        ("capture time error", theirs.captures, mine.captures),
+    ):
+        inside = where[np.clip(np.searchsorted(run.t, a), 0, len(where) - 1)]
+        error, lost = matched(a[inside], b, reach)
+        missed += lost
+        rms = float(np.sqrt(np.mean(error**2))) * scale if error.size else None
+        out.append(Row(name, recording.unit("t"), None, rms, None, "rms, forecast from the cycle before"))
+    out.append(Row("transitions missed", "1", None, float(missed), None, "no forecast one within half a period"))
+    return out
+
+
+def replace_track(run: Measured, x: Array) -> segments.Track:
+    """Track of another displacement on the run's times, read with the run's filter and threshold."""
+    return segments.track(
+        run.t,
+        x,
+        belt_speed=run.belt_speed,
+        noise=run.noise[0],
+        period=np.inf,
+        width=run.track.width,
+        tolerance=run.track.threshold / abs(run.belt_speed or np.inf),
+    )
+
+
+def matched(a: Array, b: Array, reach: float) -> tuple[Array, int]:
+    """Differences b - a of events matched to their nearest within `reach`, and how many of `a` found none."""
+    if not b.size:
+        return np.array([]), len(a)
+    nearest = b[np.argmin(np.abs(b[None, :] - a[:, None]), axis=1)] if a.size else a
+    error = nearest - a
+    near = np.abs(error) <= reach
+    return error[near], int((~near).sum())
+
+
+def portrait_distance(a: Array, b: Array, size: Array) -> float:
+    """Symmetric mean nearest distance of two point sets in the plane, in units of `size` per axis.
+
+    d = (mean_i min_j |a_i - b_j| + mean_j min_i |a_i - b_j|)/2 with coordinates divided by `size` (2,): 0.01 means
+    that the portraits lie one hundredth of their size apart.
+    """
+    a, b = a / size, b / size
+    return float(0.5 * (cKDTree(b).query(a)[0].mean() + cKDTree(a).query(b)[0].mean()))
+
+
+def steady(track: segments.Track) -> Array:
+    """(x1, x2) of the second half of a run, (n, 2)."""
+    half = len(track.t) // 2
+    return np.column_stack([track.x[half:], track.v[half:]])
+
+
+def _portrait_row(run: Measured, ours: segments.Track) -> Row:
+    points = steady(run.track)
+    size = np.ptp(points, axis=0)
+    size = np.where(size > 0, size, 1.0)
+    middle = len(points) // 2
+    floor = portrait_distance(points[:middle], points[middle:], size)
+    distance = portrait_distance(points, steady(ours), size)
+    meaning = "symmetric mean nearest distance over the portrait's size; scatter: measured against itself"
+    return Row("phase-portrait distance", "1", None, distance, floor, meaning)
+
+
+def _forecast_row(run: Measured, ahead: Array, where: Array) -> Row:
+    x = run.readings[where, 0]
+    ok = np.isfinite(x)
+    spread = float(np.nanstd(run.readings[:, 0]))
+    value = float(np.sqrt(np.mean((ahead[where, 0][ok] - x[ok]) ** 2))) / spread if ok.any() else None
+    meaning = "x1, from one cycle to the next, over its standard deviation; scatter: the noise alone"
+    return Row("forecast NRMSE", "1", None, value, float(run.noise[0]) / spread, meaning)
