@@ -14,7 +14,7 @@ void unpack(const T* z, int n, int seeds, double* values, double* derivatives) {
   for (int i = 0; i < n; ++i) {
     values[i] = static_cast<double>(value(z[i]));
     if constexpr (requires(T x) { x.d[0]; })
-      for (int k = 0; k < seeds; ++k) derivatives[i * seeds + k] = z[i].d[k];
+      for (int k = 0; k < seeds; ++k) derivatives[i * seeds + k] = z[i].derivative(k);
   }
 }
 
@@ -25,7 +25,7 @@ struct Writer {
   int seeds;
   long next = 0;
   double values[state_count + 1] = {};
-  double derivatives[(state_count + 1) * 16] = {};
+  double derivatives[(state_count + 1) * 12] = {};
 
   Writer(const Request& q, const Sink& out, int n) : request(q), sink(out), seeds(n) {}
   void emit(const T* z, double t, int contact) {
@@ -65,9 +65,13 @@ void run_as(const Request& q, const Sink& sink, Summary& summary, int first, int
   State<T> s;
   prepare(q, sys, s, first, count);
   const double tightest = q.rtol > 0 ? q.rtol : q.atol;
-  const Options options{
-      q.rtol,       q.atol,           q.t_end, q.locator == Locator::henon, q.order > 0 ? q.order : order_for(tightest),
-      q.fixed_step, q.max_transitions};
+  const Options options{q.rtol,
+                        q.atol,
+                        q.t_end,
+                        q.locator == Locator::henon,
+                        q.order > 0 ? q.order : order_for(tolerance_share * tightest),
+                        q.fixed_step,
+                        q.max_transitions};
   Machine<T> machine(sys, options);
   machine.start(s, q.contact);
   Writer<T> writer(q, sink, count);
@@ -96,8 +100,7 @@ void simulate(const Request& q, const Sink& sink, Summary& summary) {
   if (q.n_seeds == 0) return run_as<double>(q, sink, summary, 0, 0);
   if (q.n_seeds <= 4) return run_as<Dual<4>>(q, sink, summary, 0, q.n_seeds);
   if (q.n_seeds <= 8) return run_as<Dual<8>>(q, sink, summary, 0, q.n_seeds);
-  if (q.n_seeds <= 12) return run_as<Dual<12>>(q, sink, summary, 0, q.n_seeds);
-  run_as<Dual<16>>(q, sink, summary, 0, q.n_seeds);
+  run_as<Dual<12>>(q, sink, summary, 0, q.n_seeds);
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

@@ -59,10 +59,11 @@ Record record(const Request& request, bool (*interrupted)(void*)) {
     out.state.reserve(static_cast<std::size_t>(request.n_eval) * state_count);
   }
   constexpr int row = parameter_count + state_count;
-  for (int first = 0; first == 0 || first < request.n_seeds; first += dispatch::max_seeds) {
+  const int groups = request.n_seeds == 0 ? 1 : (request.n_seeds + dispatch::max_seeds - 1) / dispatch::max_seeds;
+  for (int group = 0; group < groups; ++group) {  // of even size
     Request part = request;
-    const int rest = request.n_seeds - first;
-    part.n_seeds = rest < dispatch::max_seeds ? rest : dispatch::max_seeds;
+    const int first = request.n_seeds * group / groups;
+    part.n_seeds = request.n_seeds * (group + 1) / groups - first;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * row;
     Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(part.n_seeds)};
     const Sink sink{&collector, on_sample, on_transition, interrupted};

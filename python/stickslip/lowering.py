@@ -117,7 +117,7 @@ def lower(model: Model, belt_speed: float) -> Lowered:
         law=law_kind,
         effects=bits,
         table_place=0 if table is None else PLACES.index(table.where),
-        table_variable=0 if table is None else VARIABLES.index(table.depends_on_name),
+        table_variable=0 if table is None else VARIABLES.index(table.variable),
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )

@@ -6,43 +6,48 @@
 
 #include <cmath>
 
-#include "stickslip/isa.hpp"
+#include "stickslip/lanes.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
 template <int N>
 struct Dual {
-  static constexpr int size = N;
+  static_assert(N % 4 == 0);
+  static constexpr int size = N, chunks = N / 4;
+  using Chunk = Register<4>::Vec;  // vectors, so that the compiler keeps a dual number in registers
   double v;
-  double d[N];
+  Chunk d[chunks];
 
   Dual() = default;  // uninitialised, as double is: series are filled before they are read
   constexpr Dual(double value) : v(value), d{} {}  // NOLINT(google-explicit-constructor): a constant is a number
 
+  double derivative(int i) const { return d[i / 4][i % 4]; }
+  void set_derivative(int i, double x) { d[i / 4][i % 4] = x; }
+
   Dual& operator+=(const Dual& o) {
     v += o.v;
-    for (int i = 0; i < N; ++i) d[i] += o.d[i];
+    for (int i = 0; i < chunks; ++i) d[i] += o.d[i];
     return *this;
   }
   Dual& operator-=(const Dual& o) {
     v -= o.v;
-    for (int i = 0; i < N; ++i) d[i] -= o.d[i];
+    for (int i = 0; i < chunks; ++i) d[i] -= o.d[i];
     return *this;
   }
   Dual& operator*=(const Dual& o) {
-    for (int i = 0; i < N; ++i) d[i] = d[i] * o.v + v * o.d[i];
+    for (int i = 0; i < chunks; ++i) d[i] = d[i] * o.v + v * o.d[i];
     v *= o.v;
     return *this;
   }
   Dual& operator*=(double s) {
     v *= s;
-    for (int i = 0; i < N; ++i) d[i] *= s;
+    for (int i = 0; i < chunks; ++i) d[i] *= s;
     return *this;
   }
   Dual& operator/=(const Dual& o) {
     const double r = 1 / o.v;
     v *= r;
-    for (int i = 0; i < N; ++i) d[i] = (d[i] - v * o.d[i]) * r;
+    for (int i = 0; i < chunks; ++i) d[i] = (d[i] - v * o.d[i]) * r;
     return *this;
   }
 
@@ -66,7 +71,7 @@ struct Dual {
   friend Dual operator/(double a, const Dual& b) { return Dual(a) /= b; }
   friend Dual operator-(Dual a) {
     a.v = -a.v;
-    for (int i = 0; i < N; ++i) a.d[i] = -a.d[i];
+    for (int i = 0; i < chunks; ++i) a.d[i] = -a.d[i];
     return a;
   }
 };
@@ -75,7 +80,7 @@ struct Dual {
 template <int N>
 Dual<N> chain(const Dual<N>& a, double f, double df) {
   Dual<N> r(f);
-  for (int i = 0; i < N; ++i) r.d[i] = df * a.d[i];
+  for (int i = 0; i < Dual<N>::chunks; ++i) r.d[i] = df * a.d[i];
   return r;
 }
 
@@ -83,7 +88,7 @@ Dual<N> chain(const Dual<N>& a, double f, double df) {
 template <int N>
 void add_product(Dual<N>& acc, const Dual<N>& a, const Dual<N>& b) {
   acc.v += a.v * b.v;
-  for (int i = 0; i < N; ++i) acc.d[i] += a.d[i] * b.v + a.v * b.d[i];
+  for (int i = 0; i < Dual<N>::chunks; ++i) acc.d[i] += a.d[i] * b.v + a.v * b.d[i];
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

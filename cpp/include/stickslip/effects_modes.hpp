@@ -8,10 +8,12 @@ namespace stickslip::inline STICKSLIP_ISA {
 // Append a watch on `sign` times a series (plus a constant); returns it for its bounds.
 template <class T>
 Watch<T>& watch_series(Piece<T>& piece, WatchId id, const T* c, double sign, int order) {
+  T* out = piece.switching[piece.watches];
+  for (int k = 0; k <= order; ++k) out[k] = c[k] * sign;
   Watch<T>& w = piece.watch[piece.watches++];
   w.id = id;
   w.has_lo = w.has_hi = false;
-  for (int k = 0; k <= order; ++k) w.c[k] = c[k] * sign;
+  w.c = out;
   return w;
 }
 template <class T>
@@ -31,9 +33,10 @@ void watch_contact_effects(const System<T>& sys, const Mode& mode, int order, Pi
   if (mode.contact == 0) {  // margins to the static limits, q = -friction
     Watch<T>& upper = watch_series(piece, watch_contact, fx.limit_minus, 1.0, order);
     Watch<T>& lower = watch_series(piece, watch_demand, fx.limit_plus, 1.0, order);
+    T *up = piece.switching[piece.watches - 2], *down = piece.switching[piece.watches - 1];
     for (int k = 0; k <= order; ++k) {
-      upper.c[k] = upper.c[k] + fx.friction[k];
-      lower.c[k] = lower.c[k] - fx.friction[k];
+      up[k] = up[k] + fx.friction[k];
+      down[k] = down[k] - fx.friction[k];
     }
     above(upper, T(0.0));
     above(lower, T(0.0));
@@ -143,7 +146,6 @@ void change_pivot(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Side 
 
 template <class T>
 void change_effects(const System<T>& sys, State<T>& s, Mode& mode, Side* on, int id, Side side, Piece<T>& piece) {
-  const Side other = side == Side::lower ? Side::upper : Side::lower;
   const int step = side == Side::lower ? -1 : 1;
   switch (id) {
     case watch_contact:
@@ -167,7 +169,7 @@ void change_effects(const System<T>& sys, State<T>& s, Mode& mode, Side* on, int
         ++mode.cycle;
       }
   }
-  on[id] = other;
+  on[id] = opposite(side);
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

@@ -58,68 +58,82 @@ Bracket first_sign_change(R* b, int n, double a, double width, R noise, int dept
   return left.found ? left : first_sign_change(right, n, a + 0.5 * width, 0.5 * width, noise, depth - 1);
 }
 
-// Land on S = 0 inside [a, b], where S(a) > 0 > S(b). `henon` off: bisection alone.
+// S and S' at t, together: two short chains instead of two passes.
 template <class R>
-R land(const R* c, int n, R a, R b, bool henon) {
-  R t = a;
+void value_and_slope(const R* c, int n, R t, R& s, R& slope) {
+  s = c[n];
+  slope = R(0.0);
+  for (int k = n - 1; k >= 0; --k) {
+    slope = slope * t + s;
+    s = s * t + c[k];
+  }
+}
+
+// Land on S = 0 inside [a, b], where S(a) > 0 > S(b), from `guess` in it. `henon` off: bisection alone.
+template <class R>
+R land(const R* c, int n, R a, R b, R guess, bool henon) {
   if (!henon) {
-    for (int i = 0; i < 200 && a < b; ++i) {
-      t = a + (b - a) * 0.5;
-      if (t <= a || t >= b) break;
-      (evaluate(c, n, t) > 0 ? a : b) = t;
-    }
+    for (R t = a + (b - a) * 0.5; t > a && t < b; t = a + (b - a) * 0.5) (evaluate(c, n, t) > 0 ? a : b) = t;
     return b;
   }
-  R last = b - a;
+  const R settled = square_root(std::numeric_limits<R>::epsilon()) * 0.1;  // the next step would be its square
+  R t = guess, last = b - a, s, slope;
   for (int i = 0; i < 100; ++i) {
-    const R s = evaluate(c, n, t);
-    (s > 0 ? a : b) = t;
+    value_and_slope(c, n, t, s, slope);
     if (s == 0) return t;
-    const R slope = evaluate_slope(c, n, t);
+    (s > 0 ? a : b) = t;
     R next = t - s / slope;  // dt = dS / S', dS = -S
     const bool inside = slope < 0 && next >= a && next <= b;
     if (!inside || magnitude(next - t) > 0.75 * last) next = a + (b - a) * 0.5;  // singular: bracket
     last = magnitude(next - t);
-    if (next == t || last <= std::numeric_limits<R>::epsilon() * 0.5 * t) return next;
     t = next;
+    if (last <= settled * b) return t;
   }
   return t;
 }
 
-// Can S stay positive on (0, h]? A bound from the first two coefficients and the sum of the rest; `start` skips the
-// coefficients that vanish at a surface just left. Cheap, and almost always enough.
+// t(0) of the cubic t(S) through both ends of [0, h] with their slopes dt/dS: where Hénon's step starts from.
 template <class R>
-bool surely_positive(const R* c, int n, R h, int start) {
-  R rest(0.0), power = h * h;
-  for (int k = start + 2; k <= n; ++k) {
-    rest += magnitude(c[k]) * power;
-    power *= h;
-  }
-  const R end = c[start] + c[start + 1] * h;
-  return (c[start] < end ? c[start] : end) > rest;
+R inverse_hermite(R s0, R slope0, R s1, R slope1, R h) {
+  const R span = s1 - s0, x = -s0 / span;  // fraction of the way in S
+  const R m0 = span / slope0, m1 = span / slope1;
+  const R t = x * x * (3 - 2 * x) * h + x * (1 - x) * ((1 - x) * m0 - x * m1);
+  return t > 0 && t < h ? t : R(x * h);
+}
+
+// Is S falling throughout [0, h]? A bound; then a root in it is the only one.
+template <class R>
+bool surely_falling(const R* c, int n, R h) {
+  R rest(0.0);
+  for (int k = n; k >= 3; --k) rest = rest * h + magnitude(c[k]) * static_cast<double>(k);
+  rest = rest * h * h;
+  const R end = c[1] + c[2] * h * 2.0;
+  return (c[1] > end ? c[1] : end) < -rest;
 }
 
 // First time in (0, h] at which S turns negative. `on_surface`: S(0) = 0 exactly and the trajectory is leaving, so
-// the root at 0 is divided out (and a slope of rounding size with it).
+// the root at 0 is divided out.
 template <class R>
 bool first_crossing(const R* c, int n, R h, bool on_surface, bool henon, R& t) {
   int start = 0;
-  R scale(0.0), power(1.0);
-  for (int k = 0; k <= n; ++k) {
-    scale = largest(scale, R(magnitude(c[k]) * power));
-    power *= h;
-  }
-  if (on_surface)
-    start = (c[1] <= 0 && magnitude(c[1]) * h <= scale * 1e-10) || magnitude(c[1]) * h <= scale * 1e-13 ? 2 : 1;
-  if (surely_positive(c, n, h, start)) return false;
+  // Leaving, S' < 0 can only be an error of rounding or tolerance size: the departure has no velocity, and the
+  // double root at 0 is divided out.
+  if (on_surface) start = c[1] <= 0 && c[2] > 0 ? 2 : 1;
   if (c[start] <= 0) {  // already outside (two surfaces met at once), or a departure that turns back at once
     t = R(0.0);
     return c[start] < 0 || n <= start || c[start + 1] < 0;
   }
   const R* d = c + start;
   const int m = n - start;
+  if (surely_falling(d, m, h)) {
+    R end, slope;
+    value_and_slope(d, m, h, end, slope);
+    if (end >= 0) return false;
+    t = land(d, m, R(0.0), h, inverse_hermite(d[0], d[1], end, slope, h), henon);
+    return true;
+  }
   R a[series_size], b[series_size];
-  power = R(1.0);
+  R power(1.0);
   for (int k = 0; k <= m; ++k) {
     a[k] = d[k] * power;
     power *= h;
@@ -130,7 +144,8 @@ bool first_crossing(const R* c, int n, R h, bool on_surface, bool henon, R& t) {
   const R noise = largest_b * std::numeric_limits<R>::epsilon() * 2.0;
   const Bracket r = first_sign_change(b, m, 0.0, 1.0, noise, 52);
   if (!r.found) return false;
-  t = land(d, m, R(r.a * h), R(r.b * h), henon);
+  const R middle = R(r.a * h) + R((r.b - r.a) * h) * 0.5;
+  t = land(d, m, R(r.a * h), R(r.b * h), middle, henon);
   return true;
 }
 

@@ -14,7 +14,7 @@ void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& 
 
 namespace stickslip::dispatch {
 
-constexpr int max_seeds = 16;
+constexpr int max_seeds = 12;
 
 void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
 

@@ -99,6 +99,13 @@ Lanes<W> rough_log2(const Lanes<W>& x) {
   return Lanes<W>(detail::log2_rough<typename Lanes<W>::Vec, typename Lanes<W>::Bits>(x.v));
 }
 
+inline double rough_exp2(double x) { return detail::exp2_rough<double, std::int64_t>(x); }
+inline long double rough_exp2(long double x) { return std::exp2(x); }
+template <int W>
+Lanes<W> rough_exp2(const Lanes<W>& x) {
+  return Lanes<W>(detail::exp2_rough<typename Lanes<W>::Vec, typename Lanes<W>::Bits>(x.v));
+}
+
 template <class R>
 R largest(R a, R b) {
   if constexpr (requires { a.v; }) {

@@ -21,7 +21,7 @@ void load(const double* values, const double* seeds, int first, int count, int s
   for (int i = 0; i < n; ++i) out[i] = T(values[i]);
   if constexpr (requires(T x) { x.d[0]; }) {
     for (int s = 0; s < count; ++s)
-      for (int i = 0; i < n; ++i) out[i].d[s] = seeds[(first + s) * stride + i];
+      for (int i = 0; i < n; ++i) out[i].set_derivative(s, seeds[(first + s) * stride + i]);
   }
 }
 

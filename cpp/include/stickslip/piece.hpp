@@ -5,13 +5,19 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
+// A linear piece is expanded to machine precision whatever the tolerance: its series converges everywhere, so the
+// step depends on the rig alone. With rate >= |A|, the terms left out are below (rate h)^26/26! of the motion.
+constexpr int linear_order = 25;
+constexpr double linear_reach = 1.95;  // rate h: (1.95)^26/26! = 9e-20, and e^1.95 bounds the cancellation
+
 template <class T>
 struct System {
   Parameters<T> p;
   Rig<T> rig;
   Branch<T> minus, plus;
   Structure structure;
-  T table[max_knots + 1][4];  // cubic of each interval in (variable - its left knot); constant outside the knots
+  Real<T> stick_step, line_step;  // of linear pieces
+  T table[max_knots + 1][4];      // cubic of each interval in (variable - its left knot); constant outside the knots
 };
 
 template <class T>
@@ -19,6 +25,19 @@ void build(System<T>& sys) {  // from sys.structure and sys.p
   sys.rig = make_rig(sys.structure.rig, sys.p);
   sys.minus = branch(sys.structure.law, sys.p, -1);
   sys.plus = branch(sys.structure.law, sys.p, 1);
+  const Rig<T>& r = sys.rig;
+  const auto real = [](const T& x) { return magnitude(value(x)); };
+  const auto rate = [&](const Real<T>& slope) {  // of |A|: root of the stiffness plus the damping, row by row
+    const Real<T> block =
+        square_root(real(r.kx) + real(r.s * r.over_a1)) + (real(r.e1) * 2.0 + slope) * real(r.over_a1);
+    if (!r.two) return block;
+    const Real<T> leg =
+        square_root((real(r.b3) + 1.0) * real(r.over_a2)) + (real(r.e1) + real(r.e12)) * real(r.over_a2);
+    return largest(block, leg);
+  };
+  const Real<T> reach(linear_reach);
+  sys.stick_step = reach / rate(Real<T>(0.0));
+  sys.line_step = reach / rate(largest(Real<T>(real(sys.minus.c1)), Real<T>(real(sys.plus.c1))));
 }
 
 template <class T>
@@ -47,13 +66,11 @@ template <class T>
 struct Piece {
   Series<T> s;
   EffectSeries<T> fx;
+  T q[series_size];
+  T switching[watch_count][series_size];  // of a piece with effects
   Watch<T> watch[watch_count];
   int watches = 0;
 };
-
-// A linear piece is expanded to machine precision whatever the tolerance: its series is cheap.
-constexpr int linear_order = 20;
-constexpr double linear_tolerance = 1e-17;
 
 template <class T>
 T* state_series(Piece<T>& piece, int i) {
@@ -66,43 +83,65 @@ Real<T> natural_frequency(const System<T>& sys) {
   return square_root(Real<T>(value(sys.rig.kx)));
 }
 
-// Longest step whose first neglected terms stay below the tolerance (Jorba and Zou 2005), from the last two.
+// Longest step whose last two terms stay below the tolerance (Jorba and Zou 2005). `tolerance_share` leaves room for
+// the error to add up over a cycle of stick-slip.
+constexpr double tolerance_share = 0.1;
+
 template <class T>
 Real<T> step_from(const Real<T>& last, const Real<T>& before, const Real<T>& scale, int order, double rtol,
                   double atol) {
   using R = Real<T>;
   const R tiny(1e-300);
-  const R allowed = rough_log2(R(atol) + R(rtol) * scale + tiny);
+  const R allowed = rough_log2((R(atol) + R(rtol) * scale) * tolerance_share + tiny);
   const R h1 = (allowed - rough_log2(last + tiny)) * (1.0 / order);
   const R h2 = (allowed - rough_log2(before + tiny)) * (1.0 / (order - 1));
   const R safety(-0.7 / (order - 1) * 1.4426950408889634);
-  return exponential(((h1 < h2 ? h1 : h2) + safety) * 0.6931471805599453);
+  return rough_exp2(R((h1 < h2 ? h1 : h2) + safety));
+}
+
+// With effects, what drives a switching function counts too: the friction or its demand, the static limits, the
+// hidden states. Forces are compared as accelerations.
+template <class T>
+Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T>& fx, int k) {
+  using R = Real<T>;
+  const auto has = [&](Effect effect) { return (sys.structure.effects & effect) != 0; };
+  R size = magnitude(value(fx.friction[k] * sys.rig.over_a1));
+  if (mode.contact == 0) size = largest(size, R(magnitude(value(fx.limit_minus[k] * sys.rig.over_a1))));
+  if (has(fx_memory) && mode.contact != 0) size = largest(size, R(magnitude(value(fx.w[k]))));
+  if (has(fx_droop)) size = largest(size, R(magnitude(value(fx.b[k]))));
+  if (has(fx_lag)) size = largest(size, R(magnitude(value(fx.m[k]))));
+  return size;
 }
 
 template <class T>
-Real<T> step_length(const System<T>& sys, const Piece<T>& piece, int order, bool linear, double rtol, double atol) {
+Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piece, int order, double rtol,
+                    double atol) {
   using R = Real<T>;
   const Series<T>& s = piece.s;
-  const auto size = [&](int k) { return largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k])))); };
+  const bool plain = sys.structure.effects == 0;
+  const auto size = [&](int k) {
+    const R motion = largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k]))));
+    return plain || k == 0 ? motion : largest(motion, effect_size(sys, mode, piece.fx, k));
+  };
   const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
   const R scale = largest(size(0), R(position * natural_frequency(sys)));
-  if (linear) return step_from<T>(size(order), size(order - 1), scale, order, linear_tolerance, 0.0);
   return step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
 }
 
 // Without effects a piece has one switching function: q between the static limits, or u from 0 to the kink.
 template <class T>
-int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<T>& piece, bool& linear) {
+int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<T>& piece, Real<T>& linear_step) {
   const Rig<T>& r = sys.rig;
   Series<T>& s = piece.s;
   Watch<T>& watch = piece.watch[0];
   piece.watches = 1;
   watch.id = watch_contact;
   watch.has_lo = watch.has_hi = true;
-  linear = true;
+  linear_step = sys.line_step;
   if (mode.contact == 0) {
-    expand_stick(r, linear_order, s);
-    for (int k = 0; k <= linear_order; ++k) watch.c[k] = demand(r, s.x1[k], s.x2[k], s.y1[k], s.y2[k]);
+    linear_step = sys.stick_step;
+    expand_stick(r, linear_order, s, piece.q);
+    watch.c = piece.q;
     watch.lo = -sys.plus.static_limit;
     watch.hi = sys.minus.static_limit;
     return linear_order;
@@ -115,19 +154,26 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
   } else if (b.shape == Shape::line) {
     expand_line(r, b.c0, b.c1, dir, order, s);
   } else {
-    linear = false;
+    linear_step = Real<T>(0.0);
     order = curve_order;
     if (b.shape == Shape::exponentials) {
-      expand_curve<Shape::exponentials>(r, b, dir, order, s);
+      expand_exponentials(r, b, dir, order, s);
     } else {
-      expand_curve<Shape::rational>(r, b, dir, order, s);
+      expand_rational(r, b, dir, order, s);
     }
   }
-  for (int k = 0; k <= order; ++k) watch.c[k] = s.x2[k] * dir;
-  watch.c[0] = (s.x2[0] - r.v_b) * dir;
-  watch.lo = mode.saturated ? b.kink : T(0.0);
-  watch.has_hi = b.has_kink && !mode.saturated;
-  watch.hi = b.kink;
+  watch.c = s.x2;  // x2 = v_b + dir u, so that u = 0 and u = kink are bounds on x2 itself
+  const T far = r.v_b + b.kink * dir;
+  const bool curve = !mode.saturated;
+  if (mode.contact > 0) {
+    watch.lo = curve ? r.v_b : far;
+    watch.hi = far;
+    watch.has_hi = b.has_kink && curve;
+  } else {
+    watch.hi = curve ? r.v_b : far;
+    watch.lo = far;
+    watch.has_lo = b.has_kink && curve;
+  }
   return order;
 }
 
@@ -140,10 +186,11 @@ int contact_at_rest(const T& q, const T& lower, const T& upper) {
 
 template <class T>
 void change_plain(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Side side) {
-  const bool slip_end = mode.contact != 0 && side == Side::lower && !mode.saturated;
+  const Side towards_rest = mode.contact > 0 ? Side::lower : Side::upper;
+  const bool slip_end = mode.contact != 0 && side == towards_rest && !mode.saturated;
   if (mode.contact != 0 && !slip_end) {  // the branch saturates, or leaves its floor
-    mode.saturated = side == Side::upper;
-    on[watch_contact] = mode.saturated ? Side::lower : Side::upper;
+    mode.saturated = !mode.saturated;
+    on[watch_contact] = opposite(side);
     return;
   }
   if (slip_end) {
@@ -154,7 +201,7 @@ void change_plain(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Side 
     mode.contact = side == Side::upper ? -1 : 1;
   }
   mode.saturated = false;
-  if (mode.contact != 0) on[watch_contact] = Side::lower;
+  if (mode.contact != 0) on[watch_contact] = mode.contact > 0 ? Side::lower : Side::upper;
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

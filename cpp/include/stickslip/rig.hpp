@@ -90,13 +90,15 @@ void extend_positions(const Rig<T>& r, Series<T>& s, int k) {
   }
 }
 
-// Stick: x2 = v_b.
+// Stick: x2 = v_b. `q` is the series of the force the belt must supply.
 template <class T>
-void expand_stick(const Rig<T>& r, int order, Series<T>& s) {
+void expand_stick(const Rig<T>& r, int order, Series<T>& s, T* q) {
   for (int k = 0; k < order; ++k) {
+    q[k] = demand(r, s.x1[k], s.x2[k], s.y1[k], s.y2[k]);
     extend_positions(r, s, k);
     s.x2[k + 1] = T(0.0);
   }
+  q[order] = demand(r, s.x1[order], s.x2[order], s.y1[order], s.y2[order]);
 }
 
 // Slip in direction `dir` along a line c0 + c1 u (a saturated branch: c1 = 0). Linear with constant coefficients, so
@@ -112,41 +114,63 @@ void expand_line(const Rig<T>& r, const T& c0, const T& c1, const Real<T>& dir, 
   }
 }
 
-// Slip along a curved branch: c0 + c1 u + c2 u^2 and two exponentials or a rational term.
-template <Shape shape, class T>
-void expand_curve(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
-  T u[series_size], slope[series_size], e1[series_size], e2[series_size];
-  u[0] = (s.x2[0] - r.v_b) * dir;
-  T over(0.0);
-  if constexpr (shape == Shape::exponentials) {
-    e1[0] = b.a1 * exponential(b.k1 * u[0]);
-    e2[0] = b.a2 * exponential(b.k2 * u[0]);
-  } else {
-    slope[0] = T(1.0) + b.decay * u[0];
-    over = T(1.0) / slope[0];
-    e1[0] = b.rational * over;
+// Slip along the two exponentials of (4.2). The recurrence is a chain of dependent operations, so all that does not
+// need the newest coefficient is formed beside it: e holds (a_i/a1) e^(k_i u), `other` the part of u' without e, and
+// each turn of the chain is one sum and one multiply-add.
+template <class T>
+void expand_exponentials(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
+  T slope[series_size];  // slope[k] = k u_k
+  Pair<T> e[series_size];
+  const T damping = r.e1 * r.over_a1, stiffness = r.kx * dir, y_damping = damping * dir,
+          y_stiffness = r.s * r.over_a1 * dir;
+  const T b3 = r.b3 * r.over_a2, e12 = r.e12 * r.over_a2, leg1 = r.over_a2, leg2 = r.e1 * r.over_a2;
+  const Pair<T> rate = paired(b.k1, b.k2);
+  T x1 = s.x1[0], x2 = s.x2[0], y1 = s.y1[0], y2 = s.y2[0], u = (x2 - r.v_b) * dir;
+  e[0] = paired(T(b.a1 * r.over_a1), T(b.a2 * r.over_a1)) * exponential(rate * u);
+  const Pair<T> first = e[0] * rate;
+  Pair<T> newest = e[0];
+  T other = -(b.c0 * r.over_a1) - damping * (x2 * dir - u);  // of u' : all but e and the terms below
+  for (int k = 0; k < order; ++k) {
+    const Real<T> over = inverse<T>(k + 1);
+    Pair<T> rest(0.0);
+    if (k > 0) rest = exponential_rest(slope, e, k + 1) * (rate * over);
+    other = other - (stiffness * x1 + y_damping * y2 + y_stiffness * y1);
+    const T leg = (b3 * y1 + e12 * y2 + leg1 * x1 + leg2 * x2) * over;
+    x1 = x2 * over;
+    y1 = y2 * over;
+    y2 = -leg;
+    const T next = (other - damping * u) + sum(newest);
+    slope[k + 1] = next;
+    newest = rest + first * (next * over);
+    e[k + 1] = newest;
+    u = next * over;
+    x2 = u * dir;
+    s.x1[k + 1] = x1;
+    s.x2[k + 1] = x2;
+    s.y1[k + 1] = y1;
+    s.y2[k + 1] = y2;
+    other = T(0.0);
   }
-  const T scale = dir * r.over_a1;
+}
+
+// Slip along c0 + c2 u^2 + rational/(1 + decay u).
+template <class T>
+void expand_rational(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
+  T u[series_size], den[series_size], q[series_size];
+  const T scale = r.over_a1 * dir;
+  u[0] = (s.x2[0] - r.v_b) * dir;
+  den[0] = T(1.0) + b.decay * u[0];
+  const T over_den = T(1.0) / den[0];
+  q[0] = b.rational * over_den;
   for (int k = 0; k < order; ++k) {
     if (k > 0) {
       u[k] = s.x2[k] * dir;
-      if constexpr (shape == Shape::exponentials) {
-        slope[k] = u[k] * Real<T>(static_cast<double>(k));
-        e1[k] = exponential_next(slope, e1, k) * b.k1;
-        e2[k] = exponential_next(slope, e2, k) * b.k2;
-      } else {
-        slope[k] = b.decay * u[k];
-        e1[k] = quotient_next(T(0.0), slope, e1, over, k);
-      }
+      den[k] = b.decay * u[k];
+      q[k] = quotient_next(T(0.0), den, q, over_den, k);
     }
     extend_positions(r, s, k);
-    T friction = b.c1 * u[k];
+    T friction = q[k] + b.c1 * u[k] + b.c2 * product(u, u, k);
     if (k == 0) friction = friction + b.c0;
-    if constexpr (shape == Shape::exponentials) {
-      friction = friction - e1[k] - e2[k];
-    } else {
-      friction = friction + e1[k] + b.c2 * product(u, u, k);
-    }
     const T a = r.kx * s.x1[k] + bracket(r, s.x2[k], s.y1[k], s.y2[k]) * r.over_a1 + friction * scale;
     s.x2[k + 1] = -a * inverse<T>(k + 1);
   }

@@ -2,6 +2,8 @@
 // differentiation in time; Jorba and Zou 2005). Coefficient k is that of (t - t0)^k.
 #pragma once
 
+#include <type_traits>
+
 #include "stickslip/numbers.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -26,30 +28,81 @@ constexpr Real<T> inverse(int k) {
   }
 }
 
-// Coefficient k of a b.
+// Two numbers handled alike: one register of two doubles, or simply two of anything else.
 template <class T>
-T product(const T* a, const T* b, int k) {
-  T s0 = a[0] * b[k], s1(0.0);
-  int j = 1;
-  for (; j < k; j += 2) {  // two sums, so that the additions do not wait for each other
+struct TwoOf {
+  T a, b;
+  TwoOf() = default;
+  explicit TwoOf(double s) : a(s), b(s) {}
+  TwoOf(const T& x, const T& y) : a(x), b(y) {}
+  friend TwoOf operator*(const TwoOf& x, const TwoOf& y) { return {x.a * y.a, x.b * y.b}; }
+  template <class S>
+  friend TwoOf operator*(const TwoOf& x, const S& s) {
+    return {x.a * s, x.b * s};
+  }
+  friend TwoOf operator+(const TwoOf& x, const TwoOf& y) { return {x.a + y.a, x.b + y.b}; }
+};
+template <class T>
+using Pair = std::conditional_t<std::is_same_v<T, double>, Lanes<2>, TwoOf<T>>;
+
+inline Lanes<2> paired(double a, double b) { return Lanes<2>(Lanes<2>::Vec{a, b}); }
+inline double sum(const Lanes<2>& p) { return p[0] + p[1]; }
+inline void add_product(Lanes<2>& s, double a, const Lanes<2>& b) { s.v += a * b.v; }
+template <class T>
+TwoOf<T> paired(const T& a, const T& b) {
+  return {a, b};
+}
+template <class T>
+T sum(const TwoOf<T>& p) {
+  return p.a + p.b;
+}
+template <class T>
+void add_product(TwoOf<T>& s, const T& a, const TwoOf<T>& b) {
+  add_product(s.a, a, b.a);
+  add_product(s.b, a, b.b);
+}
+template <class T>
+TwoOf<T> exponential(const TwoOf<T>& x) {
+  return {exponential(x.a), exponential(x.b)};
+}
+
+// sum of a_j b_{k-j} over j = from..to in two accumulators, so that additions do not wait for each other.
+template <class T, class U>
+[[gnu::always_inline]] inline U partial_product(const T* a, const U* b, int k, int from, int to) {
+  U s0(0.0), s1(0.0);
+  int j = from;
+  for (; j < to; j += 2) {
     add_product(s0, a[j], b[k - j]);
     add_product(s1, a[j + 1], b[k - j - 1]);
   }
-  if (j == k) add_product(s0, a[j], b[0]);
+  if (j == to) add_product(s0, a[j], b[k - j]);
   return s0 + s1;
 }
 
-// Coefficient k >= 1 of e^a, given slope[j] = j a_j for j = 1..k and the coefficients 0..k-1 of e^a.
+// Coefficient k of a b. The newest coefficients enter last: they are what the processor waits for.
+template <class T>
+T product(const T* a, const T* b, int k) {
+  if (k == 0) return a[0] * b[0];
+  T s = partial_product(a, b, k, 1, k - 1);
+  add_product(s, a[k], b[0]);
+  add_product(s, a[0], b[k]);
+  return s;
+}
+
+// e^a: k e_k = sum_{j=1..k} slope_j e_{k-j} with slope_j = j a_j. This is the sum without its last term, for k >= 2.
+template <class T, class U>
+[[gnu::always_inline]] inline U exponential_rest(const T* slope, const U* e, int k) {
+  U s = partial_product(slope, e, k, 2, k - 1);
+  add_product(s, slope[1], e[k - 1]);
+  return s;
+}
+
+// Coefficient k >= 1 of e^a from slope[1..k] and the coefficients before it.
 template <class T>
 T exponential_next(const T* slope, const T* e, int k) {
-  T s0 = slope[1] * e[k - 1], s1(0.0);
-  int j = 2;
-  for (; j < k; j += 2) {
-    add_product(s0, slope[j], e[k - j]);
-    add_product(s1, slope[j + 1], e[k - j - 1]);
-  }
-  if (j == k) add_product(s0, slope[j], e[0]);
-  return (s0 + s1) * inverse<T>(k);
+  T s = slope[k] * e[0];
+  if (k > 1) s = s + exponential_rest(slope, e, k);
+  return s * inverse<T>(k);
 }
 
 // Coefficient k of num/den: (num_k - sum_{j=1..k} den_j q_{k-j}) / den_0, with `over` = 1/den_0.

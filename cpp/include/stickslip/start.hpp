@@ -5,17 +5,18 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
-// Expand the piece that starts at `state` and list its switching functions. Returns the order of the series.
+// Expand the piece that starts at `state` and list its switching functions. Returns the order of the series;
+// `linear_step` is the step of a linear piece, 0 where the tolerance decides.
 template <class T>
 int expand(const System<T>& sys, const Mode& mode, const State<T>& state, int curve_order, Piece<T>& piece,
-           bool& linear) {
+           Real<T>& linear_step) {
   Series<T>& s = piece.s;
   s.x1[0] = state.z[0];
   s.x2[0] = state.z[1];
   s.y1[0] = state.z[2];
   s.y2[0] = state.z[3];
-  if (sys.structure.effects == 0) return expand_plain(sys, mode, curve_order, piece, linear);
-  linear = false;
+  if (sys.structure.effects == 0) return expand_plain(sys, mode, curve_order, piece, linear_step);
+  linear_step = Real<T>(0.0);
   expand_effects(sys, mode, state, curve_order, piece);
   watch_effects(sys, mode, curve_order, piece);
   return curve_order;
@@ -28,6 +29,10 @@ void piece_state(const System<T>& sys, const Mode& mode, Piece<T>& piece, const 
   constexpr Effect owner[] = {fx_memory, fx_compliance, fx_droop, fx_lag};
   for (int i = 0; i < 4; ++i) z[i] = evaluate_at(state_series(piece, i), order, h);
   if (mode.contact == 0 && sys.structure.effects == 0) z[1] = sys.rig.v_b;
+  if (sys.structure.effects == 0) {
+    for (int i = hidden_w; i < state_count; ++i) z[i] = start.z[i];
+    return;
+  }
   for (int i = hidden_w; i < hidden_dwell; ++i)
     z[i] = has(sys, owner[i - hidden_w]) ? evaluate_at(state_series(piece, i), order, h) : start.z[i];
   z[hidden_dwell] = mode.contact == 0 ? start.z[hidden_dwell] + h : start.z[hidden_dwell];
@@ -94,7 +99,7 @@ void set_modes(const System<T>& sys, State<T>& s, Mode& mode, Side* on, int cont
   const double size = std::abs(real(belt)) > std::abs(real(s.z[1])) ? std::abs(real(belt)) : std::abs(real(s.z[1]));
   const bool rest = contact == 2 ? std::abs(v) <= 1e-12 * size : contact == 0;
   if (rest && sys.structure.effects == 0) {
-    mode.contact = -1;  // as if a slip had just ended
+    mode.contact = 1;  // as if a slip had just ended
     change_plain(sys, s, mode, on, Side::lower);
   } else if (rest) {
     const T dwell = s.z[hidden_dwell];

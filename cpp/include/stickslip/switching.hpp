@@ -22,7 +22,7 @@ enum WatchId : int {
 
 template <class T>
 struct Watch {
-  T c[series_size];
+  const T* c;  // coefficients, kept elsewhere in the piece
   T lo, hi;
   bool has_lo = false, has_hi = false;
   int id = watch_contact;
@@ -30,6 +30,7 @@ struct Watch {
 
 // Which bound a trajectory stands on and is leaving.
 enum class Side : signed char { lower = -1, none = 0, upper = 1 };
+constexpr Side opposite(Side side) { return side == Side::lower ? Side::upper : Side::lower; }
 
 template <class T>
 struct Exit {
@@ -47,7 +48,7 @@ T with_derivatives(const T* c, const T& bound, int order, const Real<T>& t) {
     const double slope = value(evaluate_slope(c, order, t));
     T r(t);
     if (slope != 0)
-      for (int i = 0; i < T::size; ++i) r.d[i] = -s.d[i] / slope;
+      for (int i = 0; i < T::chunks; ++i) r.d[i] = -s.d[i] / slope;
     return r;
   } else {
     return t;
@@ -61,11 +62,51 @@ T evaluate_at(const T* c, int order, const T& h) {
     T r = evaluate(c, order, h.v);
     double slope = 0;
     for (int k = order; k >= 1; --k) slope = slope * h.v + c[k].v * k;
-    for (int i = 0; i < T::size; ++i) r.d[i] += slope * h.d[i];
+    for (int i = 0; i < T::chunks; ++i) r.d[i] += slope * h.d[i];
     return r;
   } else {
     return evaluate(c, order, h);
   }
+}
+
+// S = c - lo or hi - c, >= 0 inside, as real coefficients.
+template <class T>
+void switching_polynomial(const Watch<T>& watch, Side side, bool leaving, int order, Real<T>* c) {
+  const Real<T> sign(side == Side::lower ? 1.0 : -1.0);
+  for (int k = 0; k <= order; ++k) c[k] = sign * value(watch.c[k]);
+  c[0] -= sign * value(side == Side::lower ? watch.lo : watch.hi);
+  if (leaving) c[0] = Real<T>(0.0);
+}
+
+// Does a bound from the first coefficients exclude every exit through `side` within h? `rest` bounds what follows the
+// linear part; on a surface being left, the linear part is divided by t.
+template <class T>
+bool surely_inside(const Watch<T>& watch, Side side, bool leaving, const Real<T>& h, const Real<T>& rest) {
+  using R = Real<T>;
+  const R sign(side == Side::lower ? 1.0 : -1.0);
+  if (leaving) {
+    const R quadratic = value(watch.c[2]) * h;
+    const R c1 = sign * value(watch.c[1]), end = c1 + sign * quadratic;
+    return (c1 < end ? c1 : end) * h > rest - magnitude(quadratic) * h;
+  }
+  const R c0 = sign * (value(watch.c[0]) - value(side == Side::lower ? watch.lo : watch.hi));
+  const R end = c0 + sign * value(watch.c[1]) * h;
+  return (c0 < end ? c0 : end) > rest;
+}
+
+// sum over k >= 2 of |c_k| h^k; even and odd powers in chains of their own.
+template <class T>
+Real<T> tail(const T* c, int order, const Real<T>& h) {
+  using R = Real<T>;
+  const R square = h * h;
+  R even(0.0), odd(0.0);
+  int k = order;
+  if (k % 2 == 0) even = magnitude(value(c[k--]));
+  for (; k >= 3; k -= 2) {
+    odd = odd * square + magnitude(value(c[k]));
+    even = even * square + magnitude(value(c[k - 1]));
+  }
+  return (odd * h + even) * square;
 }
 
 // The earliest exit of all watches within (0, h]; ties go to the first in the list.
@@ -74,16 +115,14 @@ Exit<T> first_exit(const Watch<T>* watches, int count, int order, Real<T> h, con
   using R = Real<T>;
   Exit<T> best;
   for (int w = 0; w < count; ++w) {
+    const Watch<T>& watch = watches[w];
+    const R rest = tail(watch.c, order, h);
     for (const Side side : {Side::lower, Side::upper}) {
-      const Watch<T>& watch = watches[w];
       if (!(side == Side::lower ? watch.has_lo : watch.has_hi)) continue;
-      R c[series_size];
-      const R sign(side == Side::lower ? 1.0 : -1.0);
-      for (int k = 0; k <= order; ++k) c[k] = sign * value(watch.c[k]);
-      c[0] -= sign * value(side == Side::lower ? watch.lo : watch.hi);
       const bool leaving = on[watch.id] == side;
-      if (leaving) c[0] = R(0.0);
-      R t{};
+      if (surely_inside(watch, side, leaving, h, rest)) continue;
+      R c[series_size], t{};
+      switching_polynomial(watch, side, leaving, order, c);
       if (!first_crossing(c, order, h, leaving, henon, t)) continue;
       if (!best.found || t < best.t) {
         best.found = true;

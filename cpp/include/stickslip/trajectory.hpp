@@ -17,8 +17,8 @@ struct Options {
   long max_transitions;
 };
 
-inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2
-  const int order = static_cast<int>(2.0 - 0.5 * std::log(tol > 1e-18 ? tol : 1e-18));
+inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2, and one more
+  const int order = static_cast<int>(3.0 - 0.5 * std::log(tol > 1e-18 ? tol : 1e-18));
   return order < 4 ? 4 : (order > max_order ? max_order : order);
 }
 
@@ -49,10 +49,11 @@ struct Machine {
   void run(Observe&& observe, Changed&& changed, Stepped&& stepped, Stop&& stop) {
     while (value(s.t) < opt.t_end) {
       if ((++summary.steps & 1023) == 0 && stop()) return finish(Outcome::interrupted);
-      bool linear = false;
-      const int order = expand(sys, mode, s, opt.order, piece, linear);
+      R h(0.0);
+      const int order = expand(sys, mode, s, opt.order, piece, h);
       const R left = R(opt.t_end) - value(s.t);
-      R h = opt.fixed_step > 0 ? R(opt.fixed_step) : step_length(sys, piece, order, linear, opt.rtol, opt.atol);
+      if (opt.fixed_step > 0) h = R(opt.fixed_step);
+      if (h == 0) h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);
       const bool last = h >= left;
       if (last) h = left;
