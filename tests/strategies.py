@@ -82,7 +82,7 @@ def belt_speeds():
     return st.just(0.0) | numbers(0.02, 0.4) | numbers(-0.4, -0.02)
 
 
-# sizes at which an effect shows and the run stays well posed: friction never negative, springs never explosive
+# sizes at which an effect shows and a run stays well posed: friction never negative, springs tame
 SIZES = {
     "block_viscous_damping": {"c": (0.05, 1)},
     "block_quadratic_damping": {"c": (0.5, 5)},
@@ -130,7 +130,7 @@ def runs(draw, names=None, most=2):
 
 
 def clearance(run: reference.Run) -> float:
-    """Distance of a run from the nearest one with another sequence of modes, in the switching functions' units.
+    """Distance of a run from the nearest one with another sequence of modes, in switching functions' units.
 
     The least of: the rate at which a switching function is crossed; the height of its summits between
     crossings, above or below zero; what the other switching functions keep from zero at a switching, and the
