@@ -161,10 +161,10 @@ def test_units_do_not_matter():
     truth = block()
     x = noisy(truth, 0.002)
     plain = smooth(truth.t, x, belt_speed=0.2)
-    scaled = smooth(1e-3 * truth.t, 25.0 * x, belt_speed=5000.0)
-    assert scaled.onsets == pytest.approx(1e-3 * plain.onsets, abs=2e-4 * DT)
-    assert (scaled.mode == plain.mode).mean() > 0.998
-    assert rms(scaled.a / 25e6 - plain.a) < 0.25 * rms(plain.a - truth.a)
+    scaled = smooth(truth.t / 1024, 32 * x, belt_speed=0.2 * 32 * 1024)  # powers of two: no rounding
+    assert scaled.onsets == pytest.approx(plain.onsets / 1024, rel=1e-6)
+    assert scaled.a / (32 * 1024**2) == pytest.approx(plain.a, abs=1e-3)
+    assert scaled.jerk == pytest.approx(plain.jerk * 32**2 * 1024**5, rel=1e-3)
 
 
 def test_a_slip_that_turns_over_without_sticking_is_split_there():
