@@ -18,6 +18,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.identify import BeltSpeed, Measured, columns, measured, natural_period
 from stickslip.model import Model
 from stickslip.records import Recording
+from stickslip.rig import Rig
 from stickslip.shooting import Array, Simulator, Window, shoot
 from stickslip.simulate import simulate
 
@@ -95,7 +96,10 @@ class Comparison:
 
     def to_dict(self) -> dict[str, object]:
         """The rows for JSON."""
-        return {"rows": [{**vars(r), "difference": r.difference} for r in self.rows], "belt_speed": self.belt_speed}
+        return {
+            "rows": [{**vars(r), "difference": r.difference} for r in self.rows],
+            "belt_speed": self.belt_speed,
+        }
 
 
 def number(value: float | None) -> str:
@@ -134,7 +138,7 @@ def compare(
     """
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
-    run = measured(recording, model.rig, belt=belt_speed)
+    run = _from_a_stick(measured(recording, model.rig, belt=belt_speed), model)
     windows = _windows(run, model)
     tell("simulating", 0.2)
     free = _free_run(run, model, simulator)
@@ -145,10 +149,21 @@ def compare(
     rows.append(_portrait_row(run, ours))
     rows.append(_forecast_row(run, ahead, where))
     tell("done", 1.0)
-    units = (recording.unit("t"), recording.unit("x1"), _speed_unit(recording))
+    units = (recording.unit("t"), recording.unit("x1"), speed_unit(recording)[0])
     return Comparison(
         tuple(rows), run.track, ours, run.readings, free, units, model, recording, run.belt_speed
     )
+
+
+def _from_a_stick(run: Measured, model: Model) -> Measured:
+    """The run from its first stick on, for a block whose friction scatters: in mid-slip its start is not known."""
+    sticks = run.track.sticks
+    if isinstance(model.rig, Rig) or not sticks or run.track.segments[0].mode == 0:
+        return run
+    start = (sticks[0].start + sticks[0].stop) // 2
+    run = replace(run, t=run.t[start:] - run.t[start], readings=run.readings[start:])
+    filled = run.readings[:, 0]
+    return replace(run, track=replace_track(run, filled))
 
 
 def per_model(recording: Recording, channel: str) -> float:
@@ -156,11 +171,12 @@ def per_model(recording: Recording, channel: str) -> float:
     return recording.channels[recording.channel(channel)].scale / recording.factor(channel)
 
 
-def _speed_unit(recording: Recording) -> str:
+def speed_unit(recording: Recording) -> tuple[str, float]:
+    """Unit for velocities, and how many of it make 1 of the model's."""
     if recording.channel("x1") == "spring_force":
-        return "m/s"
+        return "mm/s", 1e3
     t, x = recording.unit("t"), recording.unit("x1")
-    return "1" if t == x == "1" else f"{x}/{t}"
+    return ("1" if t == x == "1" else f"{x}/{t}"), per_model(recording, "x1") / per_model(recording, "t")
 
 
 def _windows(run: Measured, model: Model) -> list[tuple[Window, int]]:
@@ -237,17 +253,27 @@ def cycles(track: segments.Track) -> Cycles:
 def _cycle_rows(run: Measured, ours: segments.Track, recording: Recording) -> list[Row]:
     theirs, mine = cycles(run.track), cycles(ours)
     t, x = per_model(recording, "t"), abs(per_model(recording, "x1"))
-    v, unit = (1.0 if recording.channel("x1") == "spring_force" else x / t), _speed_unit(recording)
+    unit, v = speed_unit(recording)
     what = (
         ("period", recording.unit("t"), t, theirs.period, mine.period, "from release to release"),
-        ("slip amplitude", recording.unit("x1"), x, theirs.amplitude, mine.amplitude, "range of x1 in a cycle"),
-        ("largest slip speed", unit, v, theirs.speed, mine.speed, "of |v_w| in a cycle"),
+        (
+            "slip amplitude",
+            recording.unit("x1"),
+            x,
+            theirs.amplitude,
+            mine.amplitude,
+            "range of x1 in a cycle",
+        ),
+        ("largest slip speed", unit, abs(v), theirs.speed, mine.speed, "of |v_w| in a cycle"),
     )
     rows = [
-        Row(name, unit, _mean(m * f), _mean(s * f), _std(m * f), meaning) for name, unit, f, m, s, meaning in what
+        Row(name, unit, _mean(m * f), _mean(s * f), _std(m * f), meaning)
+        for name, unit, f, m, s, meaning in what
     ]
     fractions = [float(np.mean(k.mode == 0)) for k in (run.track, ours)]
-    rows.insert(1, Row("stick fraction", "1", *fractions, _std(theirs.stick), "share of the time spent in stick"))
+    rows.insert(
+        1, Row("stick fraction", "1", *fractions, _std(theirs.stick), "share of the time spent in stick")
+    )
     return rows
 
 
@@ -280,7 +306,9 @@ def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording
         missed += lost
         rms = float(np.sqrt(np.mean(error**2))) * scale if error.size else None
         out.append(Row(name, recording.unit("t"), None, rms, None, "rms, forecast from the cycle before"))
-    out.append(Row("transitions missed", "1", None, float(missed), None, "no forecast one within half a period"))
+    out.append(
+        Row("transitions missed", "1", None, float(missed), None, "no forecast one within half a period")
+    )
     return out
 
 

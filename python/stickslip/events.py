@@ -106,7 +106,9 @@ def identify_events(
 def _branch(runs: Sequence[Measured]) -> Branch:
     directions = {np.sign(r.belt_speed) for r in runs}
     if len(directions) != 1 or 0.0 in directions:
-        raise InputError("slips are fitted one by one for one belt direction; identify each direction separately")
+        raise InputError(
+            "slips are fitted one by one for one belt direction; identify each direction separately"
+        )
     return "minus" if directions == {1.0} else "plus"
 
 
@@ -119,8 +121,12 @@ def _slips(run: Measured, number: int, rig: BlockOnBelt) -> list[_Slip]:
     for before, slip, after in trio:
         if before.mode or after.mode or slip.mode != against:
             continue
-        start = max((before.start + before.stop) // 2, int(np.searchsorted(track.t, track.t[slip.start] - period / 4)))
-        stop = min((after.start + after.stop) // 2, int(np.searchsorted(track.t, track.t[slip.stop] + period / 10)))
+        start = max(
+            (before.start + before.stop) // 2, int(np.searchsorted(track.t, track.t[slip.start] - period / 4))
+        )
+        stop = min(
+            (after.start + after.stop) // 2, int(np.searchsorted(track.t, track.t[slip.stop] + period / 10))
+        )
         part = track.x[slip.start : slip.stop]
         amplitude = float(part.max() - part.min())
         if amplitude < LEAST_SLIP * run.noise[0] or stop - start < 12:
@@ -238,7 +244,9 @@ def _hyperbolic_at(decay: float, coulomb: Shot, rig: BlockOnBelt, noise: Array, 
         try:
             shot = shoot(model, [start], (), noise=noise, simulator=simulator, iterations=15)
         except StickslipError:
-            shot = Shot((), np.zeros(0), *[np.zeros((0, 0))] * 2, [start], [std], [3 * r], np.inf, 1, np.zeros(0))
+            shot = Shot(
+                (), np.zeros(0), *[np.zeros((0, 0))] * 2, [start], [std], [3 * r], np.inf, 1, np.zeros(0)
+            )
         shots.append(shot)
     return _merged(shots)
 
@@ -297,7 +305,10 @@ def _conclude(
         estimates=estimates,
         names=tuple(n + suffix for n in names),
         covariance=covariance,
-        covered={"minus": visited if branch == "minus" else None, "plus": visited if branch == "plus" else None},
+        covered={
+            "minus": visited if branch == "minus" else None,
+            "plus": visited if branch == "plus" else None,
+        },
         noise={"x1": float(noise[0])},
         reduced_chi2=shot.reduced,
         events=events,
@@ -313,7 +324,12 @@ def _kinetic(local: dict[str, Array], slips: Sequence[_Slip], decay: float) -> A
 
 
 def _law(
-    kind: Kind, branch: Branch, names: Sequence[str], mean: Array, resamples: Array, declared: FrictionLaw | None
+    kind: Kind,
+    branch: Branch,
+    names: Sequence[str],
+    mean: Array,
+    resamples: Array,
+    declared: FrictionLaw | None,
 ) -> tuple[FrictionLaw, dict[str, Estimate]]:
     """The mean law; the direction never visited keeps what was declared, or else repeats the other's numbers."""
     make = CoulombFriction if kind == "coulomb" else HyperbolicFriction
@@ -366,6 +382,8 @@ def _diagnostics(
     drop = events.static - events.kinetic
     return {
         "events": float(len(events.t)),
+        "static_mean": float(events.static.mean()),
+        "kinetic_mean": float(events.kinetic.mean()),
         "bic_preference_for_hyperbolic": preference,
         "static_std_between_events": float(np.std(events.static, ddof=1)),
         "kinetic_std_between_events": float(np.std(events.kinetic, ddof=1)),
@@ -388,7 +406,9 @@ def _messages(
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
     why = {
-        "coulomb": "no decisive gain from a decay with speed" if preference > 0 else "a decay with speed fits worse",
+        "coulomb": "no decisive gain from a decay with speed"
+        if preference > 0
+        else "a decay with speed fits worse",
         "hyperbolic": "friction falls with speed rather than at once",
     }[kind]
     q = np.quantile(events.static, [0.05, 0.5, 0.95])

@@ -66,7 +66,10 @@ def force_points(
     readings = _bridged(track.t, readings)
     y = None
     if isinstance(rig, Rig):
-        y = savgol_filter(readings[:, 1], width, 3), savgol_filter(readings[:, 1], width, 3, deriv=1, delta=dt)
+        y = (
+            savgol_filter(readings[:, 1], width, 3),
+            savgol_filter(readings[:, 1], width, 3, deriv=1, delta=dt),
+        )
     inertia, stiffness = (rig.alpha1, rig.alpha1) if isinstance(rig, Rig) else (rig.mass, rig.stiffness)
     index, blocks = [], []
     for s in track.segments:
@@ -96,7 +99,11 @@ def _gain(n: int, width: int, dt: float, inertia: float, stiffness: float) -> Ar
     """Standard deviation of inertia x'' + stiffness x per unit of noise, at each of n samples of a slip."""
     offsets = np.arange(width) - width // 2
     fit = np.linalg.pinv(np.vander(offsets, 4, increasing=True))
-    at = np.clip(np.arange(n), 0, width // 2) - width // 2 + np.clip(np.arange(n) - (n - 1 - width // 2), 0, None)
+    at = (
+        np.clip(np.arange(n), 0, width // 2)
+        - width // 2
+        + np.clip(np.arange(n) - (n - 1 - width // 2), 0, None)
+    )
     position = fit.T @ np.vander(at, 4, increasing=True).T
     curvature = (2 * fit[2][:, None] + 6 * fit[3][:, None] * at) / dt**2
     return np.asarray(np.linalg.norm(stiffness * position + inertia * curvature, axis=0), dtype=float)

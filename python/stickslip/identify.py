@@ -58,7 +58,11 @@ def columns(rig: AnyRig) -> tuple[int, ...]:
 
 
 def measured(
-    recording: Recording, rig: AnyRig, *, noise: Mapping[str, float] | None = None, belt: BeltSpeed = "set-point"
+    recording: Recording,
+    rig: AnyRig,
+    *,
+    noise: Mapping[str, float] | None = None,
+    belt: BeltSpeed = "set-point",
 ) -> Measured:
     """Readings of one run with glitches taken out, their noise, and where the block sticks.
 
@@ -154,7 +158,9 @@ def identify(
         If a channel is missing, a record too short, or no slip is found.
     """
     if scatter is None:
-        scatter = friction is None and isinstance(source.rig if isinstance(source, Case) else rig, BlockOnBelt)
+        scatter = friction is None and isinstance(
+            source.rig if isinstance(source, Case) else rig, BlockOnBelt
+        )
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
@@ -167,7 +173,9 @@ def identify(
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
         found = _identify_by_shooting(runs, rig, start, simulator, tell)
     tell("friction force", 0.95)
-    found = replace(found, force=_force(runs, rig), messages=(*found.messages, *_plateau_messages(runs, belt_speed)))
+    found = replace(
+        found, force=_force(runs, rig), messages=(*found.messages, *_plateau_messages(runs, belt_speed))
+    )
     tell("done", 1.0)
     return found
 
@@ -220,7 +228,9 @@ def _identify_by_shooting(
     found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
     first = {w.run: w for w in reversed(short.windows)}
     whole = [
-        replace(segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial)
+        replace(
+            segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
+        )
         for i, r in enumerate(runs)
     ]
     best, where = short, "windows"
@@ -262,7 +272,9 @@ def _conclude(
     law = Model(rig, friction=start).replace(**dict(zip(names, values.tolist(), strict=True))).friction
     estimates = {
         n: estimate(v, float(np.sqrt(c)), float(share), float(d))
-        for n, v, c, share, d in zip(names, values, np.diag(covariance), best.prior_share, declared, strict=True)
+        for n, v, c, share, d in zip(
+            names, values, np.diag(covariance), best.prior_share, declared, strict=True
+        )
     }
     kept = np.flatnonzero(seen)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
@@ -322,9 +334,13 @@ def _messages(
     best: Shot,
     where: str,
 ) -> tuple[str, ...]:
-    out = [f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"]
+    out = [
+        f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"
+    ]
     if best.reduced > 1.2:
-        out.append("the declared law does not explain the readings; the intervals are widened by what it leaves")
+        out.append(
+            "the declared law does not explain the readings; the intervals are widened by what it leaves"
+        )
     absent = [n for n, e in estimates.items() if e.status == "unidentified"]
     if absent:
         out.append(f"unidentified, declared start kept: {', '.join(absent)}")
@@ -348,7 +364,11 @@ def _plateau_messages(runs: Sequence[Measured], belt: BeltSpeed) -> list[str]:
     if not off:
         return []
     ratio = float(np.mean([r.plateau / r.set_point for r in off]))
-    used = "the plateau speed is used" if belt == "plateau" else "the set-point is used; belt_speed='plateau' changes that"
+    used = (
+        "the plateau speed is used"
+        if belt == "plateau"
+        else "the set-point is used; belt_speed='plateau' changes that"
+    )
     return [f"in {len(off)} of {len(runs)} runs the sticks ride at {ratio:.3f} times the set-point; {used}"]
 
 

@@ -95,7 +95,14 @@ def velocity_noise(width: int, dt: float, noise: float) -> float:
 
 
 def track(
-    t: Array, x: Array, *, belt_speed: float, noise: float, period: float, width: int | None = None, tolerance: float = 0.05
+    t: Array,
+    x: Array,
+    *,
+    belt_speed: float,
+    noise: float,
+    period: float,
+    width: int | None = None,
+    tolerance: float = 0.05,
 ) -> Track:
     """Modes and velocity of one displacement record.
 

@@ -1,0 +1,282 @@
+"""The command line: `stickslip simulate | identify | compare | demo`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+import click
+import numpy as np
+import pandas as pd
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+import stickslip
+from stickslip.compare import Comparison, number
+from stickslip.config import write_text
+from stickslip.errors import InputError, StickslipError
+from stickslip.files import whole
+from stickslip.identified import Identified
+from stickslip.identify import BeltSpeed
+
+BAD_INPUT = 2
+console = Console(highlight=False)
+
+
+class OneLine(click.Group):
+    """Errors of ours are one line on standard error and exit status 2; a traceback is a bug."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except StickslipError as error:
+            click.echo(f"stickslip: {error}", err=True)
+            sys.exit(BAD_INPUT)
+
+
+@click.group(cls=OneLine, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(stickslip.__version__, prog_name="stickslip")
+def main() -> None:
+    """Stick-slip friction rigs: simulate, identify from recordings, compare.
+
+    Each command shows an example: stickslip identify --help
+    """
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on the terminal; nothing where the output is not one."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+
+        def tell(what: str, share: float) -> None:
+            bar.update(task, description=f"{title}: {what}", completed=share)
+
+        yield tell
+
+
+belt_option = click.option(
+    "--belt-speed-from",
+    "belt",
+    type=click.Choice(["set-point", "plateau"]),
+    default="set-point",
+    show_default=True,
+    help="Take v_b as set, or as the block rides in its sticks.",
+)
+out_option = click.option(
+    "--out", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder for the results."
+)
+
+
+@main.command()
+@click.argument("model", type=click.Path(path_type=Path))
+@click.option("--belt-speed", type=float, required=True, help="v_b, in the rig's unit.")
+@click.option("--t-end", type=float, required=True, help="Length of the run, in the rig's unit of time.")
+@click.option("--dt", type=float, default=None, help="Sampling step; a two-thousandth of the run if absent.")
+@click.option(
+    "--initial", type=str, default=None, help="Start, e.g. 0.1,0.1,0,0; at rest at the origin if absent."
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
+)
+@click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
+def simulate(
+    model: Path,
+    belt_speed: float,
+    t_end: float,
+    dt: float | None,
+    initial: str | None,
+    out: Path,
+    figure: bool,
+) -> None:
+    """Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
+
+    \b
+    Example:
+      stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
+    """
+    loaded = stickslip.load_model(model)
+    if not np.isfinite(t_end) or t_end <= 0:
+        raise InputError("must be positive", key="--t-end", value=t_end)
+    if dt is not None and not 0 < dt <= t_end:
+        raise InputError(f"must be above 0 and at most --t-end = {t_end:g}", key="--dt", value=dt)
+    count = int(round(t_end / dt)) + 1 if dt else 2001
+    if count > 50_000_000:
+        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
+    times = np.linspace(0.0, t_end, count) if dt is None else np.arange(count) * dt
+    start = None if initial is None else _numbers(initial)
+    run = stickslip.simulate(
+        loaded, belt_speed=belt_speed, initial=start, t_end=float(max(times[-1], t_end)), t_eval=times
+    )
+    names = tuple(loaded.rig.state_names)
+    frame = pd.DataFrame(run.state, columns=list(names))
+    frame.insert(0, "t", run.t)
+    frame["mode"] = run.mode
+    with whole(out) as temporary:
+        frame.to_csv(temporary, index=False, float_format="%.12g")
+    written = [out]
+    if figure:
+        from stickslip import plot  # matplotlib is slow to import
+
+        written += plot.save_figure(plot.trajectory(run, names, belt_speed=belt_speed), out.with_suffix(""))
+    share = float(np.mean(run.mode == 0))
+    console.print(f"{run.status.value}; {len(run.transitions)} transitions, stick fraction {share:.4g}")
+    _say_written(written)
+    if not run.status.ok:
+        sys.exit(1)
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(v) for v in text.split(",")]
+    except ValueError:
+        raise InputError(
+            "not numbers separated by commas, like 0.1,0.1,0,0", key="--initial", value=text
+        ) from None
+
+
+@main.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@out_option
+@belt_option
+def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
+    """Identify the friction law from the train runs of CASE (rig.toml or its folder).
+
+    Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
+
+    \b
+    Example:
+      stickslip identify CASE/rig.toml --out identified
+    """
+    loaded = stickslip.load_case(case)
+    with progress("identifying") as tell:
+        found = stickslip.identify(loaded, belt_speed=belt, progress=tell)
+    written = _save_identified(found, out)
+    console.print(estimates_table(found))
+    for message in found.messages:
+        console.print(f"- {message}")
+    _say_written(written)
+
+
+@main.command()
+@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("case", type=click.Path(path_type=Path))
+@out_option
+@belt_option
+@click.option(
+    "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
+)
+def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None) -> None:
+    """Simulate MODEL with the belt speed of a run of CASE and compare the two.
+
+    Writes compare.json, the phase portrait and the time series as SVG and PNG.
+
+    \b
+    Example:
+      stickslip compare identified/model.toml CASE/rig.toml --out compared
+    """
+    law, loaded = stickslip.load_model(model), stickslip.load_case(case)
+    first = next((r for r in loaded.runs if r.role == "validate"), loaded.runs[0])
+    recording = first if name is None else loaded.run(name)
+    with progress("comparing") as tell:
+        result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
+    written = _save_comparison(result, out)
+    console.print(comparison_table(result))
+    _say_written(written)
+
+
+@main.command()
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("demo"),
+    show_default=True,
+    help="Folder for the results.",
+)
+def demo(out: Path) -> None:
+    """Do the whole job on a recording that comes with the package: a slider of paper on paper.
+
+    \b
+    Example:
+      stickslip demo --out demo
+    """
+    from stickslip.demo import run
+
+    with progress("demo") as tell:
+        result = run(tell)
+    written = [
+        *_save_identified(result.found, out),
+        *_save_comparison(result.comparison, out),
+    ]
+    for paragraph in result.before:
+        console.print(paragraph + "\n")
+    console.print(estimates_table(result.found))
+    console.print(comparison_table(result.comparison))
+    for paragraph in result.after:
+        console.print(paragraph + "\n")
+    _say_written(written)
+
+
+def estimates_table(found: Identified) -> Table:
+    """The identified law."""
+    table = Table(title=f"identified law: {found.law.kind}")
+    for name, side in (
+        ("parameter", "left"),
+        ("value", "right"),
+        ("95 % interval", "right"),
+        ("status", "left"),
+    ):
+        table.add_column(name, justify=_side(side))
+    for name, e in found.estimates.items():
+        span = "-" if e.low is None or e.high is None else f"{e.low:.5g} .. {e.high:.5g}"
+        table.add_row(name, f"{e.value:.5g}", span, e.status)
+    return table
+
+
+def _side(side: str) -> Literal["left", "right"]:
+    return "right" if side == "right" else "left"
+
+
+def comparison_table(c: Comparison) -> Table:
+    """Simulated against measured."""
+    table = Table(title=f"simulated against measured: {c.recording.name}")
+    table.add_column("quantity")
+    for name in ("measured", "simulated", "difference", "scatter"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    for r in c.rows:
+        cells = [number(v) for v in (r.measured, r.simulated, r.difference, r.scatter)]
+        table.add_row(r.quantity, *cells, r.unit)
+    return table
+
+
+def _save_identified(found: Identified, out: Path) -> list[Path]:
+    from stickslip import plot  # matplotlib is slow to import
+
+    written = found.save(out)
+    written += plot.save_figure(plot.friction_characteristic(found), out / "friction_characteristic")
+    return written
+
+
+def _save_comparison(c: Comparison, out: Path) -> list[Path]:
+    from stickslip import plot  # matplotlib is slow to import
+
+    out.mkdir(parents=True, exist_ok=True)
+    write_text(out / "compare.json", json.dumps(c.to_dict(), indent=1))
+    written = [out / "compare.json"]
+    written += plot.save_figure(plot.phase_portrait(c), out / "phase_portrait")
+    written += plot.save_figure(plot.time_series(c), out / "time_series")
+    return written
+
+
+def _say_written(paths: list[Path]) -> None:
+    console.print("written:")
+    for path in paths:
+        console.print(f"  {path}", soft_wrap=True)

@@ -1,0 +1,263 @@
+"""Figures: phase portrait (Fig. 4), friction characteristic (Fig. 3), time series; SVG and PNG.
+
+Colours are Okabe and Ito's, told apart by readers with any colour vision: measured is blue, simulated vermilion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.compare import Comparison, per_model, speed_unit
+from stickslip.files import whole
+from stickslip.identified import BRANCHES, Branch, Identified
+from stickslip.rig import BlockOnBelt
+from stickslip.segments import Track
+from stickslip.shooting import Array
+from stickslip.simulate import Trajectory
+
+MEASURED, SIMULATED, BAND, LIMIT, GREY = "#0072B2", "#D55E00", "#E69F00", "#009E73", "#555555"
+STYLE = {
+    "font.size": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "axes.labelsize": 10.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.solid_capstyle": "round",
+    "svg.fonttype": "none",
+    "svg.hashsalt": "stickslip",
+    "savefig.dpi": 200,
+}
+DOTS = 4000  # points drawn at most; more only make the file large
+P = ParamSpec("P")
+
+
+def _styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Draw in the house style, whatever the caller's settings are, and leave those as they were."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **keywords: P.kwargs) -> Figure:
+        with mpl.rc_context(STYLE):
+            return draw(*args, **keywords)
+
+    return drawn
+
+
+def _figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, sharex="col" if rows > 1 else "none")
+    for ax in axes.ravel():
+        ax.locator_params(nbins=6)
+    return figure, list(axes.ravel())
+
+
+def save_figure(figure: Figure, path: str | Path) -> tuple[Path, Path]:
+    """Write `path`.svg and `path`.png whole; return both paths."""
+    out = []
+    for kind in ("svg", "png"):
+        target = Path(f"{path}.{kind}")
+        metadata = {"Date": None} if kind == "svg" else None
+        with mpl.rc_context(STYLE), whole(target) as temporary:
+            figure.savefig(temporary, format=kind, metadata=metadata)
+        out.append(target)
+    return out[0], out[1]
+
+
+def label(symbol: str, unit: str) -> str:
+    """Axis label: symbol and unit, the unit left out where there is none."""
+    return symbol if unit in ("1", "") else f"{symbol} [{unit.replace('um', 'µm')}]"
+
+
+def _scales(c: Comparison) -> tuple[float, float, float]:
+    """Model to readings: time, displacement, velocity."""
+    t, x = per_model(c.recording, "t"), per_model(c.recording, "x1")
+    return t, x, speed_unit(c.recording)[1]
+
+
+def _x_symbol(c: Comparison) -> str:
+    return "spring force $k x_1$" if c.recording.channel("x1") == "spring_force" else "$x_1$"
+
+
+@_styled
+def phase_portrait(comparison: Comparison) -> Figure:
+    """Block velocity against displacement, measured and simulated, over the second half of the run (Fig. 4)."""
+    c = comparison
+    figure, (ax,) = _figure(5.2, 4.2)
+    _, xs, vs = _scales(c)
+    drawn: tuple[tuple[Track, str, str, float, float], ...] = (
+        (c.measured, MEASURED, "measured", 1.5, 0.4),
+        (c.simulated, SIMULATED, "simulated", 1.0, 1.0),
+    )
+    for track, colour, name, width, alpha in drawn:
+        half = len(track.t) // 2
+        ax.plot(xs * track.x[half:], vs * track.v[half:], color=colour, lw=width, alpha=alpha, label=name)
+    ax.axhline(vs * c.belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    ax.annotate(
+        "belt speed $v_b$",
+        (0.01, vs * c.belt_speed),
+        xycoords=("axes fraction", "data"),
+        xytext=(0, 4 if c.belt_speed >= 0 else -11),
+        textcoords="offset points",
+        color=GREY,
+        fontsize=8,
+    )
+    ax.margins(y=0.1)
+    ax.set_xlabel(label(_x_symbol(c), c.units[1]))
+    ax.set_ylabel(label("$x_2$", c.units[2]))
+    figure.legend(loc="outside upper right", ncols=2)
+    return figure
+
+
+@_styled
+def friction_characteristic(found: Identified) -> Figure:
+    """Friction force against relative velocity: points from the readings, the law and its 95 % band (Fig. 3)."""
+    seen = [b for b in BRANCHES if found.covered[b] is not None]
+    figure, axes = _figure(4.2 * max(len(seen), 1) + 0.6, 4.0, 1, max(len(seen), 1))
+    si = isinstance(found.rig, BlockOnBelt)
+    units = ("mm/s", "N") if si else ("1", "1")
+    handles: dict[str, object] = {}
+    for ax, branch in zip(axes, seen, strict=False):
+        _branch(ax, found, branch, 1e3 if si else 1.0)
+        ax.set_xlabel(label("relative velocity $v_w$", units[0]))
+        for handle, name in zip(*ax.get_legend_handles_labels(), strict=True):
+            handles.setdefault(name, handle)
+    axes[0].set_ylabel(label("friction force $T$", units[1]))
+    figure.legend(
+        list(handles.values()),
+        list(handles),
+        loc="outside upper center",
+        ncols=min(len(handles), 3 if len(seen) < 2 else 5),
+    )
+    return figure
+
+
+def _branch(ax: Axes, found: Identified, branch: Branch, speed: float) -> None:
+    sign = -1.0 if branch == "minus" else 1.0
+    covered = found.covered[branch]
+    assert covered is not None
+    _points(ax, found, sign, speed)
+    top = covered[1]
+    u = np.linspace(0.0, top, 400)
+    low, value, high = found.band(branch, u)
+    ax.fill_between(
+        speed * sign * u, sign * low, sign * high, color=BAND, alpha=0.55, lw=0, label="95 % band", zorder=3
+    )
+    ax.plot(speed * sign * u, sign * value, color=SIMULATED, lw=1.6, label="identified law", zorder=4)
+    static = found.law.static_limits[0 if branch == "minus" else 1]
+    ax.plot(
+        [0], [sign * static], "o", color=SIMULATED, mfc="white", mew=1.4, ms=6, label="static limit", zorder=5
+    )
+    if found.events is not None:
+        ax.plot(
+            np.full(len(found.events.t), -sign * speed * 0.02 * top),
+            sign * found.events.static,
+            "_",
+            color=LIMIT,
+            ms=7,
+            alpha=0.6,
+            label="breakaway, each slip",
+            zorder=4,
+        )
+    ax.set_xlim(sorted((-sign * speed * 0.05 * top, sign * speed * 1.04 * top)))
+    ax.set_ylim(*_force_range(found, sign, value, static))
+
+
+def _force_range(found: Identified, sign: float, value: Array, static: float) -> tuple[float, float]:
+    all_ = [*value.tolist(), static]
+    if found.events is not None:
+        all_ += [float(found.events.static.min()), float(found.events.static.max())]
+    elif found.force is not None:
+        inside = found.force.mode == sign
+        all_ += np.quantile(np.abs(found.force.T[inside]), [0.005, 0.995]).tolist() if inside.any() else []
+    low, high = min(all_), max(all_)
+    pad = 0.12 * (high - low)
+    a, b = sign * (low - pad), sign * (high + pad)
+    return min(a, b), max(a, b)
+
+
+def _points(ax: Axes, found: Identified, sign: float, speed: float) -> None:
+    if found.force is None:
+        return
+    here = np.flatnonzero(found.force.mode == sign)
+    std = found.force.T_std[here]
+    here = here[std <= 2 * np.median(std)] if here.size else here  # the ends of a slip are uncertain
+    if here.size > DOTS:
+        here = np.random.default_rng(0).choice(here, DOTS, replace=False)
+    ax.plot(
+        speed * found.force.v_w[here],
+        found.force.T[here],
+        ".",
+        color=MEASURED,
+        ms=2.2,
+        alpha=0.35,
+        mew=0,
+        rasterized=True,
+        label="from the readings",
+    )
+
+
+@_styled
+def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
+    """Displacement and velocity over time, measured and simulated, with the measured transitions marked.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    span : float, optional
+        Length drawn, in the rig's unit of time; the first eight measured cycles if absent.
+    """
+    c = comparison
+    ts, xs, vs = _scales(c)
+    t = c.measured.t
+    if span is None:
+        releases = c.measured.releases
+        span = float(releases[8] - t[0]) if len(releases) > 8 else float(t[-1] - t[0])
+    part = slice(0, int(np.searchsorted(t, t[0] + span)) + 1)
+    figure, (top, bottom) = _figure(7.2, 4.4, 2, 1)
+    top.plot(ts * t[part], xs * c.readings[part, 0], color=MEASURED, lw=2.2, alpha=0.45)
+    top.plot(ts * t[part], xs * c.simulated.x[part], color=SIMULATED, lw=1.0)
+    bottom.plot(ts * t[part], vs * c.measured.v[part], color=MEASURED, lw=2.2, alpha=0.45, label="measured")
+    bottom.plot(ts * t[part], vs * c.simulated.v[part], color=SIMULATED, lw=1.0, label="simulated")
+    for k, (events, name) in enumerate(((c.measured.releases, "release"), (c.measured.captures, "capture"))):
+        inside = events[events <= t[0] + span]
+        x = np.interp(inside, t, c.measured.x)
+        top.plot(
+            ts * inside, xs * x, "^v"[k], color=LIMIT, mfc="white", ms=5, mew=1.1, label=f"{name}, measured"
+        )
+    top.set_ylabel(label(_x_symbol(c), c.units[1]))
+    bottom.set_ylabel(label("$x_2$", c.units[2]))
+    bottom.set_xlabel(label("time since the start of the run $t$", c.units[0]))
+    figure.legend(loc="outside upper center", ncols=4)
+    return figure
+
+
+@_styled
+def trajectory(run: Trajectory, names: tuple[str, ...], *, belt_speed: float) -> Figure:
+    """A simulation: the block over time with its transitions, and its phase portrait."""
+    figure, (left, right) = _figure(9.0, 3.8, 1, 2)
+    left.plot(run.t, run.state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
+    if "y1" in names:
+        left.plot(run.t, run.state[:, names.index("y1")], color=MEASURED, lw=1.0, label="$y_1$")
+    for mode, marker, name in ((False, "^", "release"), (True, "v", "capture")):
+        chosen = (run.transitions.after == 0) == mode
+        inside = chosen & (run.transitions.t >= run.t[0]) & (run.transitions.t <= run.t[-1])
+        if inside.sum() <= 60:
+            x = run.transitions.state[inside, 0]
+            left.plot(run.transitions.t[inside], x, marker, color=LIMIT, mfc="white", ms=5, label=name)
+    left.set_xlabel("$t$")
+    left.set_ylabel("displacement")
+    right.plot(run.state[:, 0], run.state[:, 1], color=SIMULATED, lw=1.0)
+    right.axhline(belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    right.set_xlabel("$x_1$")
+    right.set_ylabel("$x_2$")
+    figure.legend(loc="outside upper center", ncols=4)
+    return figure
