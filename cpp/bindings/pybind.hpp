@@ -15,8 +15,8 @@ namespace py = pybind11;
 namespace stickslip::bindings {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using ConstMatrix = Eigen::Ref<const RowMatrix>;         // (n, d) float64, C-contiguous
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;   // (n,) float64
+using ConstMatrix = Eigen::Ref<const RowMatrix>;                   // (n, d) float64, C-contiguous
+using ConstVector = Eigen::Ref<const Eigen::VectorXd>;             // (n,) float64
 using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;  // (n,) int8: -1, 0, 1
 
 void bind_config(py::module_& m);

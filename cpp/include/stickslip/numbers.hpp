@@ -36,7 +36,7 @@ double value(const Dual<N>& x) {
   return x.v;
 }
 template <int W>
-const Lanes<W>& value(const Lanes<W>& x) {
+Lanes<W> value(const Lanes<W>& x) {
   return x;
 }
 
