@@ -111,14 +111,25 @@ bool surely_falling(const R* c, int n, R h) {
   return (c[1] > end ? c[1] : end) < -rest;
 }
 
+// A trajectory leaves S = 0 towards S > 0: the order of the root at t = 0. Coefficients that are small beside the
+// motion over h, or negative by an error of the tolerance's size, are those of a departure without velocity.
+template <class R>
+int departure_order(const R* c, int n, R h) {
+  R scale(0.0), power(h);
+  for (int k = 1; k <= n; ++k, power *= h) scale = largest(scale, R(magnitude(c[k]) * power));
+  power = h;
+  for (int k = 1; k < n; ++k, power *= h) {
+    const R size = c[k] * power;
+    if (size > scale * 1e-10 || size < scale * -1e-3) return k;
+  }
+  return 1;
+}
+
 // First time in (0, h] at which S turns negative. `on_surface`: S(0) = 0 exactly and the trajectory is leaving, so
 // the root at 0 is divided out.
 template <class R>
 bool first_crossing(const R* c, int n, R h, bool on_surface, bool henon, R& t) {
-  int start = 0;
-  // Leaving, S' < 0 can only be an error of rounding or tolerance size: the departure has no velocity, and the
-  // double root at 0 is divided out.
-  if (on_surface) start = c[1] <= 0 && c[2] > 0 ? 2 : 1;
+  const int start = on_surface ? departure_order(c, n, h) : 0;
   if (c[start] <= 0) {  // already outside (two surfaces met at once), or a departure that turns back at once
     t = R(0.0);
     return c[start] < 0 || n <= start || c[start + 1] < 0;

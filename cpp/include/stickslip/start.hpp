@@ -1,7 +1,7 @@
 // Which series, which surfaces, which mode: plain or with effects, the same calls for the mode machine.
 #pragma once
 
-#include "stickslip/effects_modes.hpp"
+#include "stickslip/step.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 

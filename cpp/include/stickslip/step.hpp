@@ -1,0 +1,74 @@
+// How long a step may be: the last terms of the series against the tolerance.
+#pragma once
+
+#include "stickslip/effects_modes.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// Longest step whose last two terms stay below the tolerance (Jorba and Zou 2005). `tolerance_share` leaves room for
+// the error to add up over a cycle of stick-slip.
+constexpr double tolerance_share = 0.1;
+
+template <class T>
+Real<T> step_from(const Real<T>& last, const Real<T>& before, const Real<T>& scale, int order, double rtol,
+                  double atol) {
+  using R = Real<T>;
+  const R tiny(1e-300);
+  const R allowed = rough_log2((R(atol) + R(rtol) * scale) * tolerance_share + tiny);
+  const R h1 = (allowed - rough_log2(last + tiny)) * (1.0 / order);
+  const R h2 = (allowed - rough_log2(before + tiny)) * (1.0 / (order - 1));
+  const R safety(-0.7 / (order - 1) * 1.4426950408889634);
+  return rough_exp2(R((h1 < h2 ? h1 : h2) + safety));
+}
+
+// With effects, what drives a switching function counts too: the friction or its demand, the static limits, the
+// hidden states. Forces are compared as accelerations.
+template <class T>
+Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T>& fx, int k) {
+  using R = Real<T>;
+  const auto has = [&](Effect effect) { return (sys.structure.effects & effect) != 0; };
+  R size = magnitude(value(fx.friction[k] * sys.rig.over_a1));
+  if (mode.contact == 0) size = largest(size, R(magnitude(value(fx.limit_minus[k] * sys.rig.over_a1))));
+  if (has(fx_memory) && mode.contact != 0) size = largest(size, R(magnitude(value(fx.w[k]))));
+  if (has(fx_droop)) size = largest(size, R(magnitude(value(fx.b[k]))));
+  if (has(fx_lag)) size = largest(size, R(magnitude(value(fx.m[k]))));
+  return size;
+}
+
+// A narrow Stribeck peak ahead hides from the last terms: far from it e^a is nothing, and its series only starts to
+// grow. With X = sum |a_k| h^k the terms left out are below e^(a_0) X^p/p! (e^X beyond X = p): shorten h until that is
+// allowed.
+template <class T>
+Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Real<T> h, double allowed) {
+  using R = Real<T>;
+  const auto real = [](const R& x) { return static_cast<double>(x); };
+  const double v_s = real(value(sys.p[stribeck_peak_v_s])), u = real(value(fx.u[0]));
+  const double room = std::log(allowed / (std::abs(real(value(sys.p[stribeck_peak_dT] * sys.rig.over_a1))) + 1e-300)) +
+                      u * u / (v_s * v_s);
+  double step = real(h);
+  for (int i = 0; i < 200; ++i, step *= 0.8) {
+    double x = 0;
+    for (int k = order; k >= 1; --k) x = (x + std::abs(real(value(fx.peak_slope[k]))) / k) * step;
+    if ((x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x) <= room) break;
+  }
+  return R(step);
+}
+
+template <class T>
+Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piece, int order, double rtol,
+                    double atol) {
+  using R = Real<T>;
+  const Series<T>& s = piece.s;
+  const bool plain = sys.structure.effects == 0;
+  const auto size = [&](int k) {
+    const R motion = largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k]))));
+    return plain || k == 0 ? motion : largest(motion, effect_size(sys, mode, piece.fx, k));
+  };
+  const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
+  const R scale = largest(size(0), R(position * natural_frequency(sys)));
+  const R h = step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
+  if (plain || mode.contact == 0 || (sys.structure.effects & fx_peak) == 0) return h;
+  return peak_step(sys, piece.fx, order, h, tolerance_share * (atol + rtol * static_cast<double>(scale)));
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA
