@@ -64,6 +64,15 @@ def test_sticks_slips_and_instants_of_the_paper_rig(sigma):
     assert not found.a[stuck].any()
 
 
+def test_brief_slips_ahead_of_the_belt_are_found_and_none_is_invented():
+    truth = paper(0.2)  # some captures do not hold: the block overshoots by 0.01 to 0.02
+    found = smooth(truth.t, noisy(truth, 0.0008), belt_speed=truth.belt_speed)
+    ahead = found.slips[found.slip_direction == 1]
+    middle = np.searchsorted(truth.t, ahead.mean(axis=1))
+    assert 4 <= len(ahead) < np.sum(np.diff(truth.mode) == 2)
+    assert (truth.mode[middle] == 1).all()
+
+
 @pytest.mark.parametrize("sigma", [0.0005, 0.001, 0.002])
 def test_twice_as_good_as_the_best_that_the_recursion_can_do(sigma):
     truth = paper()

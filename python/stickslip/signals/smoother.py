@@ -312,14 +312,11 @@ def _result(record: Record, solution: Solution, motion: _Belt, jerk: float, has_
         spread.append(np.sqrt(variances(index, weight, inverse)))
     if motion.std is not None:
         spread[1] = np.hypot(spread[1], motion.std)
+    inside = layout.capture > layout.first, layout.onset < layout.last
     capture_std = instant_std(record, layout, jerk, "capture")
     onset_std = instant_std(record, layout, jerk, "onset")
-    inside = layout.capture > layout.first, layout.onset < layout.last
-    for instants, std, side in (
-        (layout.capture[inside[0]], capture_std[inside[0]], -1.0),
-        (layout.onset[inside[1]], onset_std[inside[1]], 1.0),
-    ):
-        _blur(record, solution, instants, std, side, spread)
+    _blur(record, solution, layout.capture[inside[0]], capture_std[inside[0]], -1.0, spread)
+    _blur(record, solution, layout.onset[inside[1]], onset_std[inside[1]], 1.0, spread)
     slips, direction, mode = _slips(record, solution)
     stuck = layout.onset > layout.capture
     return Smoothed(
