@@ -137,7 +137,7 @@ def draw_run(
     """Simulate one record; half of them start in the middle of the motion, the others on a carried block."""
     vb = speed * rng.uniform(1 - c.speed_spread, 1 + c.speed_spread)
     phases = {kind(n).phase: float(rng.uniform(0, 2 * np.pi)) for n in names if kind(n).phase}
-    t = np.arange(c.samples) * c.dt
+    t: Array = np.arange(c.samples, dtype=np.float64) * c.dt
     if c.jitter:
         t[1:] += rng.uniform(-c.jitter, c.jitter, c.samples - 1) * c.dt
     wander = NO_WANDER

@@ -15,7 +15,7 @@ NO_WANDER = np.zeros(2)
 
 def pack(values: Mapping[str, float]) -> np.void:
     """The simulator's record of numbers; what acts on readings only is left out."""
-    numbers = np.zeros(1, rigsim.NUMBERS)[0]
+    numbers: np.void = np.zeros(1, rigsim.NUMBERS)[0]
     for name, value in values.items():
         if name not in READING_FIELDS:
             numbers[name] = value
