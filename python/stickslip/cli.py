@@ -96,7 +96,7 @@ def simulate(
     out: Path,
     figure: bool,
 ) -> None:
-    """Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
+    r"""Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
 
     \b
     Example:
@@ -107,7 +107,7 @@ def simulate(
         raise InputError("must be positive", key="--t-end", value=t_end)
     if dt is not None and not 0 < dt <= t_end:
         raise InputError(f"must be above 0 and at most --t-end = {t_end:g}", key="--dt", value=dt)
-    count = int(round(t_end / dt)) + 1 if dt else 2001
+    count = round(t_end / dt) + 1 if dt else 2001
     if count > 50_000_000:
         raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
     times = np.linspace(0.0, t_end, count) if dt is None else np.arange(count) * dt
@@ -147,7 +147,7 @@ def _numbers(text: str) -> list[float]:
 @out_option
 @belt_option
 def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
-    """Identify the friction law from the train runs of CASE (rig.toml or its folder).
+    r"""Identify the friction law from the train runs of CASE (rig.toml or its folder).
 
     Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
 
@@ -174,7 +174,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
 )
 def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None) -> None:
-    """Simulate MODEL with the belt speed of a run of CASE and compare the two.
+    r"""Simulate MODEL with the belt speed of a run of CASE and compare the two.
 
     Writes compare.json, the phase portrait and the time series as SVG and PNG.
 
@@ -201,7 +201,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     help="Folder for the results.",
 )
 def demo(out: Path) -> None:
-    """Do the whole job on a recording that comes with the package: a slider of paper on paper.
+    r"""Do the whole job on a recording that comes with the package: a slider of paper on paper.
 
     \b
     Example:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -161,9 +162,8 @@ def _from_a_stick(run: Measured, model: Model) -> Measured:
     if isinstance(model.rig, Rig) or not sticks or run.track.segments[0].mode == 0:
         return run
     start = (sticks[0].start + sticks[0].stop) // 2
-    run = replace(run, t=run.t[start:] - run.t[start], readings=run.readings[start:])
-    filled = run.readings[:, 0]
-    return replace(run, track=replace_track(run, filled))
+    cut = run.track.after(start)
+    return replace(run, t=cut.t, readings=run.readings[start:], track=cut)
 
 
 def per_model(recording: Recording, channel: str) -> float:
@@ -240,7 +240,7 @@ def cycles(track: segments.Track) -> Cycles:
     """Period, stick time, slip amplitude and largest slip speed of every cycle from release to release."""
     releases = [i for i, s in enumerate(track.segments[1:], 1) if s.mode and not track.segments[i - 1].mode]
     period, stick, amplitude, speed = [], [], [], []
-    for a, b in zip(releases[:-1], releases[1:], strict=True):
+    for a, b in pairwise(releases):
         part = slice(track.segments[a].start, track.segments[b].start)
         x = track.x[part]
         period.append(track.t[part.stop] - track.t[part.start])
@@ -270,9 +270,9 @@ def _cycle_rows(run: Measured, ours: segments.Track, recording: Recording) -> li
         Row(name, unit, _mean(m * f), _mean(s * f), _std(m * f), meaning)
         for name, unit, f, m, s, meaning in what
     ]
-    fractions = [float(np.mean(k.mode == 0)) for k in (run.track, ours)]
+    sticking, stuck = (float(np.mean(k.mode == 0)) for k in (run.track, ours))
     rows.insert(
-        1, Row("stick fraction", "1", *fractions, _std(theirs.stick), "share of the time spent in stick")
+        1, Row("stick fraction", "1", sticking, stuck, _std(theirs.stick), "share of the time spent in stick")
     )
     return rows
 
@@ -342,7 +342,8 @@ def portrait_distance(a: Array, b: Array, size: Array) -> float:
     that the portraits lie one hundredth of their size apart.
     """
     a, b = a / size, b / size
-    return float(0.5 * (cKDTree(b).query(a)[0].mean() + cKDTree(a).query(b)[0].mean()))
+    there, back = (np.mean(cKDTree(p).query(q)[0]) for p, q in ((b, a), (a, b)))
+    return float(0.5 * (there + back))
 
 
 def steady(track: segments.Track) -> Array:

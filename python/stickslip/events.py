@@ -19,6 +19,7 @@ from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction
 from stickslip.identified import Branch, Estimate, Events, Identified
 from stickslip.model import Model
 from stickslip.rig import AnyRig, BlockOnBelt
+from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.segments import Segment, stick_position
 from stickslip.shooting import Array, Shot, Simulator, Window, shoot
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
-RESAMPLES = 2000
 DECISIVE = 6.0  # difference of BIC from which the law with one more number is taken
 
 
@@ -92,7 +92,7 @@ def identify_events(
         )
     hyperbolic, decay, profile = _hyperbolic(slips, coulomb, rig, noise, simulator, tell)
     # three numbers a slip in both laws; the hyperbolic one has one more for all
-    readings = _effective(coulomb.residuals)
+    readings = effective_readings(coulomb.residuals)
     gain = float(np.sum(_scores(coulomb, coulomb) - _scores(hyperbolic, coulomb)))
     preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
@@ -244,29 +244,17 @@ def _hyperbolic_at(decay: float, coulomb: Shot, rig: BlockOnBelt, noise: Array, 
         try:
             shot = shoot(model, [start], (), noise=noise, simulator=simulator, iterations=15)
         except StickslipError:
-            shot = Shot(
-                (), np.zeros(0), *[np.zeros((0, 0))] * 2, [start], [std], [3 * r], np.inf, 1, np.zeros(0)
-            )
+            none = np.zeros((0, 0))
+            shot = Shot((), np.zeros(0), none, none, [start], [std], [3 * r], np.inf, 1, np.zeros(0))
         shots.append(shot)
     return _merged(shots)
 
 
 def _scores(shot: Shot, reference: Shot) -> Array:
     """-2 log likelihood of each slip, its noise level unknown, on the reference's number of readings."""
-    effective = np.array([_effective([r]) for r in reference.residuals])
+    effective = np.array([effective_readings([r]) for r in reference.residuals])
     chi2 = np.array([float(np.sum(r**2)) for r in shot.residuals])
     return np.asarray(effective * np.log(np.maximum(chi2, 1e-300)), dtype=float)
-
-
-def _effective(residuals: Sequence[Array]) -> float:
-    """Number of independent readings: misfit is correlated from sample to sample, noise is not."""
-    total = 0.0
-    for r in residuals:
-        x = r[:, 0] - r[:, 0].mean()
-        power = float(x @ x)
-        rho = float(np.clip(x[1:] @ x[:-1] / power, 0.0, 0.999)) if power > 0 else 0.0
-        total += max(len(x) * (1 - rho) / (1 + rho), 1.0)
-    return total
 
 
 def _conclude(
@@ -283,7 +271,7 @@ def _conclude(
     names = (*local, *choice.common)
     level = np.column_stack(list(local.values()))
     mean = np.array([*level.mean(axis=0), *choice.common.values()])
-    resamples = _block_bootstrap(level, choice.profile)
+    resamples = block_bootstrap(level, None if choice.profile is None else choice.profile.best)
     covariance = np.atleast_2d(np.cov(resamples.T))
     law, estimates = _law(kind, branch, names, mean, resamples, declared)
     suffix = "" if branch == "minus" else "_plus"
@@ -313,7 +301,7 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=_messages(kind, branch, preference, events, noise, rig),
+        messages=_messages(kind, branch, preference, events),
     )
 
 
@@ -349,33 +337,6 @@ def _law(
     return make(**{n: e.value for n, e in estimates.items()}), estimates
 
 
-def _block_bootstrap(level: Array, profile: _Profile | None = None) -> Array:
-    """Means over slips (and common decays) of resampled records, blocks long enough to keep neighbours' correlation."""
-    n = len(level)
-    size = int(min(max(np.ceil(2 * max(_correlation_length(c) for c in level.T)), 1), max(n // 4, 1)))
-    rng = np.random.default_rng(0)
-    starts = rng.integers(0, n, size=(RESAMPLES, -(-n // size)))
-    index = ((starts[:, :, None] + np.arange(size)) % n).reshape(RESAMPLES, -1)[:, :n]
-    means = level[index].mean(axis=1)
-    if profile is not None:
-        decay = [profile.best(np.bincount(i, minlength=n).astype(float)) for i in index]
-        means = np.column_stack([means, decay])
-    return np.asarray(means, dtype=float)
-
-
-def _correlation_length(x: Array) -> float:
-    """Integrated autocorrelation of a sequence, in events, summed to the first negative lag."""
-    d = x - x.mean()
-    power = float(d @ d)
-    total = 0.5
-    for k in range(1, len(d) // 2):
-        rho = float(d[k:] @ d[:-k]) / power if power > 0 else 0.0
-        if rho <= 0:
-            break
-        total += rho
-    return total
-
-
 def _diagnostics(
     runs: Sequence[Measured], shot: Shot, preference: float, events: Events, rig: BlockOnBelt
 ) -> dict[str, float]:
@@ -389,7 +350,7 @@ def _diagnostics(
         "kinetic_std_between_events": float(np.std(events.kinetic, ddof=1)),
         "drop_mean": float(drop.mean()),
         "drop_std_between_events": float(np.std(drop, ddof=1)),
-        "level_correlation_events": _correlation_length(events.static),
+        "level_correlation_events": correlation_length(events.static),
         "rms_residual": float(np.median(events.rms)),
         "rms_residual_of_amplitude": float(np.median(events.rms / events.amplitude)),
         "plateau_over_set_point": float(np.nanmean([r.plateau / r.set_point for r in runs])),
@@ -399,10 +360,7 @@ def _diagnostics(
     }
 
 
-def _messages(
-    kind: Kind, branch: Branch, preference: float, events: Events, noise: Array, rig: BlockOnBelt
-) -> tuple[str, ...]:
-    del noise, rig
+def _messages(kind: Kind, branch: Branch, preference: float, events: Events) -> tuple[str, ...]:
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
     why = {
@@ -413,7 +371,8 @@ def _messages(
     }[kind]
     q = np.quantile(events.static, [0.05, 0.5, 0.95])
     return (
-        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC (Coulomb minus hyperbolic: {preference:.1f}): {why}",
+        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC "
+        f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
         f"breakaway force: median {q[1]:.4g}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}",
         f"drop at breakaway: {drop.mean():.4g} +- {drop.std(ddof=1):.2g} between slips",
         f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "

@@ -16,12 +16,12 @@ import numpy as np
 
 from stickslip import force, segments, signals
 from stickslip.errors import InputError
-from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
+from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
 from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
 from stickslip.model import Model
 from stickslip.records import Case, Recording
 from stickslip.rig import AnyRig, BlockOnBelt, Rig
-from stickslip.shooting import Array, Shot, Simulator, Window, shoot
+from stickslip.shooting import FARTHEST, Array, Shot, Simulator, Window, shoot
 from stickslip.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
@@ -302,7 +302,8 @@ def estimate(value: float, std: float, prior_share: float, declared: float) -> E
     """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
     if prior_share >= 0.99:
         return Estimate(declared, None, None, None, "unidentified", declared)
-    weak = prior_share > 0.1 or std > abs(value) / 3
+    at_limit = declared != 0 and not 1.001 / FARTHEST < value / declared < FARTHEST / 1.001
+    weak = prior_share > 0.1 or std > abs(value) / 3 or at_limit
     half = 1.96 * std
     return Estimate(value, value - half, value + half, std, "weak" if weak else "identified", declared)
 
@@ -369,7 +370,7 @@ def _plateau_messages(runs: Sequence[Measured], belt: BeltSpeed) -> list[str]:
         if belt == "plateau"
         else "the set-point is used; belt_speed='plateau' changes that"
     )
-    return [f"in {len(off)} of {len(runs)} runs the sticks ride at {ratio:.3f} times the set-point; {used}"]
+    return [f"the sticks ride at {ratio:.3f} times the set-point ({len(off)} of {len(runs)} runs); {used}"]
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import ParamSpec
+from typing import Any, ParamSpec
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -24,7 +25,7 @@ from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
 
 MEASURED, SIMULATED, BAND, LIMIT, GREY = "#0072B2", "#D55E00", "#E69F00", "#009E73", "#555555"
-STYLE = {
+STYLE: dict[Any, Any] = {  # matplotlib's own stubs spell every key out
     "font.size": 9.0,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -103,12 +104,13 @@ def phase_portrait(comparison: Comparison) -> Figure:
     ax.axhline(vs * c.belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
     ax.annotate(
         "belt speed $v_b$",
-        (0.01, vs * c.belt_speed),
+        (1.0, vs * c.belt_speed),
         xycoords=("axes fraction", "data"),
         xytext=(0, 4 if c.belt_speed >= 0 else -11),
         textcoords="offset points",
         color=GREY,
         fontsize=8,
+        ha="right",
     )
     ax.margins(y=0.1)
     ax.set_xlabel(label(_x_symbol(c), c.units[1]))
@@ -124,7 +126,7 @@ def friction_characteristic(found: Identified) -> Figure:
     figure, axes = _figure(4.2 * max(len(seen), 1) + 0.6, 4.0, 1, max(len(seen), 1))
     si = isinstance(found.rig, BlockOnBelt)
     units = ("mm/s", "N") if si else ("1", "1")
-    handles: dict[str, object] = {}
+    handles: dict[str, Artist] = {}
     for ax, branch in zip(axes, seen, strict=False):
         _branch(ax, found, branch, 1e3 if si else 1.0)
         ax.set_xlabel(label("relative velocity $v_w$", units[0]))
@@ -167,7 +169,7 @@ def _branch(ax: Axes, found: Identified, branch: Branch, speed: float) -> None:
             label="breakaway, each slip",
             zorder=4,
         )
-    ax.set_xlim(sorted((-sign * speed * 0.05 * top, sign * speed * 1.04 * top)))
+    ax.set_xlim(*sorted((-sign * speed * 0.05 * top, sign * speed * 1.04 * top)))
     ax.set_ylim(*_force_range(found, sign, value, static))
 
 
@@ -201,8 +203,8 @@ def _points(ax: Axes, found: Identified, sign: float, speed: float) -> None:
         alpha=0.35,
         mew=0,
         rasterized=True,
-        label="from the readings",
     )
+    ax.plot([], [], ".", color=MEASURED, ms=7, mew=0, label="from the readings")
 
 
 @_styled

@@ -8,7 +8,8 @@ middle of sticks, where nothing is in doubt, and transition times are left to th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -76,8 +77,22 @@ class Track:
         """Times of slip to stick, (k,)."""
         return np.array([self.t[b.start] for a, b in self._pairs() if b.mode == 0])
 
+    def after(self, start: int) -> Track:
+        """The track from sample `start` on, its time counted from there."""
+        kept = tuple(
+            Segment(max(s.start - start, 0), s.stop - start, s.mode) for s in self.segments if s.stop > start
+        )
+        return replace(
+            self,
+            t=self.t[start:] - self.t[start],
+            x=self.x[start:],
+            v=self.v[start:],
+            mode=self.mode[start:],
+            segments=kept,
+        )
+
     def _pairs(self) -> list[tuple[Segment, Segment]]:
-        return list(zip(self.segments[:-1], self.segments[1:], strict=True))
+        return list(pairwise(self.segments))
 
 
 def filter_width(dt: float, noise: float, belt_speed: float, period: float) -> int:
@@ -170,7 +185,7 @@ def plateau_speed(track_: Track, readings: Array) -> tuple[float, float]:
 def _runs(mode: npt.NDArray[np.int64]) -> tuple[Segment, ...]:
     edges = np.flatnonzero(np.diff(mode)) + 1
     bounds = [0, *edges.tolist(), len(mode)]
-    return tuple(Segment(a, b, int(mode[a])) for a, b in zip(bounds[:-1], bounds[1:], strict=True))
+    return tuple(Segment(a, b, int(mode[a])) for a, b in pairwise(bounds))
 
 
 def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArray[np.bool_]:
@@ -178,7 +193,7 @@ def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArr
     out = mask.copy()
     for value, limit in ((False, max(shortest // 3, 3)), (True, shortest)):
         for s in _runs(out.astype(np.int64)):
-            if bool(out[s.start]) is value and s.stop - s.start < limit and 0 < s.start and s.stop < len(out):
+            if bool(out[s.start]) is value and s.stop - s.start < limit and s.start > 0 and s.stop < len(out):
                 out[s.start : s.stop] = not value
     return out
 

@@ -21,6 +21,7 @@ from stickslip.errors import StickslipError
 from stickslip.model import Model
 
 Array = npt.NDArray[np.float64]
+FARTHEST = 10.0
 STEP = 1e-5  # relative step of the differences; the simulation's error is far below it
 
 
@@ -28,10 +29,12 @@ class Run(Protocol):
     """What a simulator gives back, as far as fitting needs it."""
 
     @property
-    def state(self) -> Array: ...
+    def state(self) -> Array:
+        """States, (n, d)."""
 
     @property
-    def sensitivity(self) -> Array: ...
+    def sensitivity(self) -> Array:
+        """Derivatives, (n, d, p); needed only from a simulator that takes `sensitivity`."""
 
 
 Simulator = Callable[..., Run]
@@ -163,6 +166,8 @@ class _Problem:
             columns = list(window.columns)
             r = self._weighed(window.readings - run.state[:, columns], window)
             D = self._weighed(-run.sensitivity[:, columns, :], window)
+            if not np.isfinite(D).all():
+                return self._by_differences(shared, window, scale)
             return _Block(r, D[:, : shared.size], D[:, shared.size :])
         return self._by_differences(shared, window, scale)
 
@@ -237,6 +242,7 @@ def shoot(
         `Shot.prior_share` tells where it mattered. Default: as much as the value itself.
     declared : (p,) array, optional
         Values the prior is centred on; default: the starting values.
+        Values are held within a factor of ten of them.
     tolerance : float
         Stops when a step lowers chi2 by less.
     progress : callable, optional
@@ -293,13 +299,13 @@ def _eliminate(
     """Reduced normal matrix and gradient of the shared parameters, and what each window needs to follow."""
     A = base + damping * np.diag(np.diag(base) + sum((b.J**2).sum(axis=0) for b in blocks))
     g = gradient.copy()
-    follow = []
+    follow: list[Array] = []
     for b in blocks:
         C = b.K.T @ b.K
         C[np.diag_indices_from(C)] *= 1 + damping
         C[np.diag_indices_from(C)] += 1e-12
         E = b.J.T @ b.K
-        X = np.linalg.solve(C, np.column_stack([E.T, b.K.T @ b.r]))
+        X: Array = np.asarray(np.linalg.solve(C, np.column_stack([E.T, b.K.T @ b.r])), dtype=float)
         A = A + b.J.T @ b.J - E @ X[:, :-1]
         g = g + b.J.T @ b.r - E @ X[:, -1]
         follow.append(X)
@@ -324,18 +330,29 @@ def _improve(
         for w, X in zip(windows, follow, strict=True):
             own = pack(w, p.state_names) - X[:, -1] - X[:, :-1] @ step
             moved.append(unpack(w, own, p.state_names))
-        trial = _cost(p, shared + step, moved, centre, prior)
+        there = limited(shared + step, centre)
+        trial = _cost(p, there, moved, centre, prior)
         if trial < cost:
-            return shared + step, moved, trial, max(damping / 10, 1e-9)
+            return there, moved, trial, max(damping / 10, 1e-9)
         damping = damping * 5
     return shared, windows, cost, damping
+
+
+def limited(values: Array, declared: Array) -> Array:
+    """Values held within a factor `FARTHEST` of what was declared, of its sign; where that is 0, as they are.
+
+    A law that cannot explain the readings would else run off to where its terms are spikes or vanish.
+    """
+    size = np.abs(declared)
+    bounded = np.sign(declared) * np.clip(np.sign(declared) * values, size / FARTHEST, size * FARTHEST)
+    return np.where(size > 0, bounded, values)
 
 
 def _conclude(
     p: _Problem, shared: Array, windows: list[Window], blocks: Sequence[_Block], prior: Array, dof: int
 ) -> Shot:
     A, _, follow = _eliminate(blocks, prior, np.zeros_like(shared), 0.0)
-    covariance = np.linalg.inv(A) if shared.size else np.zeros((0, 0))
+    covariance = np.asarray(np.linalg.inv(A) if shared.size else np.zeros((0, 0)), dtype=float)
     meat = np.zeros_like(A)
     local_std: list[Mapping[str, float]] = []
     for w, b, X in zip(windows, blocks, follow, strict=True):

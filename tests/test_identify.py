@@ -1,0 +1,277 @@
+"""Identification against laws that are known: closed forms, the reference simulator, recorded cases."""
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from slider import coulomb_record
+
+import stickslip as ss
+from stickslip import reference
+from stickslip.identify import covered_speeds, estimate, law_parameters
+from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
+from stickslip.segments import plateau_speed, track
+from stickslip.shooting import Window, shoot
+
+RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+TRUE = ss.PaperFriction(
+    T_s_minus=6.2, A1=2.9, A2=2.7, t1=0.031, t2=0.31, T_min_minus=1.5, T_s_plus=3.5, T_min_plus=0.9
+)
+NOISE = 8e-4
+DT = 0.04
+SHARED = Path(os.environ.get("STICKSLIP_SHARED", Path(__file__).parents[2] / "shared"))
+
+
+def recording(tmp_path, rig, t, x1, y1, belt_speed, name, noise):
+    columns = [t, x1] if y1 is None else [t, x1, y1]
+    names = ("t", "x1", "y1")[: len(columns)]
+    path = tmp_path / f"{name}.csv"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=",".join(names), comments="", fmt="%.12g")
+    channels = {n: ss.records.Channel(n) for n in names}
+    stds = {n: noise for n in names[1:]}
+    return ss.load_recording(path, rig, channels=channels, belt_speed=belt_speed, noise=stds, name=name)
+
+
+def truth(belt_speed, t_end, simulator=ss.simulate):
+    t = np.arange(0, t_end, DT)
+    start = (0.1 * np.sign(belt_speed), belt_speed, 0.05, 0.0)
+    run = simulator(
+        ss.Model(RIG, friction=TRUE), belt_speed=belt_speed, initial=start, t_end=float(t[-1]), t_eval=t
+    )
+    return t, run.state
+
+
+def noisy(tmp_path, clean, seed, speeds):
+    rng = np.random.default_rng(seed)
+    out = []
+    for v, (t, state) in zip(speeds, clean, strict=True):
+        x, y = (state[:, i] + NOISE * rng.standard_normal(len(t)) for i in (0, 2))
+        out.append(recording(tmp_path, RIG, t, x, y, v, f"run_{v:g}_{seed}", NOISE))
+    return out
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return [truth(v, 60.0) for v in (0.1, -0.1, 0.16)]
+
+
+def test_law_of_a_run_made_by_the_reference_is_found_within_its_intervals(tmp_path):
+    speeds = (0.11, -0.11)
+    runs = noisy(tmp_path, [truth(v, 40.0, reference.simulate) for v in speeds], 1, speeds)
+    found = ss.identify(runs, rig=RIG)
+    assert found.unidentified == ()
+    assert 0.85 < found.reduced_chi2 < 1.15
+    for branch, sign in (("minus", -1), ("plus", 1)):
+        low, high = found.covered[branch]
+        u = np.linspace(low, high, 300)
+        below, value, above = found.band(branch, u)
+        true = TRUE.magnitude(sign * u)
+        assert ((true >= below) & (true <= above)).all()
+        assert np.abs(value - true).max() < 0.05
+    static = found.estimates["T_s_minus"]
+    assert static.low < TRUE.T_s_minus < static.high
+    assert static.std < 0.02
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, clean):
+    speeds = (0.1, -0.1, 0.16)
+    z = []
+    for seed in range(12):
+        found = ss.identify(noisy(tmp_path, clean, seed, speeds), rig=RIG)
+        z += [(e.value - getattr(TRUE, n)) / e.std for n, e in found.estimates.items()]
+    z = np.array(z)
+    assert 0.87 <= np.mean(np.abs(z) < 1.96) <= 1.0
+    assert 0.6 < np.mean(z**2) < 1.6
+
+
+def test_a_branch_never_visited_is_unidentified_and_keeps_its_declared_start(tmp_path, clean):
+    start = ss.PaperFriction(T_s_plus=3.77, T_min_plus=0.77)
+    found = ss.identify(noisy(tmp_path, clean[:1], 3, (0.1,)), rig=RIG, friction=start)
+    if found.covered["plus"] is None:
+        assert {"T_s_plus", "T_min_plus"} <= set(found.unidentified)
+        assert found.law.T_s_plus == 3.77
+        assert found.law.T_min_plus == 0.77
+        assert found.estimates["T_s_plus"].low is None
+        assert np.isnan(found.band("plus", np.array([0.1]))[0]).all()
+        assert "never visited" in found.summary()
+    else:  # this run passes through v_w > 0: then the numbers are measured, not declared
+        assert "T_s_plus" not in found.unidentified
+
+
+def test_an_estimate_resting_on_its_declared_start_is_said_to_be_weak():
+    assert estimate(2.0, 0.1, 0.0, 3.0).status == "identified"
+    assert estimate(2.0, 1.0, 0.0, 3.0).status == "weak"
+    assert estimate(2.0, 0.1, 0.5, 3.0).status == "weak"
+    assert estimate(2.0, 0.1, 1.0, 3.0) == estimate(9.0, 5.0, 0.995, 3.0)
+
+
+def test_misfit_widens_the_intervals(tmp_path, clean):
+    """Damping the declared model lacks: chi2 says so and no interval is that of noise alone."""
+    damped = ss.Model(RIG, friction=TRUE, effects=[ss.effect("block_viscous_damping", c=0.9)])
+    t = np.arange(0, 60.0, DT)
+    runs = []
+    for v in (0.1, -0.1):
+        state = ss.simulate(damped, belt_speed=v, initial=(0.1, v, 0, 0), t_end=t[-1], t_eval=t).state
+        runs.append(noisy(tmp_path, [(t, state)], 7, (v,))[0])
+    found = ss.identify(runs, rig=RIG)
+    clean_fit = ss.identify(noisy(tmp_path, clean[:2], 7, (0.1, -0.1)), rig=RIG)
+    assert found.reduced_chi2 > clean_fit.reduced_chi2
+    assert found.estimates["T_s_minus"].std > clean_fit.estimates["T_s_minus"].std
+
+
+def test_derivatives_by_differences_and_by_the_core_give_the_same_fit():
+    t, state = truth(0.1, 20.0)
+    rng = np.random.default_rng(0)
+    readings = state[:, [0, 2]] + NOISE * rng.standard_normal((len(t), 2))
+    window = Window(0, 0.1, t, readings, (0, 2), state[0].copy(), ("x1", "y1", "y2"))
+    model, names = ss.Model(RIG, friction=TRUE), ("T_s_minus", "A2", "T_min_minus")
+
+    def plain(model, *, belt_speed, initial, t_end, t_eval):
+        return ss.simulate(model, belt_speed=belt_speed, initial=initial, t_end=t_end, t_eval=t_eval)
+
+    noise = np.array([NOISE, NOISE])
+    exact, differences = (shoot(model, [window], names, noise=noise, simulator=s) for s in (ss.simulate, plain))
+    np.testing.assert_allclose(exact.values, differences.values, rtol=1e-5)
+    np.testing.assert_allclose(exact.covariance, differences.covariance, rtol=1e-3, atol=1e-12)
+
+
+def test_force_points_lie_on_the_true_law(tmp_path, clean):
+    found = ss.identify(noisy(tmp_path, clean[:2], 5, (0.1, -0.1)), rig=RIG)
+    points = found.force
+    inside = (points.mode != 0) & (np.abs(points.v_w) > 0.06) & (np.abs(points.v_w) < 0.2)
+    error = points.T[inside] - TRUE.force(points.v_w[inside])
+    assert inside.sum() > 100
+    assert abs(np.median(error)) < 0.1
+    assert np.std(error / points.T_std[inside]) < 2.5
+    stick = points.mode == 0
+    low, high = np.quantile(points.T[stick], [0.03, 0.97])  # a slow departure is seen late
+    assert -TRUE.T_s_minus - 0.3 < low < -TRUE.T_s_minus + 1.5
+    assert TRUE.T_s_plus - 1.5 < high < TRUE.T_s_plus + 0.3
+
+
+def slider(tmp_path, seed, noise=5e-4, slips=25, spread=0.05):
+    rng = np.random.default_rng(seed)
+    static = 1.0 + spread * rng.standard_normal(slips)
+    kinetic = 0.6 + 0.5 * spread * rng.standard_normal(slips)
+    t, x, releases, captures = coulomb_record(static, kinetic, 0.1, 0.01)
+    rig = ss.BlockOnBelt()
+    run = recording(tmp_path, rig, t, x + noise * rng.standard_normal(len(t)), None, 0.1, f"slider{seed}", noise)
+    return rig, run, static, kinetic, releases, captures
+
+
+def test_levels_of_every_slip_are_found(tmp_path):
+    rig, run, static, kinetic, releases, _ = slider(tmp_path, 1)
+    found = ss.identify(run, rig=rig)
+    assert isinstance(found.law, ss.CoulombFriction)
+    assert len(found.events.t) >= len(static) - 1
+    index = [int(np.argmin(np.abs(releases - t))) for t in found.events.t]
+    np.testing.assert_allclose(found.events.static, static[index], atol=2e-3)
+    np.testing.assert_allclose(found.events.kinetic, kinetic[index], atol=2e-3)
+
+
+def test_scatter_between_slips_sets_the_interval_of_the_mean(tmp_path):
+    rig, run, static, _, _, _ = slider(tmp_path, 2)
+    found = ss.identify(run, rig=rig)
+    mean = found.estimates["static"]
+    assert mean.low < 1.0 < mean.high
+    expected = static.std(ddof=1) / np.sqrt(len(static))
+    assert 0.6 * expected < mean.std < 1.7 * expected
+    assert found.estimates["static_plus"].status == "unidentified"
+    assert found.covered["plus"] is None
+
+
+def test_friction_that_falls_with_speed_is_told_from_coulomb(tmp_path):
+    rig = ss.BlockOnBelt()
+    law = ss.HyperbolicFriction(scale=0.6, decay=2.0, constant=0.4)
+    t = np.arange(0, 200, 0.01)
+    model = ss.Model(rig, friction=law)
+    state = ss.simulate(model, belt_speed=0.1, initial=(0.5, 0.1), t_end=t[-1], t_eval=t).state
+    x = state[:, 0] + 5e-4 * np.random.default_rng(0).standard_normal(len(t))
+    found = ss.identify(recording(tmp_path, rig, t, x, None, 0.1, "hyperbolic", 5e-4), rig=rig)
+    assert isinstance(found.law, ss.HyperbolicFriction)
+    u = np.linspace(0, 0.9 * found.covered["minus"][1], 50)
+    np.testing.assert_allclose(found.law.magnitude(-u), law.magnitude(-u), atol=0.02)
+
+
+def test_modes_and_transition_times_of_a_closed_form(tmp_path):
+    _, run, _, _, releases, captures = slider(tmp_path, 3)
+    found = track(run.t, run.x1, belt_speed=0.1, noise=5e-4, period=2 * np.pi)
+    assert len(found.releases) == len(releases)
+    np.testing.assert_allclose(found.releases, releases, atol=0.12)
+    np.testing.assert_allclose(found.captures, captures, atol=0.12)
+    speed, std = plateau_speed(found, run.x1)
+    assert abs(speed - 0.1) < 4 * std + 2e-4
+
+
+def test_one_sentence_where_there_is_nothing_to_identify(tmp_path):
+    rig = ss.BlockOnBelt()
+    t = np.arange(0, 20, 0.01)
+    run = recording(tmp_path, rig, t, 0.1 * t + 1e-3 * np.sin(77 * t), None, 0.1, "stuck", 1e-3)
+    with pytest.raises(ss.InputError, match="0 slips found"):
+        ss.identify(run, rig=rig)
+    with pytest.raises(ss.InputError, match="rig is missing"):
+        ss.identify(run)
+    with pytest.raises(ss.InputError, match="too few"):
+        track(t[:10], t[:10], belt_speed=0.1, noise=1e-3, period=6.0)
+
+
+def test_bootstrap_of_correlated_events_is_wider():
+    rng = np.random.default_rng(0)
+    white = rng.standard_normal((400, 1))
+    red = np.empty_like(white)
+    red[0] = white[0]
+    for i in range(1, len(white)):
+        red[i] = 0.9 * red[i - 1] + np.sqrt(1 - 0.81) * white[i]
+    assert correlation_length(white[:, 0]) < 2 < correlation_length(red[:, 0])
+    assert block_bootstrap(white).std() == pytest.approx(1 / 20, rel=0.25)
+    # the mean of n values correlated as 0.9^k varies as (1 + 0.9)/(1 - 0.9) independent ones
+    assert 2.0 < block_bootstrap(red).std() / block_bootstrap(white).std() < 6.0
+    assert effective_readings([white]) > 300
+    assert effective_readings([red]) < 60
+
+
+def test_every_law_says_which_numbers_belong_to_which_branch():
+    assert law_parameters(ss.CoulombFriction())["plus"] == ("static", "kinetic")
+    assert law_parameters(ss.CoulombFriction(static_plus=1.0, kinetic_plus=0.5))["plus"] == (
+        "static_plus",
+        "kinetic_plus",
+    )
+    assert "v_w_min" not in law_parameters(ss.PaperFriction())["minus"]
+
+
+def test_covered_speeds_of_a_closed_form():
+    """Slip from (1, v) under Coulomb friction reaches v + sqrt(A^2 + v^2)."""
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
+    t = np.linspace(0, 8, 4001)
+    window = Window(0, 0.2, t, np.zeros((len(t), 1)), (0,), np.array([0.9, 0.2]), ("x1",))
+    covered = covered_speeds(model, [window], ss.simulate)
+    assert covered["plus"] is None
+    assert covered["minus"][1] == pytest.approx(0.2 + np.hypot(0.5, 0.2), rel=1e-5)
+
+
+@pytest.mark.skipif(not (SHARED / "cases" / "answers.json").exists(), reason="the recorded cases are not here")
+@pytest.mark.parametrize("name", ["case_00", "case_01"])
+def test_cases_without_an_effect_give_their_true_branches(name):
+    answers = json.loads((SHARED / "cases" / "answers.json").read_text())["cases"]
+    rig = next(c["rig"] for c in answers if c["case"] == name)
+    keys = {
+        "T_s_minus": "Ts_m",
+        "A1": "A1",
+        "A2": "A2",
+        "t1": "t1",
+        "t2": "t2",
+        "T_min_minus": "Tmin_m",
+        "T_s_plus": "Ts_p",
+        "T_min_plus": "Tmin_p",
+    }
+    true = ss.PaperFriction(**{k: rig[v] for k, v in keys.items()})
+    found = ss.identify(ss.load_case(SHARED / "cases" / name))
+    for branch, sign in (("minus", -1), ("plus", 1)):
+        u = np.linspace(*found.covered[branch], 500)
+        low, _, high = found.band(branch, u)
+        R = true.magnitude(sign * u)
+        assert ((low <= R) & (R <= high)).all()
+    for n in ("T_s_minus", "T_s_plus"):
+        assert found.estimates[n].low <= getattr(true, n) <= found.estimates[n].high
