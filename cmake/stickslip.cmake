@@ -3,12 +3,13 @@
 function(stickslip_require_eigen)
   find_package(Eigen3 QUIET NO_MODULE)
   if(NOT TARGET Eigen3::Eigen)
-    message(FATAL_ERROR "stickslip needs the Eigen headers (3.4 or later) and found none: "
-      "`apt-get install libeigen3-dev` on Debian or Ubuntu, `dnf install eigen3-devel` on Fedora, "
-      "`conda install -c conda-forge eigen` elsewhere; or, if Eigen is in a place of your own, set "
-      "Eigen3_DIR to the folder that holds Eigen3Config.cmake.")
+    message(FATAL_ERROR "stickslip needs the Eigen headers, 3.4 or later, and found none. Install them:\n"
+      "  Debian, Ubuntu:  apt-get install libeigen3-dev\n"
+      "  Fedora:          dnf install eigen3-devel\n"
+      "  conda:           conda install -c conda-forge eigen\n"
+      "If they are in a place of your own, set the environment variable Eigen3_DIR to the folder that holds "
+      "Eigen3Config.cmake.")
   endif()
-  set(STICKSLIP_EIGEN_VERSION ${Eigen3_VERSION} PARENT_SCOPE)
 endfunction()
 
 # Warnings, optimisation and sanitizers of one target.
