@@ -96,7 +96,7 @@ def simulate(
     out: Path,
     figure: bool,
 ) -> None:
-    r"""Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
+    """Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
 
     \b
     Example:
@@ -147,7 +147,7 @@ def _numbers(text: str) -> list[float]:
 @out_option
 @belt_option
 def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
-    r"""Identify the friction law from the train runs of CASE (rig.toml or its folder).
+    """Identify the friction law from the train runs of CASE (rig.toml or its folder).
 
     Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
 
@@ -174,7 +174,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
 )
 def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None) -> None:
-    r"""Simulate MODEL with the belt speed of a run of CASE and compare the two.
+    """Simulate MODEL with the belt speed of a run of CASE and compare the two.
 
     Writes compare.json, the phase portrait and the time series as SVG and PNG.
 
@@ -201,7 +201,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     help="Folder for the results.",
 )
 def demo(out: Path) -> None:
-    r"""Do the whole job on a recording that comes with the package: a slider of paper on paper.
+    """Do the whole job on a recording that comes with the package: a slider of paper on paper.
 
     \b
     Example:

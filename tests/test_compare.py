@@ -1,0 +1,100 @@
+"""The comparison's numbers against motions whose numbers are known, and the figures."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from slider import coulomb_record
+from stickslip import plot
+from stickslip.compare import cycles, matched, portrait_distance
+from stickslip.segments import track
+from test_identify import DT, RIG, TRUE, noisy, recording, truth
+
+V, STATIC, KINETIC = 0.2, 1.0, 0.5  # period and stick time: closed form
+SLIP = 2 * (np.pi - np.arctan((STATIC - KINETIC) / V))
+STICK = 2 * (STATIC - KINETIC) / V
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory):
+    t, x, *_ = coulomb_record([STATIC] * 12, [KINETIC] * 12, V, 0.01)
+    x = x + 3e-4 * np.random.default_rng(0).standard_normal(len(t))
+    return recording(tmp_path_factory.mktemp("slider"), ss.BlockOnBelt(), t, x, None, V, "slider", 3e-4)
+
+
+def test_cycle_numbers_of_a_closed_form(slider):
+    seen = cycles(track(slider.t, slider.x1, belt_speed=V, noise=3e-4, period=2 * np.pi))
+    assert len(seen.period) == 11
+    np.testing.assert_allclose(seen.period, SLIP + STICK, atol=0.05)
+    np.testing.assert_allclose(seen.stick, STICK / (SLIP + STICK), atol=0.02)
+    np.testing.assert_allclose(seen.amplitude, 2 * np.hypot(STATIC - KINETIC, V), atol=0.01)
+    np.testing.assert_allclose(seen.speed, V + np.hypot(STATIC - KINETIC, V), atol=0.02)  # a largest value, of noise too
+
+
+def test_a_model_compared_with_its_own_motion_differs_by_nothing(slider):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=STATIC, kinetic=KINETIC))
+    c = ss.compare(model, slider)
+    for name in ("period", "stick fraction", "slip amplitude", "largest slip speed"):
+        row = c.row(name)
+        assert row.simulated == pytest.approx(row.measured, rel=0.01)
+    assert c.row("release time error").simulated < 0.05
+    assert c.row("capture time error").simulated < 0.05
+    assert c.row("transitions missed").simulated == 0
+    assert c.row("phase-portrait distance").simulated < 0.01
+    assert c.row("forecast NRMSE").simulated < 0.01
+
+
+def test_a_wrong_law_is_seen_in_every_row_it_touches(slider):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.3, kinetic=KINETIC))
+    c = ss.compare(model, slider)
+    expected = 2 * (np.pi - np.arctan(0.8 / V)) + 2 * 0.8 / V
+    assert c.row("period").simulated == pytest.approx(expected, rel=0.02)
+    assert c.row("period").difference == pytest.approx(expected - SLIP - STICK, rel=0.05)
+    assert c.row("phase-portrait distance").simulated > 0.03
+    assert c.row("release time error").simulated > 0.5
+    assert "phase-portrait distance" in c.table()
+
+
+def test_two_degrees_of_freedom_run_freely_from_the_estimated_start(tmp_path):
+    run = noisy(tmp_path, [truth(0.1, 80.0)], 4, (0.1,))[0]
+    c = ss.compare(ss.Model(RIG, friction=TRUE), run)
+    rms = np.sqrt(np.mean((c.simulated_readings - c.readings) ** 2, axis=0))
+    np.testing.assert_allclose(rms, 8e-4, rtol=0.1)  # the noise alone, over the whole run
+    assert c.row("phase-portrait distance").simulated < 0.02
+    assert len(c.measured.t) == round(80 / DT)
+
+
+def test_portrait_distance_of_shifted_lines_is_their_distance():
+    s = np.linspace(0, 1, 2001)
+    a, b = np.column_stack([s, 0 * s]), np.column_stack([s, 0 * s + 0.3])
+    assert portrait_distance(a, b, np.array([1.0, 1.0])) == pytest.approx(0.3)
+    assert portrait_distance(a, b, np.array([1.0, 3.0])) == pytest.approx(0.1)
+    assert portrait_distance(a, a[::2], np.array([1.0, 1.0])) < 5e-4
+
+
+def test_events_are_matched_to_the_nearest_within_reach():
+    error, missed = matched(np.array([1.0, 2.0, 3.0]), np.array([1.1, 2.95]), 0.5)
+    np.testing.assert_allclose(error, [0.1, -0.05])
+    assert missed == 1
+    assert matched(np.array([1.0]), np.array([]), 0.5)[1] == 1
+
+
+def test_figures_are_written_twice_and_say_symbol_and_unit(tmp_path, slider):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=STATIC, kinetic=KINETIC))
+    c = ss.compare(model, slider)
+    svg, png = plot.save_figure(plot.phase_portrait(c), tmp_path / "new" / "portrait")
+    text = svg.read_text()
+    assert "measured" in text
+    assert "simulated" in text
+    assert png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert [p.suffix for p in sorted((tmp_path / "new").iterdir())] == [".png", ".svg"]  # no temporary left
+    assert plot.label("$x_1$", "mm") == "$x_1$ [mm]"
+    assert plot.label("$x_1$", "1") == "$x_1$"
+    again, _ = plot.save_figure(plot.phase_portrait(c), tmp_path / "again")
+    assert again.read_bytes() == svg.read_bytes()  # the same figure is the same file
+    for figure in (
+        plot.time_series(c),
+        plot.friction_characteristic(ss.identify(slider, rig=ss.BlockOnBelt())),
+    ):
+        for ax in figure.axes:
+            assert len(ax.lines) > 0
