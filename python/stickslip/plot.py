@@ -177,7 +177,7 @@ def _force_range(found: Identified, sign: float, value: Array, static: float) ->
     all_ = [*value.tolist(), static]
     if found.events is not None:
         all_ += [float(found.events.static.min()), float(found.events.static.max())]
-    elif found.force is not None:
+    if found.force is not None:
         inside = found.force.mode == sign
         all_ += np.quantile(np.abs(found.force.T[inside]), [0.005, 0.995]).tolist() if inside.any() else []
     low, high = min(all_), max(all_)
