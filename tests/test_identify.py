@@ -88,18 +88,16 @@ def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, clean):
     assert 0.6 < np.mean(z**2) < 1.6
 
 
-def test_a_branch_never_visited_is_unidentified_and_keeps_its_declared_start(tmp_path, clean):
+def test_a_branch_never_visited_is_unidentified_and_keeps_its_declared_start(tmp_path):
     start = ss.PaperFriction(T_s_plus=3.77, T_min_plus=0.77)
-    found = ss.identify(noisy(tmp_path, clean[:1], 3, (0.1,)), rig=RIG, friction=start)
-    if found.covered["plus"] is None:
-        assert {"T_s_plus", "T_min_plus"} <= set(found.unidentified)
-        assert found.law.T_s_plus == 3.77
-        assert found.law.T_min_plus == 0.77
-        assert found.estimates["T_s_plus"].low is None
-        assert np.isnan(found.band("plus", np.array([0.1]))[0]).all()
-        assert "never visited" in found.summary()
-    else:  # this run passes through v_w > 0: then the numbers are measured, not declared
-        assert "T_s_plus" not in found.unidentified
+    found = ss.identify(noisy(tmp_path, [truth(0.06, 40.0)], 3, (0.06,)), rig=RIG, friction=start)
+    assert found.covered["plus"] is None
+    assert {"T_s_plus", "T_min_plus"} <= set(found.unidentified)
+    assert "T_s_minus" not in found.unidentified
+    assert (found.law.T_s_plus, found.law.T_min_plus) == (3.77, 0.77)
+    assert found.estimates["T_s_plus"].low is None
+    assert np.isnan(found.band("plus", np.array([0.1]))[0]).all()
+    assert "branch T_plus was never visited" in found.summary()
 
 
 def test_an_estimate_resting_on_its_declared_start_is_said_to_be_weak():

@@ -275,17 +275,7 @@ def _conclude(
     covariance = np.atleast_2d(np.cov(resamples.T))
     law, estimates = _law(kind, branch, names, mean, resamples, declared)
     suffix = "" if branch == "minus" else "_plus"
-    static = local["static"] if kind == "coulomb" else local["scale"] + local["constant"]
-    kinetic = local["kinetic"] if kind == "coulomb" else _kinetic(local, slips, choice.common["decay"])
-    rms = np.array([float(np.sqrt(np.mean(r**2))) * noise[0] for r in shot.residuals])
-    events = Events(
-        t=np.array([s.t for s in slips]),
-        static=static,
-        kinetic=kinetic,
-        amplitude=np.array([s.amplitude for s in slips]),
-        rms=rms,
-        run=np.array([float(s.run) for s in slips]),
-    )
+    events = _events(choice, local, slips, noise)
     visited = (0.0, float(max(s.speed for s in slips)))
     return Identified(
         rig=rig,
@@ -302,6 +292,22 @@ def _conclude(
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
         messages=_messages(kind, branch, preference, events),
+    )
+
+
+def _events(choice: _Choice, local: dict[str, Array], slips: Sequence[_Slip], noise: Array) -> Events:
+    if choice.kind == "coulomb":
+        static, kinetic = local["static"], local["kinetic"]
+    else:
+        static = local["scale"] + local["constant"]
+        kinetic = _kinetic(local, slips, choice.common["decay"])
+    return Events(
+        t=np.array([s.t for s in slips]),
+        static=static,
+        kinetic=kinetic,
+        amplitude=np.array([s.amplitude for s in slips]),
+        rms=np.array([float(np.sqrt(np.mean(r**2))) * noise[0] for r in choice.shot.residuals]),
+        run=np.array([float(s.run) for s in slips]),
     )
 
 

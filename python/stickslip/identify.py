@@ -226,13 +226,7 @@ def _identify_by_shooting(
 
     short = fit(model, windows, "fitting windows")
     found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
-    first = {w.run: w for w in reversed(short.windows)}
-    whole = [
-        replace(
-            segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
-        )
-        for i, r in enumerate(runs)
-    ]
+    whole = _whole_runs(runs, short, cols)
     best, where = short, "windows"
     try:
         long = fit(found, whole, "fitting whole runs")
@@ -243,11 +237,33 @@ def _identify_by_shooting(
     return _conclude(runs, rig, start, names, declared, best, short, where, simulator)
 
 
+def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
+    """One window a run, from the state its first short window was found to start in."""
+    first = {w.run: w for w in reversed(short.windows)}
+    return [
+        replace(
+            segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
+        )
+        for i, r in enumerate(runs)
+    ]
+
+
 def _explains(long: Shot, short: Shot) -> bool:
     """Whether whole runs cost no more than their fewer free states must (three standard deviations)."""
     gained = max(long.dof - short.dof, 0)
     excess = (long.chi2 - short.chi2) / max(1.0, short.reduced)
     return bool(np.isfinite(long.chi2) and excess < gained + 3 * np.sqrt(2 * gained) + 3)
+
+
+def _widened(shot: Shot) -> Array:
+    """Covariance that allows for what the law leaves unexplained."""
+    covariance = shot.covariance * max(1.0, shot.reduced)
+    if shot.reduced > 1.2 and len(shot.windows) >= 20:
+        # the law is not the whole truth: let the scatter between windows speak where it is larger
+        ratio = np.diag(shot.sandwich) / np.maximum(np.diag(covariance), 1e-300)
+        stretch = np.sqrt(np.maximum(ratio, 1.0))
+        covariance = covariance * np.outer(stretch, stretch)
+    return covariance
 
 
 def _conclude(
@@ -261,12 +277,7 @@ def _conclude(
     where: str,
     simulator: Simulator,
 ) -> Identified:
-    covariance = best.covariance * max(1.0, best.reduced)
-    if best.reduced > 1.2 and len(best.windows) >= 20:
-        # the law is not the whole truth: let the scatter between windows speak where it is larger
-        ratio = np.diag(best.sandwich) / np.maximum(np.diag(covariance), 1e-300)
-        stretch = np.sqrt(np.maximum(ratio, 1.0))
-        covariance = covariance * np.outer(stretch, stretch)
+    covariance = _widened(best)
     seen = best.prior_share < 0.99
     values = np.where(seen, best.values, declared)
     law = Model(rig, friction=start).replace(**dict(zip(names, values.tolist(), strict=True))).friction
