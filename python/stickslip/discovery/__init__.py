@@ -1,0 +1,1 @@
+"""Closing the loop: what the declared model lacks, found in the readings."""

@@ -1,0 +1,160 @@
+"""Recordings as the fit takes them: readings by channel with their weights, cycles, and where windows may start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import find_peaks, savgol_filter
+
+from stickslip import signals
+from stickslip.errors import InputError
+from stickslip.records import Recording
+
+Floats = NDArray[np.float64]
+CHANNELS = ("x1", "y1", "belt")
+GLITCH_SIGMAS = 8.0
+
+
+@dataclass(frozen=True)
+class Data:
+    """One run for fitting, in model units.
+
+    Attributes
+    ----------
+    name, role, belt_speed
+    t : (n,) times from the run's first sample.
+    readings : (n, c) channels x1, y1 and, where recorded, belt; 0 where missing.
+    weight : (n, c) 1/noise; 0 where a reading is missing or a glitch.
+    noise : (c,) standard deviations.
+    v : (n,) smoothed velocity of x1.
+    slips : (k,) samples of fastest slip, one a cycle: far from any transition.
+    cycle : time from slip to slip; a natural period where there are none.
+    """
+
+    name: str
+    role: str
+    belt_speed: float
+    t: Floats
+    readings: Floats
+    weight: Floats
+    noise: Floats
+    v: Floats
+    slips: NDArray[np.int64]
+    cycle: float
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the columns of `readings`."""
+        return CHANNELS[: self.readings.shape[1]]
+
+    def local_state(self, at: int, past_only: bool = False) -> Floats:
+        """(x1, x2, y1, y2) at sample `at`, by local polynomials through the readings around it."""
+        dt = float(np.median(np.diff(self.t)))
+        x = _local(self.t, self.readings[:, 0], self.weight[:, 0], at, max(6, int(0.3 / dt)), past_only)
+        y = _local(self.t, self.readings[:, 1], self.weight[:, 1], at, max(8, int(0.7 / dt)), past_only)
+        return np.array([*x, *y])
+
+
+def prepare(runs: Sequence[Recording]) -> list[Data]:
+    """Runs with their noise, from [noise] where it is given and from the readings where not.
+
+    Raises
+    ------
+    InputError
+        A run lacks a channel or is too short to hold a cycle.
+    """
+    noise = _noise(runs)
+    return [_prepare(run, noise) for run in runs]
+
+
+def _noise(runs: Sequence[Recording]) -> Floats:
+    channels = CHANNELS if all(run.belt is not None for run in runs) else CHANNELS[:2]
+    found = []
+    for channel in channels:
+        given = [run.noise[channel] for run in runs if channel in run.noise]
+        found.append(given[0] if given else float(np.median([_estimated(run, channel) for run in runs])))
+    return np.array(found)
+
+
+def _estimated(run: Recording, channel: str) -> float:
+    values = np.asarray(getattr(run, channel))
+    good = np.isfinite(values)
+    return float(signals.noise_std(values[good], t=run.t[good]))
+
+
+def _prepare(run: Recording, noise: Floats) -> Data:
+    if run.y1 is None:
+        raise InputError(f"run '{run.name}' has no channel y1; discovery needs both displacements")
+    if len(run.t) < 60:
+        raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least 60 are needed")
+    columns = [run.x1, run.y1] + ([run.belt] if len(noise) == 3 else [])
+    readings = np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
+    weight = np.where(np.isfinite(readings), 1.0 / noise, 0.0)
+    readings = np.where(np.isfinite(readings), readings, 0.0)
+    t = run.t - run.t[0]
+    for c in range(readings.shape[1]):
+        _bridge(t, readings[:, c], weight[:, c])
+        weight[_glitches(readings[:, c], noise[c]), c] = 0.0
+        _bridge(t, readings[:, c], weight[:, c])
+    v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
+    slips, cycle = _slips(t, v, run.belt_speed)
+    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle)
+
+
+def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
+    """Put neighbours' values where a reading has no weight, for the smoothers alone."""
+    bad = weight == 0
+    if bad.any() and not bad.all():
+        values[bad] = np.interp(t[bad], t[~bad], values[~bad])
+
+
+def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
+    """Single samples that stand out against both neighbours' line and curvature."""
+    out = np.zeros(len(values), dtype=bool)
+    padded = np.pad(values, 2, mode="edge")
+    around = np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]])
+    middle = (-around[0] + 4 * around[1] + 4 * around[2] - around[3]) / 6.0
+    spread = np.ptp(around, axis=0)
+    far = np.abs(values - middle) > GLITCH_SIGMAS * noise + spread
+    out[2:-2] = far[2:-2]
+    return out
+
+
+def _velocity(t: Floats, x: Floats, noise: float, belt_speed: float) -> Floats:
+    """Velocity of x on the samples by local quadratics, narrow enough for a slip."""
+    dt = float(np.median(np.diff(t)))
+    grid = np.arange(0.0, t[-1] + 0.5 * dt, dt)
+    resampled = np.interp(grid, t, x)
+    width = 9
+    while width * dt < 1.0 and 4 * noise * math.sqrt(12 / width**3) / dt > 0.2 * abs(belt_speed):
+        width += 2
+    width = min(width, (len(grid) - 1) // 2 * 2 - 1)
+    return np.asarray(np.interp(t, grid, savgol_filter(resampled, width, 2, deriv=1, delta=dt)))
+
+
+def _slips(t: Floats, v: Floats, belt_speed: float) -> tuple[NDArray[np.int64], float]:
+    """Samples of fastest slip against the belt, and the cycle."""
+    speed = np.abs(v - belt_speed)
+    top = float(np.quantile(speed, 0.98))
+    dt = float(np.median(np.diff(t)))
+    peaks, _ = find_peaks(speed, height=0.5 * top, prominence=0.3 * top, distance=max(3, int(2.0 / dt)))
+    inner = peaks[(peaks > 5) & (peaks < len(t) - 6)]
+    if len(inner) < 3 or top < 0.3 * abs(belt_speed):
+        cycle = 2 * math.pi
+        return np.searchsorted(t, np.arange(cycle, t[-1] - cycle, cycle)).astype(np.int64), cycle
+    return inner.astype(np.int64), float(np.median(np.diff(t[inner])))
+
+
+def _local(
+    t: Floats, x: Floats, weight: Floats, at: int, half: int, past_only: bool = False
+) -> tuple[float, float]:
+    low, high = max(0, at - half), at + 1 if past_only else min(len(t), at + half + 1)
+    if high - low < half + 1:  # at an end: take as many on the other side
+        low, high = (max(0, high - half - 1), high) if past_only or low > 0 else (low, low + half + 1)
+    part = slice(low, high)
+    c = np.polynomial.polynomial.polyfit(t[part] - t[at], x[part], 2, w=np.where(weight[part] > 0, 1.0, 1e-9))
+    return float(c[0]), float(c[1])

@@ -1,0 +1,212 @@
+"""Windows linearised: residuals of a hypothesis against the readings, with exact derivatives from the core."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.discovery.data import Data
+from stickslip.discovery.readings import Learned, read
+from stickslip.discovery.unknowns import Hypothesis
+from stickslip.lowering import SLOTS, WIDTH, lower
+
+Floats = NDArray[np.float64]
+RTOL, ATOL = 1e-7, 1e-8
+ATTEMPTS = ((0.0, 0, RTOL), (1e-9, 20, RTOL), (0.0, 24, 1e-12), (1e-6, 24, 1e-12), (-5e-6, 0, RTOL))
+STATES = len(_core.STATES)
+W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
+AUTO, STICK = 2, 0
+FAILED, MOST_FAILED = 10.0, 0.15  # residual of a window that cannot be simulated; share of windows that may
+VISIBLE = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Window:
+    """Samples start <= i < stop of a run, met by one simulation.
+
+    `state` (9,) is its initial state, hidden states included; `free` the entries estimated; `spread` (9,) the
+    weak Gaussian that holds free hidden states about `centre`; `contact` the mode it starts in.
+    """
+
+    run: int
+    start: int
+    stop: int
+    state: Floats
+    free: tuple[int, ...]
+    centre: Floats
+    spread: Floats
+    contact: int = AUTO
+
+
+@dataclass
+class Block:
+    """One window linearised: r = (reading - model)/noise, -dr/d shared, -dr/d own; (m,), (m, p), (m, q)."""
+
+    r: Floats
+    J: Floats
+    K: Floats
+    mode: NDArray[np.int8]
+
+
+class Engine:
+    """Evaluates one hypothesis on the runs; everything that does not change between calls is done once.
+
+    Parameters
+    ----------
+    data : the runs.
+    hypothesis : what is fitted.
+    pool : threads over windows; the core runs without the interpreter's lock.
+    """
+
+    def __init__(
+        self,
+        data: Sequence[Data],
+        hypothesis: Hypothesis,
+        pool: ThreadPoolExecutor,
+        learned: tuple[Learned, ...] = (),
+    ) -> None:
+        self.data = list(data)
+        self.hypothesis = hypothesis
+        self.learned = learned
+        self.pool = pool
+        self.lowered = [lower(hypothesis.model, run.belt_speed) for run in data]
+        self.order = (*hypothesis.shared, *hypothesis.own)
+        self.names = tuple(u.name for u in self.order)
+        slots = self.lowered[0].slots
+        self.slots = [slots.get(name, ()) for name in self.names]
+        self.fixed = {n: v for n, v in hypothesis.model.parameters.items() if n not in self.names}
+        self.seeds = np.zeros((len(self.names) + STATES, WIDTH + STATES))
+        for row, places in zip(self.seeds, self.slots, strict=False):
+            row[list(places)] = 1.0
+        for k in range(STATES):
+            self.seeds[len(self.names) + k, WIDTH + k] = 1.0
+        self.moving = [i for i, places in enumerate(self.slots) if places]
+
+    def parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
+        """The core's parameter vector and the values by name."""
+        values = self.hypothesis.values(vector, run)
+        numbers = self.lowered[run].parameters.copy()
+        for name, places in zip(self.names, self.slots, strict=True):
+            for place in places:
+                numbers[place] = values[name]
+        return numbers, {**self.fixed, **values}
+
+    def simulate(self, vector: Floats, window: Window, seeds: Floats) -> dict[str, object] | None:
+        """The core's raw record of one window; None where the simulation fails."""
+        run = self.data[window.run]
+        numbers, _ = self.parameters(vector, window.run)
+        if not np.isfinite(numbers).all() or not np.isfinite(window.state).all():
+            return None
+        t = run.t[window.start : window.stop]
+        for nudge, order, rtol in ATTEMPTS:  # what rounding decided badly once
+            raw: dict[str, object] = _core.simulate(
+                structure=self.lowered[window.run].structure,
+                parameters=numbers,
+                initial=window.state + nudge * VISIBLE,
+                t_start=float(t[0]),
+                t_end=float(t[-1]),
+                contact=window.contact,
+                t_eval=t,
+                rtol=rtol,
+                atol=ATOL,
+                locator=_core.Locator.henon,
+                seeds=seeds,
+                max_transitions=2000,
+                order=order,
+            )
+            if raw["outcome"] == _core.Outcome.finished:
+                return raw
+        return None
+
+    def residual(self, vector: Floats, window: Window) -> Floats | None:
+        """r alone, (n c,)."""
+        raw = self.simulate(vector, window, np.zeros((0, WIDTH + STATES)))
+        if raw is None:
+            return None
+        state = np.asarray(raw["state"])
+        return self._weigh(self._read(vector, window, state, np.zeros((len(state), STATES, 0)), ()), window)
+
+    def linearise(self, vector: Floats, window: Window, own_only: bool = False) -> Block | None:
+        """r, J and K of one window; J is 0 with `own_only`."""
+        moving = [] if own_only else self.moving
+        asked = [*moving, *(len(self.names) + k for k in window.free)]
+        raw = self.simulate(vector, window, np.ascontiguousarray(self.seeds[asked]))
+        if raw is None:
+            return None
+        state = np.asarray(raw["state"])
+        n, p, q = len(state), len(self.names), len(window.free)
+        full = np.zeros((n, STATES, p + q))
+        full[:, :, [*moving, *range(p, p + q)]] = np.asarray(raw["sensitivity"])
+        values, slopes = self._chain(vector, window, state, full)
+        weight = self.data[window.run].weight[window.start : window.stop]
+        D = (slopes * weight[:, :, None]).reshape(-1, p + q)
+        J = D[:, :p] * np.array([u.slope(v) for u, v in self._sized(vector, window.run)])
+        return Block(self._weigh(values, window), J, D[:, p:], np.asarray(raw["mode"]))
+
+    def _sized(self, vector: Floats, run: int) -> list[tuple[object, float]]:
+        values = self.hypothesis.values(vector, run)
+        return [(u, values[u.name]) for u in self.order]
+
+    def _chain(self, vector: Floats, window: Window, state: Floats, sens: Floats) -> tuple[Floats, Floats]:
+        run = self.data[window.run]
+        _, p = self.parameters(vector, window.run)
+        names = (*self.names, *("",) * (sens.shape[2] - len(self.names))) if sens.shape[2] else ()
+        t = run.t[window.start : window.stop]
+        chain = read(t, state, sens, names, p, run.belt_speed, run.readings.shape[1], self.learned)
+        return chain.values, chain.slopes
+
+    def _read(self, vector: Floats, window: Window, state: Floats, sens: Floats, _: tuple[()]) -> Floats:
+        return self._chain(vector, window, state, sens)[0]
+
+    def _weigh(self, values: Floats, window: Window) -> Floats:
+        run = self.data[window.run]
+        part = slice(window.start, window.stop)
+        return np.asarray(((run.readings[part] - values) * run.weight[part]).ravel())
+
+    def blocks(self, vector: Floats, windows: Sequence[Window]) -> list[Block] | None:
+        """All windows linearised; None if more than a few cannot be simulated (those few carry a large residual)."""
+        out = list(self.pool.map(lambda w: self.linearise(vector, w), windows))
+        if sum(b is None for b in out) > MOST_FAILED * len(out):
+            return None
+        return [self._failed(w) if b is None else b for w, b in zip(windows, out, strict=True)]
+
+    def _failed(self, window: Window) -> Block:
+        m = (window.stop - window.start) * self.data[window.run].readings.shape[1]
+        zeros = np.zeros((m, len(self.names)))
+        mode = np.ones(window.stop - window.start, dtype=np.int8)
+        return Block(np.full(m, FAILED), zeros, np.zeros((m, len(window.free))), mode)
+
+    def cost(self, vector: Floats, windows: Sequence[Window]) -> float:
+        """chi-squared with the weak priors; infinite where too many windows cannot be simulated."""
+        total, failed = 0.0, 0
+        for w, r in zip(windows, self.pool.map(lambda w: self.residual(vector, w), windows), strict=True):
+            failed += r is None
+            m = (w.stop - w.start) * self.data[w.run].readings.shape[1]
+            total += FAILED**2 * m if r is None else float(r @ r)
+        if failed > MOST_FAILED * len(windows):
+            return np.inf
+        centre, precision = self.hypothesis.prior(len(self.data))
+        total += float(precision @ (vector - centre) ** 2)
+        total += sum(window_penalty(w) for w in windows)
+        return total if np.isfinite(total) else np.inf
+
+
+def window_penalty(window: Window) -> float:
+    """Prior of a window's own free states."""
+    free = list(window.free)
+    return float(np.sum(((window.state[free] - window.centre[free]) / window.spread[free]) ** 2))
+
+
+def moved(window: Window, step: Floats) -> Window:
+    """The window with its free states shifted."""
+    state = window.state.copy()
+    state[list(window.free)] += step
+    return replace(window, state=state)
+
+
+__all__ = ["SLOTS", "Block", "Engine", "Window", "moved", "window_penalty"]

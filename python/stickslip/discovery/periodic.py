@@ -1,0 +1,181 @@
+"""Where periodic effects may sit: a periodogram of the residual through the model's own response.
+
+For a frequency w0 the core gives the response of every window to a unit sine and cosine. Near w0 the same response
+serves, turned by (w - w0) t_j at the window's middle t_j, so that a coarse grid of simulations and a fine grid of
+rotations cover all frequencies. A seam is the same with the belt's travel s = v_b t - x1 for time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.engine import Engine, Window
+from stickslip.discovery.rivals import PERIODIC, Start
+from stickslip.discovery.solve import Fit
+from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.effects import Effect, effect
+
+Floats = NDArray[np.float64]
+SMALL = 1e-6  # amplitude at which responses are taken; they are linear in it
+WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
+
+
+@dataclass
+class _Line:
+    """Normal equations of one effect at one coarse frequency, by window: with itself (m, 2, 2), with the residual
+    (m, 2), with the base's unknowns (m, 2, p); and the windows' phase coordinate (m,)."""
+
+    N: list[Floats]
+    g: list[Floats]
+    C: list[Floats]
+    at: list[float]
+
+
+@dataclass
+class _Base:
+    """The fit that is searched, its windows' own states projected out and each window weighed by its misfit."""
+
+    fit: Fit
+    projections: list[_Projector]
+    residuals: list[Floats]
+    slopes: list[Floats]  # of the base's unknowns, (n, p)
+    size: list[float]
+    L: Floats  # inverse normal matrix of the base's unknowns
+    g: Floats
+
+    @classmethod
+    def of(cls, fit: Fit) -> _Base:
+        """Take a fit apart."""
+        engine, p = fit.engine, len(fit.vector)
+        _, precision = engine.hypothesis.prior(len(engine.data))
+        projections = [_Projector(b.K) for b in fit.blocks]
+        residuals = [P(b.r) for P, b in zip(projections, fit.blocks, strict=True)]
+        size = [max(1.0, float(r @ r) / len(r)) for r in residuals]  # one gone astray must not outvote the others
+        slopes, A, g = [], np.diag(precision), np.zeros(p)
+        for w, b, P, r, s in zip(fit.windows, fit.blocks, projections, residuals, size, strict=True):
+            J = np.zeros((len(b.r), p))
+            J[:, engine.hypothesis.columns(w.run)] = P(b.J)
+            slopes.append(J)
+            A += J.T @ J / s
+            g += J.T @ r / s
+        return cls(fit, projections, residuals, slopes, size, np.linalg.pinv(A, hermitian=True), g)
+
+
+def periodic_starts(
+    fit: Fit,
+    names: Sequence[str] = PERIODIC,
+    *,
+    peaks: int = 2,
+    highest: float = 14.0,
+    step: float = 0.4,
+) -> dict[str, list[Start]]:
+    """Best starts of the periodic effects on top of a fit, `peaks` of each.
+
+    Parameters
+    ----------
+    fit : the hypothesis whose residual is searched.
+    names : effects to look for.
+    highest : largest angular frequency (in time and in belt travel).
+    step : of the coarse grid; a window of two cycles turns by less than a radian over half of it.
+    """
+    taken = {one.name for one in fit.engine.hypothesis.model.effects}
+    names = [n for n in names if n not in taken]
+    if not names:
+        return {}
+    base = _Base.of(fit)
+    found: dict[str, list[tuple[float, float, Floats]]] = {n: [] for n in names}
+    for w0 in np.arange(step, highest, step):
+        for name, line in _responses(base, names, float(w0)).items():
+            found[name] += _fine(base, line, float(w0), step)
+    return {name: _best(name, lines, peaks, step) for name, lines in found.items()}
+
+
+class _Projector:
+    """Takes a window's own states out of a vector or matrix."""
+
+    def __init__(self, K: Floats) -> None:
+        self.q = np.linalg.qr(K)[0] if K.shape[1] else K
+
+    def __call__(self, x: Floats) -> Floats:
+        return np.asarray(x - self.q @ (self.q.T @ x))
+
+
+def _responses(base: _Base, names: Sequence[str], w0: float) -> dict[str, _Line]:
+    fit = base.fit
+    h = fit.engine.hypothesis
+    values = h.at(fit.vector, len(fit.engine.data)).model
+    terms = [_small(name, w0) for name in names]
+    numbers = [Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in ("a", "phi")]
+    both = Hypothesis(values.with_effects([*values.effects, *terms]), tuple(numbers), h.phases)
+    engine = Engine(fit.engine.data, both, fit.engine.pool, fit.engine.learned)
+    vector = np.array([u.start for u in numbers])
+    out = {name: _Line([], [], [], []) for name in names}
+    blocks = list(fit.engine.pool.map(lambda w: engine.linearise(vector, w), fit.windows))
+    for j, (w, b) in enumerate(zip(fit.windows, blocks, strict=True)):
+        r, s = base.residuals[j], base.size[j]
+        for i, name in enumerate(names):
+            D = np.zeros((len(r), 2)) if b is None else b.J[:, 2 * i : 2 * i + 2] / np.array([1.0, SMALL])
+            D = base.projections[j](np.nan_to_num(D))
+            out[name].N.append(D.T @ D / s)
+            out[name].g.append(D.T @ r / s)
+            out[name].C.append(D.T @ base.slopes[j] / s)
+            out[name].at.append(_middle(fit, w, name))
+    return out
+
+
+def _small(name: str, w0: float) -> Effect:
+    wave = 2 * np.pi / w0 if name == "belt_seam" else w0
+    return effect(name, a=SMALL, phi=0.0, **{WAVE[name]: float(wave)})
+
+
+def _middle(fit: Fit, window: Window, name: str) -> float:
+    run = fit.engine.data[window.run]
+    part = slice(window.start, window.stop)
+    if name != "belt_seam":
+        return float(np.mean(run.t[part]))
+    return float(np.mean(run.belt_speed * run.t[part] - run.readings[part, 0]))
+
+
+def _fine(base: _Base, line: _Line, w0: float, step: float) -> list[tuple[float, float, Floats]]:
+    """(gain, frequency, (runs, 2) amplitudes) over the fine grid about w0, the base's unknowns refitted."""
+    N, g, C, at = np.array(line.N), np.array(line.g), np.array(line.C), np.array(line.at)
+    span = float(np.ptp(at)) + 1e-9
+    runs = np.array([w.run for w in base.fit.windows])
+    count = len(base.fit.engine.data)
+    member = (runs[None, :] == np.arange(count)[:, None]).astype(float)
+    out = []
+    for delta in np.linspace(-step / 2, step / 2, max(3, int(step * span / 0.8) | 1)):
+        c, s = np.cos(delta * at), np.sin(delta * at)
+        turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)  # window amplitudes = turn @ run's
+        NN = np.einsum("rw,wji,wjk,wkl->ril", member, turn, N, turn, optimize=True)
+        gg = np.einsum("rw,wji,wj->ri", member, turn, g, optimize=True).ravel()
+        CC = np.einsum("rw,wji,wjp->rip", member, turn, C, optimize=True).reshape(2 * count, -1)
+        A = -CC @ base.L @ CC.T
+        for r in range(count):
+            A[2 * r : 2 * r + 2, 2 * r : 2 * r + 2] += NN[r]
+        A += 1e-6 * np.diag(np.diag(A) + 1e-12)
+        b = gg - CC @ (base.L @ base.g)
+        amplitudes = np.linalg.solve(A, b)
+        out.append((float(b @ amplitudes), w0 + float(delta), amplitudes.reshape(count, 2)))
+    return out
+
+
+def _best(name: str, found: list[tuple[float, float, Floats]], peaks: int, step: float) -> list[Start]:
+    starts: list[Start] = []
+    used: list[float] = []
+    for _, w, amplitudes in sorted(found, key=lambda one: -one[0]):
+        if len(starts) == peaks:
+            break
+        if any(abs(w - other) < step for other in used):
+            continue
+        used.append(w)
+        size = float(np.median(np.hypot(amplitudes[:, 0], amplitudes[:, 1])))
+        size = min(size, 0.5) if name != "harmonic_forcing" else min(size, 3.0)
+        phases = tuple(float(np.arctan2(b, a)) for a, b in amplitudes)
+        wave = 2 * np.pi / w if name == "belt_seam" else w
+        starts.append(Start(effect(name, a=max(size, 1e-4), phi=0.0, **{WAVE[name]: float(wave)}), phases))
+    return starts

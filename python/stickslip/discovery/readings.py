@@ -1,0 +1,202 @@
+"""The measurement chain: from simulated states to readings, with derivatives; the same for every hypothesis.
+
+x1 reading: x1 + c y1 + q x1^2, lagged where there is a lag (the core's hidden state m), plus r t.
+y1 reading: y1 at t - delay. belt reading: the belt's own speed V. Learned curves add g(variable) to a channel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+Floats = NDArray[np.float64]
+B, M = 6, 7  # hidden states in the core's order
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A smooth curve added to a channel's reading: natural cubic spline through unknown values at knots.
+
+    `channel` is "x1", "y1" or "belt"; `variable` "x1", "x2", "y1", "y2" or "t".
+    """
+
+    channel: str
+    variable: str
+    knots: tuple[float, ...]
+
+    @property
+    def name(self) -> str:
+        """Prefix of its parameters."""
+        return f"learned_{self.channel}_{self.variable}"
+
+    def basis(self, x: Floats, derivative: int = 0) -> Floats:
+        """Value of each knot's cardinal spline, (n, k); held constant outside."""
+        knots = np.array(self.knots)
+        spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
+        inside = np.clip(x, knots[0], knots[-1])
+        out = np.asarray(spline(inside, derivative))
+        return out if derivative == 0 else np.where((x == inside)[:, None], out, 0.0)
+
+
+@dataclass
+class Chain:
+    """Readings (n, c) and their derivatives (n, c, p) at one window, `names` naming the p columns."""
+
+    values: Floats
+    slopes: Floats
+
+
+def read(
+    t: Floats,
+    state: Floats,
+    sensitivity: Floats,
+    names: tuple[str, ...],
+    p: Mapping[str, float],
+    belt_speed: float,
+    channels: int,
+    learned: tuple[Learned, ...] = (),
+) -> Chain:
+    """Readings from states (n, 9) and their sensitivities (n, 9, k).
+
+    `names` names the sensitivities' columns; those of reading effects are filled in here, their columns in
+    `sensitivity` must be zero (or what reaches them through the lag).
+    """
+    out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
+    where = {name: i for i, name in enumerate(names)}
+    _read_x1(t, state, sensitivity, where, p, out)
+    _read_y1(t, state, sensitivity, where, p, out)
+    if channels == 3:
+        _read_belt(t, state, sensitivity, where, p, belt_speed, out)
+    for curve in learned:
+        _add_curve(curve, t, state, sensitivity, where, p, out)
+    return out
+
+
+def _read_x1(
+    t: Floats, state: Floats, sens: Floats, where: Mapping[str, int], p: Mapping[str, float], out: Chain
+) -> None:
+    if "sensor_lag.tau" in p:
+        out.values[:, 0] = state[:, M]
+        out.slopes[:, 0] = sens[:, M]
+    else:
+        c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
+        x, y = state[:, 0], state[:, 2]
+        out.values[:, 0] = x + c * y + q * x**2
+        out.slopes[:, 0] = sens[:, 0] * (1 + 2 * q * x)[:, None] + c * sens[:, 2]
+        if "sensor_crosstalk.c" in where:
+            out.slopes[:, 0, where["sensor_crosstalk.c"]] += y
+        if "sensor_nonlinearity.q" in where:
+            out.slopes[:, 0, where["sensor_nonlinearity.q"]] += x**2
+    if "sensor_drift.r" in p:
+        out.values[:, 0] += p["sensor_drift.r"] * t
+        if "sensor_drift.r" in where:
+            out.slopes[:, 0, where["sensor_drift.r"]] += t
+
+
+def _read_y1(
+    t: Floats, state: Floats, sens: Floats, where: Mapping[str, int], p: Mapping[str, float], out: Chain
+) -> None:
+    if "sensor_delay.delay" not in p:
+        out.values[:, 1] = state[:, 2]
+        out.slopes[:, 1] = sens[:, 2]
+        return
+    weights, rates = _late(t, p["sensor_delay.delay"])
+    out.values[:, 1] = weights.apply(state)
+    out.slopes[:, 1] = weights.apply(sens)
+    if "sensor_delay.delay" in where:
+        out.slopes[:, 1, where["sensor_delay.delay"]] -= rates.apply(state)
+
+
+@dataclass
+class _Gather:
+    """A linear rule on (y1, y2) at two neighbouring samples."""
+
+    left: NDArray[np.int64]
+    w: Floats  # (n, 4): y1 left, y2 left, y1 right, y2 right
+
+    def apply(self, states: Floats) -> Floats:
+        w = self.w.reshape(self.w.shape + (1,) * (states.ndim - 2))
+        a, b = self.left, self.left + 1
+        out = w[:, 0] * states[a, 2] + w[:, 1] * states[a, 3] + w[:, 2] * states[b, 2] + w[:, 3] * states[b, 3]
+        return np.asarray(out)
+
+
+def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
+    """y1 and its rate at t - delay by Hermite's cubic (error h^4/384 y1''''), by Taylor beyond the ends."""
+    at = t - delay
+    left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    h = t[left + 1] - t[left]
+    s = (at - t[left]) / h
+    w = np.stack([(1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2 * h, s**2 * (3 - 2 * s), s**2 * (s - 1) * h], 1)
+    zero = 6 * s * (s - 1) / h
+    r = np.stack([zero, (1 - s) * (1 - 3 * s), -zero, s * (3 * s - 2)], 1)
+    for ends, near, offset in ((at < t[0], 0, at - t[0]), (at > t[-1], 2, at - t[-1])):
+        d, hh = offset[ends], h[ends]
+        w[ends], r[ends] = 0.0, 0.0
+        w[ends, near], w[ends, near + 1] = 1.0, d
+        w[ends, 1] -= d**2 / (2 * hh)
+        w[ends, 3] += d**2 / (2 * hh)
+        r[ends, near + 1] = 1.0
+        r[ends, 1] -= d / hh
+        r[ends, 3] += d / hh
+    return _Gather(left, w), _Gather(left, r)
+
+
+def _read_belt(
+    t: Floats,
+    state: Floats,
+    sens: Floats,
+    where: Mapping[str, int],
+    p: Mapping[str, float],
+    v_b: float,
+    out: Chain,
+) -> None:
+    out.values[:, 2] = v_b + state[:, B]
+    out.slopes[:, 2] = sens[:, B]
+    if "belt_speed_ripple.a" not in p:
+        return
+    a, w, phi = (p[f"belt_speed_ripple.{key}"] for key in ("a", "w", "phi"))
+    sine, cosine = np.sin(w * t + phi), np.cos(w * t + phi)
+    out.values[:, 2] += v_b * a * sine
+    for key, slope in (("a", sine), ("w", a * t * cosine), ("phi", a * cosine)):
+        if f"belt_speed_ripple.{key}" in where:
+            out.slopes[:, 2, where[f"belt_speed_ripple.{key}"]] += v_b * slope
+
+
+_COLUMN = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
+_CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
+
+
+def _add_curve(
+    curve: Learned,
+    t: Floats,
+    state: Floats,
+    sens: Floats,
+    where: Mapping[str, int],
+    p: Mapping[str, float],
+    out: Chain,
+) -> None:
+    channel = _CHANNEL[curve.channel]
+    if channel >= out.values.shape[1]:
+        return
+    names = [f"{curve.name}.value_{i}" for i in range(len(curve.knots))]
+    values = np.array([p[name] for name in names])
+    x = t if curve.variable == "t" else state[:, _COLUMN[curve.variable]]
+    basis = curve.basis(x)
+    out.values[:, channel] += basis @ values
+    if curve.variable != "t":
+        rate = curve.basis(x, 1) @ values
+        out.slopes[:, channel] += rate[:, None] * sens[:, _COLUMN[curve.variable]]
+    for i, name in enumerate(names):
+        if name in where:
+            out.slopes[:, channel, where[name]] += basis[:, i]
+
+
+def lag_start(x1: float, x2: float, tau: float) -> float:
+    """Lagged reading of a steady ramp: where m starts."""
+    return x1 - x2 * min(tau, math.inf)

@@ -1,0 +1,322 @@
+"""What `discover` returns: verdict, effects, rivals, errors, and the arrays that a report draws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.model import Model
+
+Floats = NDArray[np.float64]
+Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
+
+
+class Verdict(Enum):
+    """What was found; the value is the word of report.json."""
+
+    no_effect = "no_effect"
+    effect_found = "effect_found"
+    unlisted_effect = "unlisted_effect"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A number with its 95 % interval; a limit is None where the readings set none."""
+
+    value: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A rival that the data cannot tell from the winner, or can only just.
+
+    Attributes
+    ----------
+    name : the effect's name.
+    odds : probability of the rival against the winner's, 1 for equal.
+    delta : how much more the winner lowers -2 log likelihood, penalties included.
+    tied : no verdict between them is possible from these runs.
+    exact : the tie is one of algebra; `reason` gives it.
+    reason : one sentence.
+    parameters : the rival's own estimates.
+    correlation : between the two signatures after refit, -1 to 1; None if not computed.
+    """
+
+    name: str
+    odds: float
+    delta: float
+    tied: bool
+    exact: bool
+    reason: str
+    parameters: Mapping[str, Interval]
+    correlation: float | None = None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A learned curve g(variable) with its 95 % band, where the readings reach; (n,) arrays.
+
+    `term` says what g is ("force on the block", "friction factor minus 1", "added to the x1 reading"), `unit` is
+    always "1" (model units). `guess` is a formula that describes it adequately, or None.
+    """
+
+    where: str
+    variable: str
+    term: str
+    x: Floats
+    value: Floats
+    low: Floats
+    high: Floats
+    knots: Floats
+    guess: str | None
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Why an effect is believed.
+
+    Attributes
+    ----------
+    delta_chi2 : fall of chi-squared on the fitted windows when the effect joins, law refitted in both.
+    delta_bic : the same with the penalty for its parameters.
+    held_out_ratio : error with it over error without it, on windows held out of both fits.
+    control : delta_chi2 of the best of the wrong effects with at least as many parameters.
+    control_name : which one that was.
+    threshold : delta_chi2 that the gate demands.
+    sentence : one line for a person.
+    """
+
+    delta_chi2: float
+    delta_bic: float
+    held_out_ratio: float
+    control: float
+    control_name: str
+    threshold: float
+    sentence: str
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """One effect of the verdict, in the words of report.json; an effect without a name is "unlisted"."""
+
+    name: str
+    where: str
+    depends_on: tuple[str, ...]
+    parameters: Mapping[str, Interval]
+    evidence: Evidence
+    alternatives: tuple[Alternative, ...]
+    formula: str
+    curve: Curve | None = None
+    phases: Mapping[str, float] = field(default_factory=dict)  # run name -> phi, for effects that have one
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One line of the ranking: a hypothesis fitted jointly with the law.
+
+    `names` is () for the declared law alone; `chi2` is per reading on the training windows; `bic` is relative to
+    the best of the ranking (0); `score` is the screening's predicted fall of chi-squared, None if not screened.
+    """
+
+    names: tuple[str, ...]
+    chi2: float
+    bic: float
+    parameters: Mapping[str, float]
+    score: float | None
+    chosen: bool
+
+
+@dataclass(frozen=True)
+class Part:
+    """chi-squared per reading on one part of the record, with its sampling error and the readings it rests on."""
+
+    what: str  # "channel", "mode", "speed", "time", "transition"
+    name: str
+    chi2: float
+    error: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Residual against the noise, absolutely.
+
+    `chi2` per reading over all, `error` its sampling error; `whiteness` the largest normalised autocorrelation
+    statistic (1 = the 95 % limit for white noise); `parts` where it sits; `sentence` for a person.
+    """
+
+    chi2: float
+    error: float
+    whiteness: float
+    clean: bool
+    parts: tuple[Part, ...]
+    sentence: str
+
+
+@dataclass(frozen=True)
+class RunView:
+    """One run as measured and as the models have it; model units, (n,) arrays.
+
+    `before`, `after` hold predicted readings: keys x1, y1 (and belt). `state_before`/`state_after` are (n, 4)
+    states, `force_before`/`force_after` the friction T and `speed_before`/`speed_after` v_w at the samples,
+    `mode_*` in {-1, 0, 1}. Residuals are (measured - predicted)/noise. For train runs the trajectories are the
+    fits, for validate runs one-cycle-ahead forecasts stitched together.
+    """
+
+    name: str
+    role: str
+    belt_speed: float
+    t: Floats
+    measured: Mapping[str, Floats]
+    noise: Mapping[str, float]
+    before: Mapping[str, Floats]
+    after: Mapping[str, Floats]
+    state_before: Floats
+    state_after: Floats
+    mode_before: NDArray[np.int8]
+    mode_after: NDArray[np.int8]
+    force_before: Floats
+    force_after: Floats
+    speed_before: Floats
+    speed_after: Floats
+
+
+@dataclass(frozen=True)
+class RunError:
+    """Errors on one validate run. Each maps "before", "after", "floor" to a number.
+
+    `one_cycle`, `two_cycles`: windowed forecast NRMSE; `transition_time`: rms error of transition times over the
+    cycle; `period`, `stick_fraction`: absolute errors (of the cycle; of 1); `portrait`: mean distance of the
+    phase portraits over their size. `rmse` in the readings' own units, by channel: {"x1": {"before": ..}}.
+    """
+
+    run: str
+    belt_speed: float
+    one_cycle: Mapping[str, float]
+    two_cycles: Mapping[str, float]
+    transition_time: Mapping[str, float]
+    period: Mapping[str, float]
+    stick_fraction: Mapping[str, float]
+    portrait: Mapping[str, float]
+    rmse: Mapping[str, Mapping[str, float]]
+    unit: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class ErrorBlock:
+    """`error` of report.json: one metric over all validate runs, and every run's table."""
+
+    metric: str
+    before: float
+    after: float
+    floor: float
+    runs: tuple[RunError, ...]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One entry of the menu of next experiments.
+
+    `separability`: for the two rivals named, the expected delta chi2 between them on this experiment after refit;
+    `sufficient` where that would settle it.
+    """
+
+    what: str
+    belt_speed: float | None
+    between: tuple[str, str]
+    separability: float
+    sufficient: bool
+
+
+@dataclass(frozen=True)
+class Gate:
+    """The parametric bootstrap on this case's own noise: largest score among all rivals, `draws` of them.
+
+    `observed` is this case's; `threshold` is exceeded by noise alone with `probability`.
+    """
+
+    observed: float
+    threshold: float
+    probability: float
+    draws: Floats
+
+
+@dataclass(frozen=True)
+class Found:
+    """What `stickslip.discover` returns.
+
+    Attributes
+    ----------
+    title : the case's.
+    verdict : Verdict.
+    effects : in order of weight; empty for `no_effect`.
+    before, after : complete models: the declared law identified alone, and with what was found (both `Model`;
+        they carry channels and noise). `model` is `after`.
+    law : parameter name -> Interval of the friction law in `after`; `law_before` the same for `before`.
+    residual_before, residual_after : on the training runs.
+    error : on the validate runs.
+    ranking : all rivals fitted, best first.
+    experiments : next experiments, best first; empty where nothing is tied.
+    gate : the bootstrap.
+    runs : what the figures draw.
+    spectrum : "frequency" (angular, model units), "before", "after": (k,) mean normalised power of the residual,
+        1 for white noise.
+    messages : sentences a person should read (ties, one speed only, absorbed loads, short records ...).
+    seconds : wall-clock time of the whole.
+    """
+
+    title: str
+    verdict: Verdict
+    effects: tuple[FoundEffect, ...]
+    before: Model
+    after: Model
+    law: Mapping[str, Interval]
+    law_before: Mapping[str, Interval]
+    residual_before: Residual
+    residual_after: Residual
+    error: ErrorBlock
+    ranking: tuple[Rival, ...]
+    experiments: tuple[Experiment, ...]
+    gate: Gate
+    runs: tuple[RunView, ...]
+    spectrum: Mapping[str, Floats]
+    messages: tuple[str, ...]
+    seconds: float
+
+    @property
+    def model(self) -> Model:
+        """The model after discovery."""
+        return self.after
+
+    @property
+    def report(self) -> dict[str, Json]:
+        """report.json as plain Python: numbers, strings, lists and dicts only (no arrays of readings)."""
+        skipped = {"before", "after", "runs", "spectrum"}
+        items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
+        return {name: plain(value) for name, value in items.items()}
+
+
+def plain(value: object) -> Json:
+    """Dataclasses, arrays, enums and mappings as what JSON can hold; a number that is not finite as None."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, Enum):
+        return str(value.value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(one) for one in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return None if value is None else str(value)

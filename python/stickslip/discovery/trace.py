@@ -1,0 +1,259 @@
+"""Tracing: every listed effect as a rival fitted jointly with the law, then pairs, chosen by penalised likelihood."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stickslip.discovery.data import Data
+from stickslip.discovery.engine import Engine
+from stickslip.discovery.periodic import periodic_starts
+from stickslip.discovery.readings import Learned
+from stickslip.discovery.ripple import ripple_starts
+from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
+from stickslip.discovery.solve import Fit, fit
+from stickslip.discovery.unknowns import Hypothesis
+from stickslip.discovery.windows import cut, with_hidden
+from stickslip.effects import CATALOGUE
+from stickslip.errors import StickslipError
+from stickslip.model import Model
+
+SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
+CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
+MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
+
+
+@dataclass
+class Trial:
+    """A hypothesis fitted: `names` of its effects, the fit, its penalised -2 log likelihood."""
+
+    names: tuple[str, ...]
+    fit: Fit
+
+    @property
+    def chi2(self) -> float:
+        """Per degree of freedom."""
+        return self.fit.per_reading
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The hypothesis with the fit's numbers in its model."""
+        return self.fit.engine.hypothesis.at(self.fit.vector, len(self.fit.engine.data))
+
+    @property
+    def extra(self) -> int:
+        """Numbers added to the law's."""
+        h = self.fit.engine.hypothesis
+        law = sum("." not in u.name for u in h.unknowns)
+        return len(self.fit.vector) - law
+
+    @property
+    def bic(self) -> float:
+        """chi-squared with ln N for each added number, and 1 for each hidden state that a window starts from."""
+        hidden = sum(k >= 4 for w in self.fit.windows for k in w.free)
+        return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + hidden
+
+    @property
+    def excess(self) -> float:
+        """chi-squared per reading above 1, in its sampling errors."""
+        return (self.chi2 - 1.0) / math.sqrt(2.0 / self.fit.readings)
+
+
+@dataclass
+class Search:
+    """Everything the tracing shares: data, threads, the clock, and what was tried."""
+
+    data: list[Data]
+    model: Model
+    pool: ThreadPoolExecutor
+    progress: Callable[[str], None]
+    budget: float
+    began: float = field(default_factory=time.monotonic)
+    tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
+
+    @property
+    def left(self) -> float:
+        """Seconds of the budget that remain."""
+        return self.budget - (time.monotonic() - self.began)
+
+    def run(
+        self,
+        h: Hypothesis,
+        *,
+        cycles: float,
+        iterations: int = 40,
+        tolerance: float = 1e-4,
+        rounds: int = 3,
+        windows_of: Trial | None = None,
+        worst: float = math.inf,
+        learned: tuple[Learned, ...] = (),
+        vector: np.ndarray | None = None,
+    ) -> Trial | None:
+        """Fit one hypothesis; `windows_of` lends its windows and states, `worst` is a hopeless cost."""
+        engine = Engine(self.data, h, self.pool, learned)
+        if windows_of is None:
+            windows = cut(self.data, h.model, cycles)
+        else:
+            windows = [with_hidden(w, h.model, self.data[w.run]) for w in windows_of.fit.windows]
+        found = fit(
+            engine,
+            h.start(len(self.data)) if vector is None else vector,
+            windows,
+            iterations=iterations,
+            tolerance=tolerance,
+            rounds=rounds,
+            give_up=lambda done, cost: (done >= 4 and cost > worst) or self.left < 0,
+        )
+        return None if found is None else Trial(_names(h, learned), found)
+
+    def keep(self, trial: Trial | None, key: tuple[str, ...]) -> None:
+        """Remember a trial if it is the best of its names."""
+        if trial is not None and (key not in self.tried or trial.fit.cost < self.tried[key].fit.cost):
+            self.tried[key] = trial
+
+    def polish(self, trial: Trial, turns: int = 2) -> Trial:
+        """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
+        best = self._again(trial, SHORT, trial) or trial
+        for _ in range(turns):
+            if best.excess < CLEAN or self.left < 0:
+                break
+            before = best.fit.cost
+            long = self._again(best, LONG, None)
+            for origin in (long, best):
+                short = None if origin is None else self._again(origin, SHORT, None)
+                if short is not None and short.fit.cost < best.fit.cost:
+                    best = short
+            if best.fit.cost > 0.98 * before:
+                break
+        return best
+
+    def _again(self, trial: Trial, cycles: float, windows_of: Trial | None) -> Trial | None:
+        learned = trial.fit.engine.learned
+        h = trial.hypothesis
+        vector = trial.fit.vector
+        return self.run(
+            h, cycles=cycles, windows_of=windows_of, tolerance=2e-5, learned=learned, vector=vector
+        )
+
+
+def _names(h: Hypothesis, learned: tuple[Learned, ...]) -> tuple[str, ...]:
+    return (*h.effects, *(one.name for one in learned))
+
+
+def declared(search: Search) -> Trial | None:
+    """The declared law alone, on short windows."""
+    return search.run(hypothesis(search.model, []), cycles=SHORT)
+
+
+def starts_of(trial: Trial) -> list[Start]:
+    """A trial's own effects as starts, to build on."""
+    h = trial.hypothesis
+    out = []
+    for term in h.model.effects:
+        assert not hasattr(term, "knots")
+        out.append(Start(term, tuple(h.phases.get(f"{term.name}.phi", ()))))  # type: ignore[arg-type]
+    return out
+
+
+def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Trial]:
+    """Every effect added to `base` (on short windows), crudely fitted; best first."""
+    model = base.hypothesis.model
+    own = starts_of(base)
+    skip = {*base.names, *exclude}
+    candidates = {n: shapes(n, search.data) for n in CATALOGUE if n not in skip and n not in PERIODIC}
+    search.progress("looking for lines in the residual's spectrum")
+    candidates |= periodic_starts(base.fit, [n for n in PERIODIC if n not in skip])
+    if "belt_speed_ripple" in candidates:
+        candidates["belt_speed_ripple"] += ripple_starts(search.data)
+    found = []
+    for name, starts in candidates.items():
+        search.progress(f"trying {' + '.join([*base.names, name])}")
+        best: Trial | None = None
+        for start in starts:
+            trial = search.run(
+                hypothesis(model, [*own, start]),
+                cycles=SHORT,
+                iterations=12,
+                tolerance=1e-3,
+                rounds=1,
+                windows_of=base,
+                worst=1.02 * base.fit.cost,
+            )
+            if trial is not None and (best is None or trial.fit.cost < best.fit.cost):
+                best = trial
+        if best is not None:
+            found.append(best)
+    return sorted(found, key=lambda one: one.bic)
+
+
+def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
+    """The most promising trials fitted in earnest on long windows, best first; hopeless ones are left out."""
+    out: list[Trial] = []
+    for trial in trials[:most]:
+        if out and (search.left < 0 or trial.fit.cost > 50 * out[0].fit.cost):
+            break
+        search.progress(f"fitting {' + '.join(trial.names) or 'the declared law'} closely")
+        out.append(search.polish(trial))
+        search.keep(out[-1], tuple(sorted(out[-1].names)))
+        if min(one.excess for one in out) < CLEAN and len(out) >= 3:
+            break
+    return sorted(out, key=lambda one: one.bic)
+
+
+def decide(search: Search) -> list[Trial]:
+    """The declared law, single effects and pairs; best first, the declared law among them."""
+    null = declared(search)
+    if null is None:
+        raise StickslipError("the declared model cannot be simulated from the readings: check the rig's numbers")
+    null = search.polish(null)
+    search.keep(null, ())
+    singles = polished(search, screen(search, null))
+    if not singles:
+        return [null]
+    null = _refitted(search, null, singles[0])
+    best = singles[0]
+    if best.bic > null.bic - MARGIN:
+        return [null, *singles]
+    pairs: list[Trial] = []
+    if not explained(best, null):
+        for base in singles[:3]:
+            if base.fit.cost > 0.9 * null.fit.cost or search.left < 0.35 * search.budget:
+                break
+            pairs += polished(search, screen(search, base), most=3)
+            if pairs and min(one.excess for one in pairs) < CLEAN:
+                break
+    pairs = [one for one in pairs if _both_needed(search, one)]
+    return sorted([null, *singles, *pairs], key=lambda one: one.bic)
+
+
+def explained(trial: Trial, null: Trial) -> bool:
+    """Is what a trial leaves within the noise, or next to nothing of what there was?"""
+    rest, before = trial.chi2 - 1.0, null.chi2 - 1.0
+    return trial.excess < CLEAN or (rest < 0.35 and rest < 1e-3 * before)
+
+
+def _refitted(search: Search, null: Trial, winner: Trial) -> Trial:
+    """The declared law again, from where the winner has its law: refit against refit."""
+    law = hypothesis(winner.hypothesis.model, [])
+    other = search.run(law, cycles=SHORT, windows_of=winner, tolerance=2e-5)
+    if other is not None and other.fit.cost < null.fit.cost:
+        null = other
+        search.keep(null, ())
+    return null
+
+
+def _both_needed(search: Search, pair: Trial) -> bool:
+    """Backward elimination: neither effect can go at less than the price of its numbers."""
+    for name in pair.names:
+        single = search.tried.get((name,))
+        if single is not None and single.bic < pair.bic + MARGIN:
+            return False
+    return True
+
+
+__all__ = ["Search", "Trial", "decide", "declared", "explained", "polished", "screen", "starts_of"]

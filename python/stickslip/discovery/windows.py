@@ -1,0 +1,73 @@
+"""Where the record is cut, and the states its windows start from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.data import Data
+from stickslip.discovery.engine import AUTO, BELT, DWELL, LAGGED, STATES, STICK, W, Window, Z
+from stickslip.model import Model
+
+Floats = NDArray[np.float64]
+VISIBLE = (0, 1, 2, 3)
+
+
+def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
+    """Windows about `cycles` long, starting where the block slips fastest; the first starts with the record."""
+    out = []
+    for number, run in enumerate(data):
+        starts = [0]
+        for at in run.slips:
+            if run.t[at] - run.t[starts[-1]] >= (cycles - 0.5) * run.cycle:
+                starts.append(int(at))
+        if len(starts) > 1 and run.t[-1] - run.t[starts[-1]] < 0.4 * run.cycle:
+            starts.pop()
+        ends = [*starts[1:], len(run.t)]
+        out += [start_window(run, number, model, a, b) for a, b in zip(starts, ends, strict=True)]
+    return out
+
+
+def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:
+    """A window with its state from the readings around its start."""
+    state = np.zeros(STATES)
+    state[:4] = run.local_state(start)
+    contact, free = AUTO, VISIBLE
+    window = Window(number, start, stop, state, free, state, np.full(STATES, np.inf), contact)
+    return with_hidden(window, model, run)
+
+
+def with_hidden(window: Window, model: Model, run: Data) -> Window:
+    """The window with the hidden states that the model's effects need, started and loosely held."""
+    names = {one.name: one for one in model.effects}
+    state, centre = window.state.copy(), window.state.copy()
+    spread = np.full(STATES, np.inf)
+    free = [k for k in window.free if k < 4]
+    v = float(state[1]) - run.belt_speed
+    if "friction_memory" in names:
+        state[W], spread[W] = v, max(abs(v), abs(run.belt_speed))
+        free.append(W)
+    if "contact_compliance" in names:
+        k = names["contact_compliance"].parameters["k"]
+        state[Z] = float(model.friction.force(v)) / k
+        spread[Z] = 3.0 / k
+        free.append(Z)
+    if "belt_load_droop" in names:
+        k = names["belt_load_droop"].parameters["k"]
+        state[BELT] = float(model.friction.force(v)) * k
+        spread[BELT] = 5 * k + 0.2 * abs(run.belt_speed)
+        free.append(BELT)
+    if "sensor_lag" in names:
+        tau = names["sensor_lag"].parameters["tau"]
+        state[LAGGED] = state[0] - tau * state[1]
+        spread[LAGGED] = 0.05 + tau * abs(v)
+        free.append(LAGGED)
+    if "static_aging" in names and window.contact == STICK:
+        state[DWELL], spread[DWELL] = 1.0, 3.0
+        free.append(DWELL)
+    centre[list(free)] = state[list(free)]
+    return Window(
+        window.run, window.start, window.stop, state, tuple(free), centre, spread, window.contact
+    )
