@@ -12,10 +12,12 @@ function(stickslip_require_eigen)
   endif()
 endfunction()
 
-# Warnings, optimisation and sanitizers of one target.
+# Warnings, optimisation and sanitizers of one target. GCC's guess that something may be uninitialised
+# changes with every release and with what is inlined; it is shown, and is no error.
 function(stickslip_settings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow
-    $<$<BOOL:${STICKSLIP_WERROR}>:-Werror> $<$<CONFIG:Release>:-O3> -fno-math-errno -ffp-contract=fast)
+    $<$<BOOL:${STICKSLIP_WERROR}>:-Werror> $<$<CXX_COMPILER_ID:GNU>:-Wno-error=maybe-uninitialized>
+    $<$<CONFIG:Release>:-O3> -fno-math-errno -ffp-contract=fast)
   if(STICKSLIP_SANITIZE)
     set(sanitize -fsanitize=${STICKSLIP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_compile_options(${target} PRIVATE ${sanitize})
