@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,3 +158,8 @@ def _local(
     part = slice(low, high)
     c = np.polynomial.polynomial.polyfit(t[part] - t[at], x[part], 2, w=np.where(weight[part] > 0, 1.0, 1e-9))
     return float(c[0]), float(c[1])
+
+
+def refined(data: Sequence[Data], factor: Floats) -> list[Data]:
+    """The runs with their noise multiplied by a factor per channel."""
+    return [replace(run, noise=run.noise * factor, weight=run.weight / factor) for run in data]

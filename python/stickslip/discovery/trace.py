@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import Engine
@@ -19,10 +20,11 @@ from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
 from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.windows import cut, with_hidden
-from stickslip.effects import CATALOGUE
+from stickslip.effects import CATALOGUE, Effect
 from stickslip.errors import StickslipError
 from stickslip.model import Model
 
+Floats = NDArray[np.float64]
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
 CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
@@ -49,8 +51,7 @@ class Trial:
     def extra(self) -> int:
         """Numbers added to the law's."""
         h = self.fit.engine.hypothesis
-        law = sum("." not in u.name for u in h.unknowns)
-        return len(self.fit.vector) - law
+        return len(self.fit.vector) - sum("." not in u.name for u in h.unknowns)
 
     @property
     def bic(self) -> float:
@@ -75,6 +76,7 @@ class Search:
     budget: float
     began: float = field(default_factory=time.monotonic)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
+    screened: list[Trial] = field(default_factory=list)
 
     @property
     def left(self) -> float:
@@ -92,9 +94,11 @@ class Search:
         windows_of: Trial | None = None,
         worst: float = math.inf,
         learned: tuple[Learned, ...] = (),
-        vector: np.ndarray | None = None,
+        vector: Floats | None = None,
+        anyway: bool = False,
     ) -> Trial | None:
-        """Fit one hypothesis; `windows_of` lends its windows and states, `worst` is a hopeless cost."""
+        """Fit one hypothesis; `windows_of` lends its windows and states, `worst` is a hopeless cost; `anyway`
+        goes on when the time is up."""
         engine = Engine(self.data, h, self.pool, learned)
         if windows_of is None:
             windows = cut(self.data, h.model, cycles)
@@ -107,7 +111,7 @@ class Search:
             iterations=iterations,
             tolerance=tolerance,
             rounds=rounds,
-            give_up=lambda done, cost: (done >= 4 and cost > worst) or self.left < 0,
+            give_up=lambda done, cost: (done >= 4 and cost > worst) or (self.left < 0 and not anyway),
         )
         return None if found is None else Trial(_names(h, learned), found)
 
@@ -155,8 +159,8 @@ def starts_of(trial: Trial) -> list[Start]:
     h = trial.hypothesis
     out = []
     for term in h.model.effects:
-        assert not hasattr(term, "knots")
-        out.append(Start(term, tuple(h.phases.get(f"{term.name}.phi", ()))))  # type: ignore[arg-type]
+        if isinstance(term, Effect):
+            out.append(Start(term, tuple(h.phases.get(f"{term.name}.phi", ()))))
     return out
 
 
@@ -188,6 +192,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
                 best = trial
         if best is not None:
             found.append(best)
+    search.screened += found
     return sorted(found, key=lambda one: one.bic)
 
 

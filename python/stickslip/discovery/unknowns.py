@@ -113,7 +113,8 @@ class Hypothesis:
         values = self.values(vector, 0)
         moved = tuple(replace(u, start=values[u.name]) if not u.per_run else u for u in self.unknowns)
         phases = {u.name: tuple(self.values(vector, r)[u.name] for r in range(runs)) for u in self.own}
-        numbers = {u.name: values[u.name] for u in self.unknowns}
+        known = self.model.parameters  # curves on readings are not the model's
+        numbers = {u.name: values[u.name] for u in self.unknowns if u.name in known}
         return replace(self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases})
 
 

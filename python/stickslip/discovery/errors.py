@@ -1,0 +1,157 @@
+"""The error on runs never fitted: forecasts by cycle, and stick-slip's own measures, before, after and at the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from stickslip.discovery.data import Data
+from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
+from stickslip.discovery.readings import Learned
+from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.errors import StickslipError
+from stickslip.model import Model
+from stickslip.records import Recording
+
+Floats = NDArray[np.float64]
+METRIC = "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone; mean over validate runs"
+WHO = ("before", "after", "floor")
+
+
+@dataclass
+class Measured:
+    """What one model makes of one run."""
+
+    one: float
+    two: float
+    transition: float
+    period: float
+    fraction: float
+    portrait: float
+    rmse: tuple[float, float]
+    prediction: Prediction
+    samples: NDArray[np.int64]
+
+
+def measure(model: Model, run: Data, pool: ThreadPoolExecutor, learned: tuple[Learned, ...] = ()) -> Measured:
+    """Forecast a run one and two cycles ahead and compare with its readings."""
+    forecaster = Forecaster(model, run, pool, learned)
+    prediction, samples = stitched(forecaster, 1.0)
+    rmse = _rmse(prediction, run, samples)
+    try:
+        longer, later = stitched(forecaster, 2.0)
+        two = _relative(_rmse(longer, run, later), run)
+    except StickslipError:
+        two = float("nan")
+    return Measured(
+        _relative(rmse, run),
+        two,
+        *_events(prediction, run, samples),
+        _portrait(prediction, run, samples),
+        rmse,
+        prediction,
+        samples,
+    )
+
+
+def _rmse(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tuple[float, float]:
+    out = []
+    for c in range(2):
+        good = run.weight[samples, c] > 0
+        off = prediction.readings[good, c] - run.readings[samples[good], c]
+        out.append(float(np.sqrt(np.mean(off**2))))
+    return out[0], out[1]
+
+
+def _relative(rmse: tuple[float, float], run: Data) -> float:
+    spread = [max(float(np.std(run.readings[:, c])), float(run.noise[c])) for c in range(2)]
+    return float(np.sqrt(np.mean([(e / s) ** 2 for e, s in zip(rmse, spread, strict=True)])))
+
+
+def _stuck(run: Data, v: Floats) -> NDArray[np.bool_]:
+    """Coarse sticks of a velocity, the same rule for data and model."""
+    return np.asarray(np.abs(v - run.belt_speed) < 0.3 * abs(run.belt_speed) + 1e-12)
+
+
+def _onsets(t: Floats, stuck: NDArray[np.bool_]) -> Floats:
+    edges = np.flatnonzero(stuck[:-1] & ~stuck[1:])
+    times = t[edges]
+    return times[np.diff(times, prepend=-np.inf) > 0.5] if len(times) else times
+
+
+def _events(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tuple[float, float, float]:
+    """Transition-time error and period error over the cycle, stick fraction's error."""
+    t = run.t[samples]
+    ours, theirs = _stuck(run, prediction.state[:, 1]), _stuck(run, run.v[samples])
+    a, b = _onsets(t, theirs), _onsets(t, ours)
+    if len(a) == 0 or len(b) == 0:
+        timing = 0.0 if len(a) == len(b) else 0.5
+    else:
+        timing = float(np.sqrt(np.mean([np.min(np.abs(b - one)) ** 2 for one in a]))) / run.cycle
+    period = 0.0
+    if len(a) > 2 and len(b) > 2:
+        period = abs(float(np.median(np.diff(b)) - np.median(np.diff(a)))) / run.cycle
+    return timing, period, abs(float(ours.mean() - theirs.mean()))
+
+
+def _portrait(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> float:
+    """Mean distance from the measured phase portrait (x1, v) to the predicted one, over its size."""
+    measured = np.stack([run.readings[samples, 0], run.v[samples]], 1)
+    predicted = np.stack([prediction.readings[:, 0], prediction.state[:, 1]], 1)
+    size = np.maximum(measured.std(axis=0), 1e-12)
+    distance, _ = cKDTree(predicted / size).query(measured / size)
+    return float(np.mean(distance))
+
+
+def error_block(
+    before: Model,
+    after: Model,
+    runs: Sequence[Data],
+    recordings: Sequence[Recording],
+    pool: ThreadPoolExecutor,
+    learned: tuple[Learned, ...] = (),
+    seed: int = 0,
+) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
+    """`error` of the report on the validate runs, and the forecasts it rests on."""
+    table, kept = [], {}
+    same = before == after and not learned
+    for run, recording in zip(runs, recordings, strict=True):
+        was = measure(before, run, pool)
+        now = was if same else measure(after, run, pool, learned)
+        try:
+            floor = measure(after, free_run(Forecaster(after, run, pool, learned), seed), pool, learned)
+        except StickslipError:
+            floor = now
+        kept[run.name] = (was, now)
+        table.append(_row(run, recording, (was, now, floor)))
+    mean = {who: float(np.mean([row.one_cycle[who] for row in table])) for who in WHO}
+    return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(table)), kept
+
+
+def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:
+    def each(name: str) -> Mapping[str, float]:
+        return {who: float(getattr(m, name)) for who, m in zip(WHO, measured, strict=True)}
+
+    rmse = {
+        channel: {
+            who: m.rmse[c] / recording.factor(channel) for who, m in zip(WHO, measured, strict=True)
+        }
+        for c, channel in enumerate(("x1", "y1"))
+    }
+    return RunError(
+        run.name,
+        run.belt_speed,
+        each("one"),
+        each("two"),
+        each("transition"),
+        each("period"),
+        each("fraction"),
+        each("portrait"),
+        rmse,
+        {channel: recording.unit(channel) for channel in ("x1", "y1")},
+    )

@@ -1,0 +1,102 @@
+"""What speaks for an effect: gain, gain on windows held out, a wrong effect of equal flexibility, and ties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stickslip.discovery.engine import Window
+from stickslip.discovery.intervals import of_effect
+from stickslip.discovery.result import Alternative, Evidence
+from stickslip.discovery.solve import fit, relax
+from stickslip.discovery.trace import Search, Trial
+
+TIED = 8.0  # difference in -2 log likelihood below which two rivals are not told apart
+
+ALGEBRA: Mapping[frozenset[str], str] = {
+    frozenset({"sensor_lag", "sensor_delay"}): (
+        "without a driven run only the relative lag exists: x1 late by tau reads like y1 early by tau to first order "
+        "in tau, so that the shape of a first-order lag alone separates them"
+    ),
+}
+
+
+def held_out(search: Search, null: Trial, trial: Trial) -> float:
+    """Root-mean-square residual with the effect over that without, on windows left out of both fits in turn."""
+    scores = {id(null): 0.0, id(trial): 0.0}
+    for fold in range(2):
+        for one in (null, trial):
+            scores[id(one)] += _left_out(one, fold)
+    return math.sqrt(scores[id(trial)] / max(scores[id(null)], 1e-300))
+
+
+def _left_out(trial: Trial, fold: int) -> float:
+    engine = trial.fit.engine
+    windows = trial.fit.windows
+    kept = [w for i, w in enumerate(windows) if i % 2 != fold]
+    out = [w for i, w in enumerate(windows) if i % 2 == fold]
+    found = fit(engine, trial.fit.vector, kept, iterations=6, rounds=0)
+    vector = trial.fit.vector if found is None else found.vector
+
+    def one(w: Window) -> float:
+        r = engine.residual(vector, relax(engine, vector, w, 4))
+        return 100.0 * (w.stop - w.start) if r is None else float(r @ r)
+
+    return sum(engine.pool.map(one, out))
+
+
+def evidence(
+    search: Search, null: Trial, trial: Trial, name: str, tried: Sequence[Trial], threshold: float, held: float
+) -> Evidence:
+    """Evidence for `name` in the chosen trial, against the trial without it."""
+    rest = tuple(sorted(n for n in trial.names if n != name))
+    without = search.tried.get(rest, null)
+    gain, bic = without.fit.cost - trial.fit.cost, without.bic - trial.bic
+    others = [t for t in tried if name not in t.names and len(t.names) == 1 and t.names[0] not in trial.names]
+    control = min(others, key=lambda t: t.fit.cost, default=None)
+    fall = 0.0 if control is None else max(null.fit.cost - control.fit.cost, 0.0)
+    label = "" if control is None else control.names[0]
+    words = f"lowers chi-squared by {gain:.4g} (the gate is {threshold:.3g})"
+    if label:
+        words += f"; the best wrong effect, {label}, by {fall:.4g}"
+    words += f"; error on windows held out falls to {held:.3g} of what it was"
+    return Evidence(gain, bic, held, fall, label, threshold, words)
+
+
+def alternatives(trial: Trial, tried: Sequence[Trial], name: str) -> tuple[Alternative, ...]:
+    """Rivals of `name`: all that are tied with it, with their odds."""
+    out = []
+    others = set(trial.names) - {name}
+    for rival in tried:
+        new = set(rival.names) - others
+        if rival is trial or len(rival.names) != len(trial.names) or not others <= set(rival.names):
+            continue
+        if len(new) != 1 or name in new:
+            continue
+        label = next(iter(new))
+        delta = rival.bic - trial.bic
+        if delta > 3 * TIED:
+            continue
+        algebra = ALGEBRA.get(frozenset({label, name}))
+        tied = delta < TIED
+        reason = algebra or (
+            "fits these runs as well as the winner" if tied else "fits almost as well; the odds are against it"
+        )
+        odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
+        out.append(
+            Alternative(
+                label, odds, delta, tied, False, reason, of_effect(rival.fit, label), correlation(trial, rival)
+            )
+        )
+    return tuple(sorted(out, key=lambda a: a.delta))
+
+
+def correlation(one: Trial, other: Trial) -> float | None:
+    """Between what the two rivals predict differently from the readings' noise: cosine of their residuals."""
+    a = np.concatenate([b.r for b in one.fit.blocks])
+    b = np.concatenate([c.r for c in other.fit.blocks])
+    if len(a) != len(b):
+        return None
+    return float(a @ b / max(math.sqrt(float(a @ a) * float(b @ b)), 1e-300))

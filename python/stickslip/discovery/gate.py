@@ -1,0 +1,80 @@
+"""The gate: how large the best of all rivals looks on this case's own noise, by parametric bootstrap of the scores.
+
+At the declared law's fit each linear effect has a signature d (its sensitivity, law and states refitted, at zero
+strength). Under noise alone the scores d.r/|d| are jointly normal with the signatures' correlations, so that the
+bootstrap draws them directly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.engine import Engine
+from stickslip.discovery.result import Gate
+from stickslip.discovery.solve import Fit
+from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.effects import effect
+
+Floats = NDArray[np.float64]
+DRAWS = 2000
+LEVEL = 0.01
+LINEAR = (  # at zero strength, with a shape where one is needed
+    ("block_viscous_damping", {"c": 0.0}),
+    ("block_quadratic_damping", {"c": 0.0}),
+    ("spring_cubic_k1", {"k": 0.0}),
+    ("spring_cubic_k2", {"k": 0.0}),
+    ("spring_cubic_k3", {"k": 0.0}),
+    ("normal_force_feedback", {"beta2": 0.0, "eta2": 0.0}),
+    ("stribeck_peak", {"dT": 0.0, "v_s": 0.03}),
+    ("static_aging", {"dT": 0.0, "tau": 1.5}),
+    ("friction_drift", {"r": 0.0}),
+    ("sensor_delay", {"delay": 0.0}),
+    ("sensor_crosstalk", {"c": 0.0}),
+    ("sensor_nonlinearity", {"q": 0.0}),
+    ("sensor_drift", {"r": 0.0}),
+)
+STRENGTH = frozenset({"c", "k", "beta2", "eta2", "dT", "r", "delay", "q"})
+
+
+def gate(null: Fit, observed: float, penalty: float, seed: int = 0) -> Gate:
+    """Bootstrap of the largest score at the declared law's fit.
+
+    `observed` is the largest fall of chi-squared that any rival reached, `penalty` what the choice demands; the
+    threshold is the larger of that and of the quantile that noise passes once in a hundred.
+    """
+    D = signatures(null)
+    size = np.sqrt(np.maximum(np.einsum("ij,ij->j", D, D), 1e-300))
+    R = (D / size).T @ (D / size)
+    values, vectors = np.linalg.eigh(R)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    z = np.random.default_rng(seed).standard_normal((DRAWS, len(values))) @ root.T
+    draws = (z**2).max(axis=1)
+    threshold = max(penalty, float(np.quantile(draws, 1 - LEVEL)))
+    return Gate(observed, threshold, float(np.mean(draws > threshold)), np.sort(draws))
+
+
+def signatures(null: Fit) -> Floats:
+    """Signatures of the linear effects after refit, (readings, effects)."""
+    base = null.engine.hypothesis.at(null.vector, len(null.engine.data)).model
+    own = {one.name for one in base.effects}
+    terms = [effect(name, **values) for name, values in LINEAR if name not in own]
+    unknowns = tuple(
+        Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in t.parameters if p in STRENGTH
+    )
+    both = Hypothesis(base.with_effects([*base.effects, *terms]), unknowns, null.engine.hypothesis.phases)
+    engine = Engine(null.engine.data, both, null.engine.pool, null.engine.learned)
+    vector = np.zeros(len(unknowns))
+    D, J = [], []
+    for w, b in zip(null.windows, null.blocks, strict=True):
+        more = engine.linearise(vector, w)
+        q = np.linalg.qr(b.K)[0]
+        d = np.zeros((len(b.r), len(unknowns))) if more is None else np.nan_to_num(more.J)
+        full = np.zeros((len(b.r), len(null.vector)))
+        full[:, null.engine.hypothesis.columns(w.run)] = b.J
+        D.append(d - q @ (q.T @ d))
+        J.append(full - q @ (q.T @ full))
+    signature, law = np.concatenate(D), np.concatenate(J)
+    A = law.T @ law
+    A += 1e-9 * np.trace(A) / len(A) * np.eye(len(A))
+    return np.asarray(signature - law @ np.linalg.solve(A, law.T @ signature))

@@ -1,0 +1,263 @@
+"""The loop: fit the declared law, look at the residual, trace its cause, add it, report the error before and after."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery import evidence as ev
+from stickslip.discovery import unlisted
+from stickslip.discovery.data import Data, prepare, refined
+from stickslip.discovery.errors import error_block
+from stickslip.discovery.gate import gate
+from stickslip.discovery.intervals import intervals, of_effect, phases
+from stickslip.discovery.messages import absurd, remarks
+from stickslip.discovery.next_experiment import next_experiments
+from stickslip.discovery.residual import describe, spectrum
+from stickslip.discovery.result import Found, FoundEffect, Interval, Residual, Rival, Verdict
+from stickslip.discovery.trace import LONG, MARGIN, Search, Trial, decide, declared, explained
+from stickslip.discovery.views import train_view, validate_view
+from stickslip.effects import CATALOGUE
+from stickslip.errors import InputError
+from stickslip.model import Model
+from stickslip.records import Case
+from stickslip.rig import Rig
+
+Floats = NDArray[np.float64]
+BUDGET = 40.0  # seconds for the tracing; the rest of the minute is for the errors and the report
+BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
+
+
+@dataclass
+class _Choice:
+    """What was chosen: the declared law, the trial, the curve in it if any, all trials."""
+
+    null: Trial
+    trial: Trial
+    term: unlisted.Term | None
+    trials: list[Trial]
+
+
+def discover(
+    case: Case,
+    *,
+    progress: Callable[[str], None] | None = None,
+    threads: int = 2,
+    seed: int = 0,
+    budget: float = BUDGET,
+) -> Found:
+    """Find what the declared model of a case lacks.
+
+    Parameters
+    ----------
+    case
+        From `stickslip.load_case`; needs train and validate runs and the rig of (2.1).
+    progress
+        Told what is being tried, a sentence at a time.
+    threads
+        Threads over the windows of the fit.
+    seed
+        Of the bootstrap and of the floor's noise.
+    budget
+        Seconds that tracing may take.
+
+    Returns
+    -------
+    Found
+
+    Raises
+    ------
+    InputError
+        The case is not one that a verdict can be reached on, with the reason.
+    StickslipError
+        The declared model cannot be simulated.
+    """
+    began = time.monotonic()
+    tell = progress or (lambda _: None)
+    if not isinstance(case.rig, Rig):
+        raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
+    recordings = (*case.train, *case.validate)
+    data = prepare(recordings)
+    with ThreadPoolExecutor(threads) as pool:
+        count = len(case.train)
+        model = Model(case.rig, friction=case.friction)
+        search = Search(data[:count], model, pool, tell, budget)
+        tell("fitting the declared law")
+        factor = _noise_factor(case, search)
+        if factor is not None:
+            data = refined(data, factor)
+            search = Search(data[:count], model, pool, tell, budget)
+        choice = _choose(search)
+        return _found(case, choice, search, data[count:], tell, seed, began)
+
+
+def _noise_factor(case: Case, search: Search) -> Floats | None:
+    """Correction of estimated noise by what the fit's residual does from sample to sample; None where it is given."""
+    channels = search.data[0].channels
+    missing = [c not in case.noise for c in channels]
+    first = declared(search) if any(missing) else None
+    if first is None:
+        return None
+    factor = np.ones(len(channels))
+    for c in np.flatnonzero(missing):
+        steps = np.concatenate([np.diff(b.r.reshape(-1, len(channels))[:, c]) for b in first.fit.blocks])
+        steps = steps[steps != 0]
+        factor[c] = 1.4826 * float(np.median(np.abs(steps))) / np.sqrt(2.0)
+    return factor
+
+
+def _choose(search: Search) -> _Choice:
+    trials = decide(search)
+    null = search.tried[()]
+    absurd(null, search.data)
+    best = trials[0]
+    if explained(best, null):
+        return _Choice(null, best, None, trials)
+    named = best if best.names and best.fit.cost < 0.5 * null.fit.cost else null
+    bases = [null] if named is null or len(named.names) == 2 else [null, named]
+    curves: list[tuple[unlisted.Term, Trial]] = []
+    for base in bases:
+        curves += unlisted.learn(search, base, search.progress)
+        if curves and min(t.excess for _, t in curves) < 4:
+            break
+    curves.sort(key=lambda one: one[1].bic)
+    if not curves:
+        return _Choice(null, best, None, trials)
+    term, trial = curves[0]
+    trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
+    if trial.bic < best.bic - MARGIN and trial.chi2 - 1 < BETTER * max(best.chi2 - 1, 1e-9):
+        return _Choice(null, trial, term, trials)
+    return _Choice(null, best, None, trials)
+
+
+def _found(
+    case: Case,
+    choice: _Choice,
+    search: Search,
+    validate: list[Data],
+    tell: Callable[[str], None],
+    seed: int,
+    began: float,
+) -> Found:
+    before, after = _final(search, choice.null), _final(search, choice.trial)
+    before_model, after_model = _model(case, before), _model(case, after)
+    learned = after.fit.engine.learned
+    tell("forecasting the validate runs")
+    error, forecasts = error_block(
+        before_model, after_model, validate, case.validate, search.pool, learned, seed
+    )
+    singles = [t for t in search.tried.values() if len(t.names) == 1]
+    drop = max((choice.null.fit.cost - t.fit.cost for t in singles), default=0.0)
+    passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
+    tell("weighing the evidence")
+    effects = _effects(search, choice, after, passed.threshold)
+    views = [train_view(run, i, before.fit, after.fit) for i, run in enumerate(search.data)]
+    views += [validate_view(run, *forecasts[run.name], case.rig) for run in validate]
+    was, now = describe(before.fit), describe(after.fit)
+    return Found(
+        title=case.title,
+        verdict=_verdict(choice),
+        effects=effects,
+        before=before_model,
+        after=after_model,
+        law=_law(after),
+        law_before=_law(before),
+        residual_before=was,
+        residual_after=now,
+        error=error,
+        ranking=_ranking(search, choice),
+        experiments=next_experiments(search, choice.trial, effects),
+        gate=passed,
+        runs=tuple(views),
+        spectrum=spectrum(before.fit, after.fit),
+        messages=remarks(search.data, choice.null, choice.trial, effects, now),
+        seconds=time.monotonic() - began,
+    )
+
+
+def _verdict(choice: _Choice) -> Verdict:
+    if choice.term is not None:
+        return Verdict.unlisted_effect
+    return Verdict.effect_found if choice.trial.names else Verdict.no_effect
+
+
+def _final(search: Search, trial: Trial) -> Trial:
+    """The trial on long windows, which say more, where these are fitted as well as the short ones."""
+    learned = trial.fit.engine.learned
+    long = search.run(
+        trial.hypothesis, cycles=LONG, tolerance=1e-6, learned=learned, vector=trial.fit.vector, anyway=True
+    )
+    if long is None or long.excess > max(trial.excess, 0.0) + 3.0:
+        return trial
+    return long
+
+
+def _model(case: Case, trial: Trial) -> Model:
+    own = case.model()
+    found = trial.hypothesis.model
+    terms = []
+    for one in found.effects:
+        if "phi" in one.parameters and "a" in one.parameters:
+            a, phi = one.parameters["a"], one.parameters["phi"]
+            turned = phi + (np.pi if a < 0 else 0.0)
+            one = one.replace(a=abs(a), phi=float(np.mod(turned, 2 * np.pi)))
+        terms.append(one)
+    return replace(found, effects=tuple(terms), channels=own.channels, noise=own.noise)
+
+
+def _law(trial: Trial) -> dict[str, Interval]:
+    found = {k: v for k, v in intervals(trial.fit).items() if "." not in k}
+    return found
+
+
+def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
+    if not choice.trial.names:
+        return ()
+    held = ev.held_out(search, choice.null, choice.trial)
+    tried = list(search.tried.values())
+    out = []
+    for name in choice.trial.names:
+        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, held)
+        others = ev.alternatives(choice.trial, tried, name)
+        if unlisted.is_tabulated(name):
+            assert choice.term is not None
+            where, variable = choice.term.where, choice.term.variable
+            learned = unlisted.curve(choice.term, after)
+            formula = f"{learned.term}: a curve in {variable}" + (f", {learned.guess}" if learned.guess else "")
+            out.append(FoundEffect("unlisted", where, (variable,), {}, proof, (), formula, learned))
+            continue
+        kind = CATALOGUE[name]
+        numbers = of_effect(after.fit, name)
+        out.append(
+            FoundEffect(
+                name, kind.where, kind.depends_on, numbers, proof, others, kind.formula, None,
+                phases(after.fit, name),
+            )
+        )  # fmt: skip
+    return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.delta_chi2)))
+
+
+def _ranking(search: Search, choice: _Choice) -> tuple[Rival, ...]:
+    trials: Sequence[Trial] = sorted(
+        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
+        key=lambda one: one.bic,
+    )
+    least = trials[0].bic
+    out, seen = [], set()
+    for t in trials:
+        key = tuple(sorted(t.names))
+        if key in seen:
+            continue
+        seen.add(key)
+        values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
+        numbers = {k: v for k, v in values.items() if "." in k and not unlisted.is_tabulated(k)}
+        out.append(Rival(t.names, t.chi2, t.bic - least, numbers, None, t is choice.trial))
+    return tuple(out)
+
+
+__all__ = ["Residual", "discover"]

@@ -1,0 +1,188 @@
+"""Forecasting readings: the state, hidden states and phases from the past by the window fit, then a free run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.discovery.data import Data
+from stickslip.discovery.engine import ATOL, RTOL, Engine, Window
+from stickslip.discovery.readings import Learned, read
+from stickslip.discovery.solve import fit, relax
+from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.discovery.windows import start_window
+from stickslip.effects import Effect
+from stickslip.errors import StickslipError
+from stickslip.lowering import WIDTH
+from stickslip.model import Model
+
+Floats = NDArray[np.float64]
+PHASES = 12  # starts tried for an unknown phase
+PAST = (1.5, 2.5, 0.8)  # cycles of the past that the state may be taken from, in order of preference
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Readings (n, c), states (n, 9), contact modes (n,) and the belt's speed at times t (n,)."""
+
+    t: Floats
+    readings: Floats
+    state: Floats
+    mode: NDArray[np.int8]
+
+
+@dataclass
+class Forecaster:
+    """Forecasts one run with one model.
+
+    Parameters
+    ----------
+    model : complete model; phases in it are starts only.
+    run : the record.
+    pool : threads.
+    learned : curves on the readings.
+    """
+
+    model: Model
+    run: Data
+    pool: ThreadPoolExecutor
+    learned: tuple[Learned, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.periodic = [one for one in self.model.effects if isinstance(one, Effect) and "phi" in one.parameters]
+        unknowns = tuple(
+            Unknown(f"{one.name}.phi", one.parameters["phi"], False, 0.0, 30.0, per_run=True)
+            for one in self.periodic
+        )
+        self.engine = Engine([self.run], Hypothesis(self.model, unknowns, {}), self.pool, self.learned)
+        self.vector = self.engine.hypothesis.start(1)
+        self.known = False
+
+    def settle(self, stop: int) -> None:
+        """Find the phases from samples before `stop`."""
+        if not self.periodic:
+            return
+        windows = self._windows(stop)
+        starts = [self.vector] if self.known else self._phase_grid()
+        costs = [self.engine.cost(v, windows) for v in starts]
+        best, least = self.vector, np.inf
+        for i in np.argsort(costs)[: 1 if self.known else 3]:
+            found = fit(self.engine, starts[i], windows, iterations=12, rounds=1)
+            if found is not None and found.cost < least:
+                best, least = found.vector, found.cost
+        self.vector, self.known = best, True
+
+    def _phase_grid(self) -> list[Floats]:
+        angles = np.arange(PHASES) * 2 * np.pi / PHASES
+        if len(self.periodic) == 1:
+            return [np.array([a]) for a in angles]
+        return [np.array([a, b]) for a in angles[::2] for b in angles[::2]]
+
+    def _windows(self, stop: int) -> list[Window]:
+        starts = [0, *(int(s) for s in self.run.slips if s < stop - 20)]
+        ends = [*starts[1:], stop]
+        return [start_window(self.run, 0, self.model, a, b) for a, b in zip(starts, ends, strict=True) if b - a > 9]
+
+    def state_window(self, stop: int) -> Window:
+        """A window that ends at `stop`, its states fitted to the readings in it."""
+        best: Window | None = None
+        least = np.inf
+        for cycles in PAST:
+            wanted = self.run.t[stop - 1] - cycles * self.run.cycle
+            before = [int(s) for s in self.run.slips if self.run.t[s] <= wanted]
+            start = before[-1] if before else 0
+            if stop - start < 12:
+                continue
+            window = relax(self.engine, self.vector, start_window(self.run, 0, self.model, start, stop), 15)
+            r = self.engine.residual(self.vector, window)
+            chi2 = np.inf if r is None else float(r @ r) / len(r)
+            if best is None or chi2 < 0.8 * least:
+                best, least = window, chi2
+            if least < 1.5:
+                break
+        if best is None:
+            raise StickslipError("the past is too short to tell the state from it: give at least one cycle")
+        return best
+
+    def run_on(self, window: Window, t: Floats) -> Prediction:
+        """Simulate from a window's start through times t after it."""
+        numbers, p = self.engine.parameters(self.vector, 0)
+        start = float(self.run.t[window.start])
+        raw: dict[str, object] = _core.simulate(
+            structure=self.engine.lowered[0].structure,
+            parameters=numbers,
+            initial=window.state,
+            t_start=start,
+            t_end=float(t[-1]),
+            contact=window.contact,
+            t_eval=np.ascontiguousarray(t),
+            rtol=RTOL,
+            atol=ATOL,
+            locator=_core.Locator.henon,
+            seeds=np.zeros((0, WIDTH + len(_core.STATES))),
+            max_transitions=100_000,
+        )
+        state = np.asarray(raw["state"])
+        if len(state) != len(t):
+            raise StickslipError("the model's run stopped before the horizon; its numbers make it ill-posed")
+        none = np.zeros((len(t), len(_core.STATES), 0))
+        chain = read(t, state, none, (), p, self.run.belt_speed, self.run.readings.shape[1], self.learned)
+        return Prediction(t, chain.values, state, np.asarray(raw["mode"]))
+
+    def forecast(self, stop: int, future: Floats) -> Prediction:
+        """Readings at `future` times from samples before `stop`."""
+        self.settle(stop)
+        window = self.state_window(stop)
+        past = self.run.t[window.start : window.stop]
+        whole = self.run_on(window, np.concatenate([past, future]))
+        part = slice(len(past), None)
+        return Prediction(future, whole.readings[part], whole.state[part], whole.mode[part])
+
+
+def stitched(forecaster: Forecaster, cycles: float, first: float = 3.0) -> tuple[Prediction, NDArray[np.int64]]:
+    """Forecasts of `cycles` from every cycle on, laid end to end, and the samples they are for.
+
+    With `cycles` above 1 the stretches overlap; they are kept one after the other.
+    """
+    run = forecaster.run
+    at = float(run.t[0]) + first * run.cycle
+    pieces: list[Prediction] = []
+    samples: list[NDArray[np.int64]] = []
+    while at + cycles * run.cycle <= run.t[-1] + 1e-9:
+        stop = int(np.searchsorted(run.t, at))
+        end = int(np.searchsorted(run.t, at + cycles * run.cycle))
+        if end > stop:
+            try:
+                pieces.append(forecaster.forecast(stop, run.t[stop:end]))
+                samples.append(np.arange(stop, end))
+            except StickslipError:
+                pass
+        at += run.cycle
+    if not pieces:
+        raise StickslipError(f"run '{run.name}' is too short for a forecast: it needs {first + cycles:g} cycles")
+    return joined(pieces), np.concatenate(samples)
+
+
+def joined(pieces: Sequence[Prediction]) -> Prediction:
+    """Predictions one after the other."""
+    return Prediction(
+        np.concatenate([p.t for p in pieces]),
+        np.concatenate([p.readings for p in pieces]),
+        np.concatenate([p.state for p in pieces]),
+        np.concatenate([p.mode for p in pieces]),
+    )
+
+
+def free_run(forecaster: Forecaster, seed: int) -> Data:
+    """The run as the model itself would have given it, with fresh noise: what the floor is measured on."""
+    run = forecaster.run
+    forecaster.settle(len(run.t))
+    window = relax(forecaster.engine, forecaster.vector, start_window(run, 0, forecaster.model, 0, len(run.t) // 4))
+    whole = forecaster.run_on(window, run.t)
+    noise = np.random.default_rng(seed).standard_normal(whole.readings.shape) * run.noise
+    return replace(run, readings=whole.readings + noise)

@@ -1,0 +1,144 @@
+"""The residual against the noise: how large, where it sits, how white, and its spectrum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.result import Part, Residual
+from stickslip.discovery.solve import Fit
+
+Floats = NDArray[np.float64]
+LAGS = 20
+NEAR = 4  # samples on either side that belong to a transition
+BINS = 160
+
+
+@dataclass
+class _Samples:
+    """All residuals of a fit, flat: one entry a reading."""
+
+    r: Floats
+    channel: NDArray[np.int64]
+    mode: NDArray[np.int64]  # -1, 0, 1; 2 onset, 3 capture
+    run: NDArray[np.int64]
+    third: NDArray[np.int64]
+
+
+def describe(fit: Fit, limit: float = 4.0) -> Residual:
+    """Residual of a fit, in all and in parts, worst first."""
+    s = _collect(fit)
+    dof = max(fit.readings - fit.dof, 1)
+    chi2, error = fit.chi2 / dof, math.sqrt(2.0 / dof)
+    share = dof / max(fit.readings, 1)
+    parts = sorted(_parts(fit, s, share), key=lambda p: -(p.chi2 - 1) / p.error)
+    clean = chi2 < 1 + limit * error
+    white = whiteness(fit)
+    return Residual(chi2, error, white, clean, tuple(parts), _sentence(chi2, error, clean, parts))
+
+
+def _sentence(chi2: float, error: float, clean: bool, parts: list[Part]) -> str:
+    if clean:
+        return f"chi-squared is {chi2:.3f} per reading (1 +- {error:.3f} is noise alone): nothing is left over"
+    worst = [p for p in parts if p.what in ("channel", "mode", "transition")][:2]
+    words = " and ".join(f"{p.what} {p.name} ({p.chi2:.3g})" for p in worst)
+    return f"chi-squared is {chi2:.4g} per reading where noise alone leaves 1 +- {error:.3f}; most in {words}"
+
+
+def _collect(fit: Fit) -> _Samples:
+    columns: list[list[Floats]] = [[], [], [], [], []]
+    for w, b in zip(fit.windows, fit.blocks, strict=True):
+        run = fit.engine.data[w.run]
+        c = run.readings.shape[1]
+        used = (run.weight[w.start : w.stop] > 0).ravel()
+        mode = _modes(b.mode)
+        third = np.minimum((3 * run.t[w.start : w.stop] / run.t[-1]).astype(int), 2)
+        n = w.stop - w.start
+        for target, value in zip(
+            columns,
+            (
+                b.r,
+                np.tile(np.arange(c), n),
+                np.repeat(mode, c),
+                np.full(n * c, w.run),
+                np.repeat(third, c),
+            ),
+            strict=True,
+        ):
+            target.append(np.asarray(value)[used])
+    r, *labels = (np.concatenate(one) for one in columns)
+    return _Samples(r, *(one.astype(np.int64) for one in labels))
+
+
+def _modes(mode: NDArray[np.int8]) -> NDArray[np.int64]:
+    out = mode.astype(np.int64)
+    for i in np.flatnonzero(np.diff(mode)):
+        out[max(0, i - NEAR) : i + NEAR + 1] = 2 if mode[i] == 0 else 3
+    return out
+
+
+def _parts(fit: Fit, s: _Samples, share: float) -> Iterator[Part]:
+    channels = fit.engine.data[0].channels
+    for c, name in enumerate(channels):
+        yield from _part("channel", name, s.r[s.channel == c], share)
+    words = {-1: "slip, v_w < 0", 0: "stick", 1: "slip, v_w > 0"}
+    for value, name in words.items():
+        yield from _part("mode", name, s.r[s.mode == value], share)
+    for value, name in {2: "onset of slip", 3: "capture"}.items():
+        yield from _part("transition", name, s.r[s.mode == value], share)
+    for k, run in enumerate(fit.engine.data):
+        yield from _part("speed", f"{run.belt_speed:.4g}", s.r[s.run == k], share)
+    for k, name in enumerate(("first third", "middle third", "last third")):
+        yield from _part("time", name, s.r[s.third == k], share)
+
+
+def _part(what: str, name: str, r: Floats, share: float) -> Iterator[Part]:
+    if len(r) > 20:
+        yield Part(what, name, float(r @ r) / (len(r) * share), math.sqrt(2.0 / len(r)), len(r))
+
+
+def _series(fit: Fit) -> Iterator[Floats]:
+    """Residual of each window and channel in time order."""
+    for w, b in zip(fit.windows, fit.blocks, strict=True):
+        c = fit.engine.data[w.run].readings.shape[1]
+        yield from b.r.reshape(-1, c).T
+
+
+def whiteness(fit: Fit) -> float:
+    """Largest autocorrelation over lags 1 to 20, over the limit that white noise passes one time in twenty."""
+    top, norm, count = np.zeros(LAGS), 0.0, 0
+    for r in _series(fit):
+        if len(r) <= 2 * LAGS:
+            continue
+        norm += float(r @ r)
+        count += len(r)
+        top += np.array([r[k:] @ r[:-k] for k in range(1, LAGS + 1)])
+    limit = 3.03 / math.sqrt(max(count, 1))  # normal quantile of 0.05 / 20, two-sided
+    return float(np.max(np.abs(top)) / max(norm, 1e-300) / limit)
+
+
+def spectrum(before: Fit, after: Fit) -> Mapping[str, Floats]:
+    """Mean normalised power of the residuals over angular frequency; 1 for white noise."""
+    w, was = _power(before)
+    _, now = _power(after)
+    return {"frequency": w, "before": was, "after": now}
+
+
+def _power(fit: Fit) -> tuple[Floats, Floats]:
+    data = fit.engine.data
+    dt = float(np.median([np.median(np.diff(run.t)) for run in data]))
+    edges = np.linspace(0, np.pi / dt, BINS + 1)
+    total, count = np.zeros(BINS), np.zeros(BINS)
+    for k in range(len(data)):
+        parts = [b.r.reshape(-1, len(data[k].channels)) for w, b in zip(fit.windows, fit.blocks, strict=True) if w.run == k]
+        r = np.concatenate(parts)
+        power = (np.abs(np.fft.rfft(r, axis=0)) ** 2 / len(r)).mean(axis=1)
+        w = 2 * np.pi * np.fft.rfftfreq(len(r), float(np.median(np.diff(data[k].t))))
+        bins = np.clip(np.searchsorted(edges, w) - 1, 0, BINS - 1)
+        np.add.at(total, bins, power)
+        np.add.at(count, bins, 1)
+    return 0.5 * (edges[1:] + edges[:-1]), total / np.maximum(count, 1)

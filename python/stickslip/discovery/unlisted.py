@@ -1,0 +1,177 @@
+"""What has no name: a smooth curve in one variable, at one place, against the best that named effects do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.readings import Learned
+from stickslip.discovery.result import Curve
+from stickslip.discovery.trace import SHORT, Search, Trial
+from stickslip.discovery.unknowns import Unknown
+from stickslip.effects import Tabulated, tabulated
+from stickslip.lowering import WIDTH
+
+Floats = NDArray[np.float64]
+STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
+KNOTS, FINE = 7, 13
+TERMS = {
+    "block": ("x1", "x2", "y1", "y2", "t"),
+    "angle_body": ("y1", "y2", "x1", "x2", "t"),
+    "contact": ("x1", "y1", "v_w", "t", "x2", "y2"),
+}
+READINGS = {"x1": ("x1", "y1", "t"), "y1": ("y1", "x1", "t")}
+SPREAD = {"block": 5.0, "angle_body": 5.0, "contact": 1.5}
+
+
+@dataclass(frozen=True)
+class Term:
+    """A learned curve: its place, its variable, its knots."""
+
+    where: str  # "block", "angle_body", "contact", "x1 channel", "y1 channel"
+    variable: str
+    knots: tuple[float, ...]
+
+    @property
+    def prefix(self) -> str:
+        """Prefix of its parameters."""
+        if self.where.endswith("channel"):
+            return f"learned_{self.where[:2]}_{self.variable}"
+        return f"tabulated_{self.where}_{self.variable}"
+
+
+def ranges(trial: Trial) -> dict[str, Floats]:
+    """Values that each variable takes along a fit's trajectories."""
+    fit = trial.fit
+    seen: dict[str, list[Floats]] = {name: [] for name in (*STATE, "v_w", "t")}
+    for w in fit.windows:
+        raw = fit.engine.simulate(fit.vector, w, np.zeros((0, WIDTH + 9)))
+        if raw is None:
+            continue
+        state, run = np.asarray(raw["state"]), fit.engine.data[w.run]
+        for name, column in STATE.items():
+            seen[name].append(state[:, column])
+        v = state[:, 1] - run.belt_speed - state[:, 6]
+        seen["v_w"].append(v[np.abs(v) > 1e-6])
+        seen["t"].append(run.t[w.start : w.stop])
+    return {name: np.concatenate(values) for name, values in seen.items()}
+
+
+def knots_for(values: Floats, count: int) -> tuple[float, ...]:
+    """Even knots over what was visited, but for its rarest thousandth."""
+    low, high = np.quantile(values, [0.001, 0.999])
+    return tuple(np.linspace(low, high, count).tolist())
+
+
+def terms(trial: Trial, count: int = KNOTS) -> Iterator[Term]:
+    """All curves that are tried."""
+    seen = ranges(trial)
+    for where, variables in TERMS.items():
+        for variable in variables:
+            yield Term(where, variable, knots_for(seen[variable], count))
+    for channel, variables in READINGS.items():
+        for variable in variables:
+            yield Term(f"{channel} channel", variable, knots_for(seen[variable], count))
+
+
+def with_term(search: Search, base: Trial, term: Term, **options: object) -> Trial | None:
+    """A trial with a curve added, from zero."""
+    h = base.hypothesis
+    size = SPREAD.get(term.where, 0.5)
+    unknowns = tuple(Unknown(f"{term.prefix}.value_{i}", 0.0, False, 0.0, size) for i in range(len(term.knots)))
+    learned = base.fit.engine.learned
+    if term.where.endswith("channel"):
+        learned = (*learned, Learned(term.where[:2], term.variable, term.knots))
+        h = replace(h, unknowns=(*h.unknowns, *unknowns))
+    else:
+        curve = tabulated(term.where, term.variable, list(term.knots), [0.0] * len(term.knots))
+        h = replace(h, model=h.model.with_effects([*h.model.effects, curve]), unknowns=(*h.unknowns, *unknowns))
+    return search.run(h, cycles=SHORT, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
+
+
+def learn(search: Search, base: Trial, progress: Callable[[str], None]) -> list[tuple[Term, Trial]]:
+    """All curves added to `base`, crudely fitted, the best few closely; best first."""
+    found: list[tuple[Term, Trial]] = []
+    for term in terms(base):
+        if search.left < 0.1 * search.budget and found:
+            break
+        progress(f"learning a curve: {term.where} against {term.variable}")
+        trial = with_term(
+            search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=1.05 * base.fit.cost
+        )
+        if trial is not None:
+            found.append((term, trial))
+    found.sort(key=lambda one: one[1].bic)
+    close = []
+    for term, trial in found[:3]:
+        progress(f"learning closely: {term.where} against {term.variable}")
+        close.append((term, search.polish(trial, turns=1)))
+    close.sort(key=lambda one: one[1].bic)
+    if close and close[0][1].excess > 4 and search.left > 0:
+        close.append(_finer(search, base, close[0]))
+        close.sort(key=lambda one: one[1].bic)
+    return [*close, *found[3:]]
+
+
+def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Term, Trial]:
+    """The same curve on more knots, started from the coarse one."""
+    term, trial = coarse
+    fine = Term(term.where, term.variable, tuple(np.linspace(term.knots[0], term.knots[-1], FINE).tolist()))
+    added = with_term(search, base, fine, iterations=25, rounds=2)
+    if added is None:
+        return coarse
+    added = search.polish(added, turns=1)
+    return (fine, added) if added.bic < trial.bic else coarse
+
+
+def curve(term: Term, trial: Trial) -> Curve:
+    """The learned curve with its band."""
+    h = trial.fit.engine.hypothesis
+    names = [u.name for u in h.shared]
+    index = [names.index(f"{term.prefix}.value_{i}") for i in range(len(term.knots))]
+    values, covariance = trial.fit.vector[index], trial.fit.covariance[np.ix_(index, index)]
+    x = np.linspace(term.knots[0], term.knots[-1], 101)
+    basis = Learned("x1", "x1", term.knots).basis(x)
+    centre = basis.mean(axis=0) if term.variable != "t" else basis[0]
+    middle = basis @ values
+    std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0))
+    del centre
+    half = 1.96 * std * max(trial.chi2, 1.0) ** 0.5
+    words = {"block": "force on the block", "angle_body": "force on the angle body", "contact": "friction factor less 1"}
+    what = words.get(term.where, f"added to the {term.where[:2]} reading")
+    return Curve(
+        term.where, term.variable, what, x, middle, middle - half, middle + half,
+        np.array(term.knots), guess(x, middle, np.maximum(half, 1e-12), term.variable),
+    )  # fmt: skip
+
+
+_SHAPES: dict[str, Callable[[Floats], Floats]] = {
+    "{0}": lambda x: x,
+    "|{0}|": np.abs,
+    "{0}^2": lambda x: x**2,
+    "{0} |{0}|": lambda x: x * np.abs(x),
+    "{0}^3": lambda x: x**3,
+    "sgn({0})": np.sign,
+}
+
+
+def guess(x: Floats, value: Floats, half: Floats, variable: str) -> str | None:
+    """A formula c0 + c1 f(x) that stays within the band, or None."""
+    for words, f in _SHAPES.items():
+        A = np.stack([np.ones_like(x), f(x)], 1)
+        c, *_ = np.linalg.lstsq(A / half[:, None], value / half, rcond=None)
+        off = np.abs(A @ c - value)
+        if np.mean(off < 1.5 * half) > 0.9 and np.sqrt(np.mean(off**2)) < 0.15 * np.std(value):
+            return f"{c[1]:+.4g} {words.format(variable)} {c[0]:+.3g}"
+    return None
+
+
+def is_tabulated(name: str) -> bool:
+    """Is this the name of a learned curve?"""
+    return name.startswith(("tabulated_", "learned_"))
+
+
+__all__ = ["Tabulated", "Term", "curve", "is_tabulated", "learn", "with_term"]

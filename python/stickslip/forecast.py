@@ -1,0 +1,61 @@
+"""Forecast: the state from the past of a run by the window fit, then a free run of the model."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from stickslip.discovery.data import prepare
+from stickslip.discovery.predict import Forecaster
+from stickslip.errors import InputError, number
+from stickslip.model import Model
+from stickslip.records import Recording
+
+SLACK = 1e-9  # of a sampling interval
+
+
+def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
+    """Predict the readings that follow a recording.
+
+    The state at its last sample, hidden states of effects and phases included, comes from its own readings by
+    output error over windows; from there the model runs freely. The belt's set-point may differ from then on
+    only in the sense that it is the same for the past: a change of speed is not modelled.
+
+    Parameters
+    ----------
+    model
+        Complete model, as `discover` or `identify` give it.
+    recording
+        The past, at least one cycle of it.
+    belt_speed
+        v_b in model units.
+    horizon
+        How far to predict, in the model's unit of time.
+
+    Returns
+    -------
+    DataFrame
+        Columns t, x1, y1 in the recording's own units, at its sampling rate, from the next sample on.
+
+    Raises
+    ------
+    InputError
+        A horizon that is not positive, or a past too short or without y1.
+    StickslipError
+        The model's run stops before the horizon.
+    """
+    speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
+    run = prepare([replace(recording, belt_speed=speed)])[0]
+    dt = float(np.median(np.diff(recording.t)))
+    steps = int(np.floor(span / dt + SLACK))
+    if steps < 1:
+        raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
+    future = float(run.t[-1]) + dt * np.arange(1, steps + 1)
+    with ThreadPoolExecutor(2) as pool:
+        prediction = Forecaster(model, run, pool).forecast(len(run.t), future)
+    columns = {"t": future + float(recording.t[0])}
+    columns |= {"x1": prediction.readings[:, 0], "y1": prediction.readings[:, 1]}
+    return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
