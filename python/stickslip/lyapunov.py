@@ -1,0 +1,171 @@
+"""Lyapunov exponents through transitions.
+
+The derivatives of the flow over an interval carry saltation through every transition (Müller 1995); a triangular
+factorisation after each interval keeps the tangent vectors apart (Benettin, Galgani, Giorgilli and Strelcyn 1980).
+A stick phase forgets the block's speed: one tangent vector shrinks to nothing in a finite time and its exponent
+is -infinity, which is what is reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.errors import InputError, number
+from stickslip.flow import Contact, Floats, Flow
+from stickslip.model import Model
+
+ALIGN = 20  # intervals in which the tangent vectors turn into place, not counted
+BATCHES = 20  # for the error of a time average
+NOTHING = 1e-12  # a tangent vector shrunk to this in one interval is rounding
+
+
+@dataclass(frozen=True)
+class LyapunovSpectrum:
+    """Mean growth rates of small disturbances.
+
+    Attributes
+    ----------
+    exponents : (d,)
+        Greatest first; -inf for a direction that stick wipes out. An autonomous motion that does not come to
+        rest has one exponent 0, along itself. Time is not a state: a rig moved from outside has no such 0.
+    standard_error : (d,)
+        Of each exponent as a time average, from the scatter of 20 batch means; nan where it is -inf.
+    t : (k,)
+        Ends of the intervals.
+    history : (k, d)
+        The exponents as estimated up to then.
+    state : (d,)
+        Where the motion ended; `lyapunov(..., initial=state, transient=0)` goes on from there, if nothing but
+        the state matters.
+    states
+        Names of the states; hidden ones of effects after the visible ones.
+    """
+
+    exponents: Floats
+    standard_error: Floats
+    t: Floats
+    history: Floats
+    state: Floats
+    states: tuple[str, ...]
+
+    @property
+    def chaotic(self) -> bool:
+        """Is the greatest exponent positive by more than four standard errors, and by more than rounding?"""
+        return bool(self.exponents[0] > max(4 * self.standard_error[0], 1e-8))
+
+    @property
+    def dimension(self) -> float:
+        """Kaplan and Yorke's dimension of the attractor, time not counted as a state."""
+        sums = np.cumsum(self.exponents)
+        k = int(np.sum(sums >= 0))
+        if k == 0 or k == len(sums):
+            return float(k)
+        return float(k + (sums[k - 1] / abs(self.exponents[k]) if np.isfinite(self.exponents[k]) else 0.0))
+
+
+def lyapunov(
+    model: Model,
+    *,
+    belt_speed: float,
+    initial: ArrayLike | None = None,
+    t_end: float,
+    transient: float = 0.0,
+    interval: float | None = None,
+    tolerance: float = 1e-11,
+) -> LyapunovSpectrum:
+    """Estimate the Lyapunov spectrum of a motion.
+
+    Parameters
+    ----------
+    model, belt_speed
+        The rig on its belt.
+    initial
+        State (d,) to start from at t = 0, hidden states after the visible ones; at rest at the origin if absent.
+    t_end
+        When to stop.
+    transient
+        How long to wait for the motion to settle before averaging.
+    interval
+        Time between factorisations; a period of what moves the rig, or of the block's own frequency, if absent.
+    tolerance
+        Relative and absolute, of the simulation.
+
+    Returns
+    -------
+    LyapunovSpectrum
+
+    Raises
+    ------
+    InputError
+        A number is out of bounds, or fewer than 40 intervals fit between `transient` and `t_end`.
+    """
+    flow = Flow(model, number("belt_speed", belt_speed), number("tolerance", tolerance, above=0))
+    natural = 2 * np.pi * flow.natural_time
+    forcing = _forcing(flow)
+    step = (forcing or natural) if interval is None else number("interval", interval, above=0)
+    wait = number("transient", transient, least=0)
+    end = number("t_end", t_end, above=0)
+    count = int((end - wait) / step) - ALIGN
+    if count < 2 * BATCHES:
+        need = wait + (ALIGN + 2 * BATCHES) * step
+        raise InputError(f"too short for an average; give at least {need:.6g}", key="t_end", value=end)
+    z = flow.state(initial, "initial")
+    contact: Contact = "auto"
+    if wait > 0:
+        run = flow.run(z, [wait])
+        z, contact = flow.full(run)[-1], _contact(int(run.mode[-1]))
+    growth, z = _growth(flow, z, contact, wait, step, count)
+    return _spectrum(flow, growth, step, wait, z)
+
+
+def _forcing(flow: Flow) -> float | None:
+    """Return the forcing's period where there is one; exponents need none."""
+    try:
+        return flow.forcing_period
+    except InputError:
+        return None
+
+
+def _contact(mode: int) -> Contact:
+    return "stick" if mode == 0 else "slip-" if mode < 0 else "slip+"
+
+
+def _growth(
+    flow: Flow, z: Floats, contact: Contact, begin: float, step: float, count: int
+) -> tuple[Floats, Floats]:
+    """Logarithms (count, d) of the tangent vectors' growth over each interval, and the last state."""
+    d = len(z)
+    q, growth = np.eye(d), np.empty((count, d))
+    for k in range(-ALIGN, count):
+        start = begin + (k + ALIGN) * step
+        run = flow.run(z, [start + step], seeds=flow.seeds(), contact=contact, start=start)
+        z, contact = flow.full(run)[-1], _contact(int(run.mode[-1]))
+        q, r = np.linalg.qr(flow.jacobian(run)[-1] @ q)
+        sizes = np.abs(np.diag(r))
+        if k >= 0:
+            lost = sizes <= NOTHING * sizes.max(initial=0.0)
+            growth[k] = np.where(lost, -np.inf, np.log(np.where(lost, 1.0, sizes)))
+    return growth, z
+
+
+def _spectrum(flow: Flow, growth: Floats, step: float, wait: float, z: Floats) -> LyapunovSpectrum:
+    count = len(growth)
+    elapsed: Floats = step * np.arange(1, count + 1, dtype=np.float64)
+    history = np.cumsum(growth, axis=0) / elapsed[:, None]
+    finite = np.isfinite(history[-1])
+    usable = growth[count % BATCHES :][:, finite] / step
+    means = usable.reshape(BATCHES, -1, usable.shape[1]).mean(axis=1)
+    error = np.full(growth.shape[1], np.nan)
+    error[finite] = means.std(axis=0, ddof=1) / np.sqrt(BATCHES)
+    order = np.argsort(-history[-1], kind="stable")
+    return LyapunovSpectrum(
+        exponents=history[-1, order],
+        standard_error=error[order],
+        t=np.asarray(wait + ALIGN * step + elapsed, dtype=np.float64),
+        history=history[:, order],
+        state=z,
+        states=flow.states,
+    )

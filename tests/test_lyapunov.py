@@ -1,0 +1,94 @@
+"""Lyapunov exponents, against closed forms, Floquet multipliers and disturbed runs of the reference."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip import reference
+from stickslip.cycles import limit_cycle
+from stickslip.lyapunov import lyapunov
+
+RIG = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+W = 1.975
+
+
+def chaotic():
+    """Popp and Stelter's forced block (m = k = v_b = 1), forced where its motion is chaotic."""
+    law = ss.HyperbolicFriction(scale=3, decay=1.42, constant=1, quadratic=0.1)
+    forcing = ss.effect("harmonic_forcing", a=1.25, w=W, phi=np.pi / 2)
+    return ss.Model(ss.BlockOnBelt(), friction=law, effects=[forcing])
+
+
+def test_damped_sliding_in_closed_form():
+    model = ss.Model(ss.BlockOnBelt(damping=0.2), friction=ss.CoulombFriction())
+    found = lyapunov(model, belt_speed=10.0, initial=(0.6, 0.1), t_end=500)
+    assert found.exponents == pytest.approx([-0.1, -0.1], abs=2e-3)
+    assert found.exponents.sum() == pytest.approx(-0.2, abs=1e-10)
+    assert not found.chaotic
+
+
+def test_on_a_cycle_the_exponents_are_those_of_its_multipliers():
+    cycle = limit_cycle(RIG, 0.1)
+    found = lyapunov(
+        RIG, belt_speed=0.1, initial=cycle.state, t_end=200 * cycle.period, interval=cycle.period
+    )
+    rate = np.log(np.abs(cycle.multipliers[0])) / cycle.period
+    assert found.exponents[:3] == pytest.approx([0.0, rate, rate], abs=1e-3)
+    assert found.exponents[1:3].sum() == pytest.approx(2 * rate, abs=1e-4)
+    assert found.exponents[3] == -np.inf  # stick forgets the block's speed at once
+    assert found.dimension == pytest.approx(1.0)
+
+
+def disturbed(model, z, direction, period, size=1e-6):
+    """The reference's change of state after a period, per unit of disturbance along `direction`."""
+    up, down = (
+        reference.simulate(model, belt_speed=1.0, initial=z + s * size * direction, t_end=period, tol=1e-12)
+        for s in (1, -1)
+    )
+    return (up.state[-1] - down.state[-1]) / (2 * size)
+
+
+def test_chaos_of_popp_and_stelters_block_against_disturbed_runs_of_the_reference():
+    model, period, periods = chaotic(), 2 * np.pi / W, 40
+    wait = 300 * period
+    ours = lyapunov(model, belt_speed=1.0, t_end=wait + (20.5 + periods) * period, transient=wait)
+    # each period anew from the core's state, since two programs left alone drift apart in chaos
+    z = ss.simulate(model, belt_speed=1.0, t_end=wait, t_eval=[wait], rtol=1e-11, atol=1e-11).state[0]
+    direction, growth = np.array([1.0, 0.0]), []
+    for k in range(20 + periods):
+        moved = disturbed(model, z, direction, period)
+        growth.append(np.log(np.linalg.norm(moved)))
+        direction = moved / np.linalg.norm(moved)
+        z = ss.simulate(
+            model, belt_speed=1.0, initial=z, t_start=wait + k * period, t_end=wait + (k + 1) * period,
+            t_eval=[wait + (k + 1) * period], rtol=1e-11, atol=1e-11,
+        ).state[0]  # fmt: skip
+    theirs = np.cumsum(growth[20:]) / (period * np.arange(1, periods + 1))
+    assert ours.history[:, 0] == pytest.approx(theirs, abs=1e-4)
+    assert ours.exponents[1] == -np.inf
+
+
+def test_chaos_is_told_from_order():
+    period = 2 * np.pi / W
+    found = lyapunov(chaotic(), belt_speed=1.0, t_end=2200 * period, transient=200 * period)
+    assert found.chaotic
+    assert 0.02 < found.exponents[0] < 0.08
+    assert found.history[-1, 0] == pytest.approx(found.exponents[0])
+    assert abs(found.history[len(found.t) // 2, 0] - found.exponents[0]) < 6 * found.standard_error[0]
+    assert not lyapunov(RIG, belt_speed=0.1, t_end=3000, transient=1000).chaotic
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"t_end": 10.0}, "t_end = 10.0: too short for an average; give at least"),
+        ({"t_end": 1e4, "interval": 0.0}, "interval = 0.0: must be above 0"),
+        ({"t_end": 1e4, "initial": (0.0, 1.0)}, "initial: must be 4 finite numbers"),
+        ({"t_end": 1e4, "transient": float("inf")}, "transient = inf: infinite"),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(keywords, message):
+    with pytest.raises(ss.InputError, match=message):
+        lyapunov(RIG, belt_speed=0.1, **keywords)
