@@ -264,7 +264,7 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     unit = 2 * np.pi * flow.natural_time
     if flow.belt_speed == 0:
         raise NoLimitCycleError("the belt stands still and nothing moves the rig: it comes to rest")
-    tail = lasting + _even(3 * LOOK_BACK * unit, 3 * LOOK_BACK * SAMPLES + 1)
+    tail = np.asarray(lasting + _even(3 * LOOK_BACK * unit, 3 * LOOK_BACK * SAMPLES + 1), dtype=np.float64)
     run = flow.run(z, tail)
     x2, x1 = run.state[:, 1], run.state[:, 0]
     down = np.flatnonzero((x2[:-1] > 0) & (x2[1:] <= 0))

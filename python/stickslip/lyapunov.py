@@ -60,7 +60,7 @@ class LyapunovSpectrum:
     def dimension(self) -> float:
         """Kaplan and Yorke's dimension of the attractor, time not counted as a state."""
         sums = np.cumsum(self.exponents)
-        k = int(np.sum(sums >= 0))
+        k = int(np.sum(sums >= -1e-9))  # an exponent that is 0 but for rounding counts as 0
         if k == 0 or k == len(sums):
             return float(k)
         return float(k + (sums[k - 1] / abs(self.exponents[k]) if np.isfinite(self.exponents[k]) else 0.0))
