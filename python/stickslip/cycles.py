@@ -257,7 +257,7 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     forcing = flow.forcing_period
     if forcing is not None:
         count = max(int(lasting / forcing), 2 * LOOK_BACK)
-        run = flow.run(z, forcing * np.arange(count - LOOK_BACK, count + 1))
+        run = flow.run(z, [forcing * k for k in range(count - LOOK_BACK, count + 1)])
         states = flow.full(run)
         turns = _repeats(states)
         return states[-1], turns * forcing, turns, "stick" if run.mode[-1] == 0 else "auto"

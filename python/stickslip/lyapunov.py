@@ -60,10 +60,13 @@ class LyapunovSpectrum:
     def dimension(self) -> float:
         """Kaplan and Yorke's dimension of the attractor, time not counted as a state."""
         sums = np.cumsum(self.exponents)
-        k = int(np.sum(sums >= -1e-9))  # an exponent that is 0 but for rounding counts as 0
+        nothing = 0.1 / (self.t[-1] - self.t[0])  # a growth by less than a tenth in all is none
+        k = int(np.sum(sums >= -nothing))
         if k == 0 or k == len(sums):
             return float(k)
-        return float(k + (sums[k - 1] / abs(self.exponents[k]) if np.isfinite(self.exponents[k]) else 0.0))
+        return float(
+            k + (max(sums[k - 1], 0.0) / abs(self.exponents[k]) if np.isfinite(self.exponents[k]) else 0.0)
+        )
 
 
 def lyapunov(
