@@ -53,7 +53,7 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     steps = int(np.floor(span / dt + SLACK))
     if steps < 1:
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
-    future = float(run.t[-1]) + dt * np.arange(1, steps + 1)
+    future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     with ThreadPoolExecutor(2) as pool:
         prediction = Forecaster(model, run, pool).forecast(len(run.t), future)
     columns = {"t": future + float(recording.t[0])}

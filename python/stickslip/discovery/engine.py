@@ -52,6 +52,10 @@ class Block:
     K: Floats
     mode: NDArray[np.int8]
 
+    def __post_init__(self) -> None:
+        both = np.column_stack([self.J, self.K, self.r])
+        self.products = both.T @ both  # taken here, in the window's own thread
+
 
 class Engine:
     """Evaluates one hypothesis on the runs; everything that does not change between calls is done once.
@@ -86,10 +90,25 @@ class Engine:
         for k in range(STATES):
             self.seeds[len(self.names) + k, WIDTH + k] = 1.0
         self.moving = [i for i, places in enumerate(self.slots) if places]
+        self.centre, self.precision = hypothesis.prior(len(self.data))
+        self.low, self.high = hypothesis.limits(len(self.data))
+        self.columns = [hypothesis.columns(run) for run in range(len(self.data))]
+        self.none = np.zeros((0, WIDTH + STATES))
+        self._last: tuple[bytes, dict[int, tuple[Floats, dict[str, float]]]] = (b"", {})
 
     def parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
-        """The core's parameter vector and the values by name."""
-        values = self.hypothesis.values(vector, run)
+        """The core's parameter vector and the values by name (kept for the latest vector)."""
+        key = vector.tobytes()
+        last = self._last
+        if last[0] != key:
+            last = self._last = (key, {})
+        if run not in last[1]:
+            last[1][run] = self._parameters(vector, run)
+        return last[1][run]
+
+    def _parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
+        picked = vector[self.columns[run]].tolist()
+        values = {u.name: u.value(c) for u, c in zip(self.order, picked, strict=True)}
         numbers = self.lowered[run].parameters.copy()
         for name, places in zip(self.names, self.slots, strict=True):
             for place in places:
@@ -125,11 +144,11 @@ class Engine:
 
     def residual(self, vector: Floats, window: Window) -> Floats | None:
         """r alone, (n c,)."""
-        raw = self.simulate(vector, window, np.zeros((0, WIDTH + STATES)))
+        raw = self.simulate(vector, window, self.none)
         if raw is None:
             return None
         state = np.asarray(raw["state"])
-        return self._weigh(self._read(vector, window, state, np.zeros((len(state), STATES, 0)), ()), window)
+        return self._weigh(self._chain(vector, window, state, np.zeros((len(state), STATES, 0)))[0], window)
 
     def linearise(self, vector: Floats, window: Window, own_only: bool = False) -> Block | None:
         """r, J and K of one window; J is 0 with `own_only`."""
@@ -145,12 +164,9 @@ class Engine:
         values, slopes = self._chain(vector, window, state, full)
         weight = self.data[window.run].weight[window.start : window.stop]
         D = (slopes * weight[:, :, None]).reshape(-1, p + q)
-        J = D[:, :p] * np.array([u.slope(v) for u, v in self._sized(vector, window.run)])
+        _, values_by_name = self.parameters(vector, window.run)
+        J = D[:, :p] * np.array([u.slope(values_by_name[u.name]) for u in self.order])
         return Block(self._weigh(values, window), J, D[:, p:], np.asarray(raw["mode"]))
-
-    def _sized(self, vector: Floats, run: int) -> list[tuple[object, float]]:
-        values = self.hypothesis.values(vector, run)
-        return [(u, values[u.name]) for u in self.order]
 
     def _chain(self, vector: Floats, window: Window, state: Floats, sens: Floats) -> tuple[Floats, Floats]:
         run = self.data[window.run]
@@ -159,9 +175,6 @@ class Engine:
         t = run.t[window.start : window.stop]
         chain = read(t, state, sens, names, p, run.belt_speed, run.readings.shape[1], self.learned)
         return chain.values, chain.slopes
-
-    def _read(self, vector: Floats, window: Window, state: Floats, sens: Floats, _: tuple[()]) -> Floats:
-        return self._chain(vector, window, state, sens)[0]
 
     def _weigh(self, values: Floats, window: Window) -> Floats:
         run = self.data[window.run]
@@ -190,8 +203,7 @@ class Engine:
             total += FAILED**2 * m if r is None else float(r @ r)
         if failed > MOST_FAILED * len(windows):
             return np.inf
-        centre, precision = self.hypothesis.prior(len(self.data))
-        total += float(precision @ (vector - centre) ** 2)
+        total += float(self.precision @ (vector - self.centre) ** 2)
         total += sum(window_penalty(w) for w in windows)
         return total if np.isfinite(total) else np.inf
 

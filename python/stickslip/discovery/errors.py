@@ -138,9 +138,7 @@ def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Me
         return {who: float(getattr(m, name)) for who, m in zip(WHO, measured, strict=True)}
 
     rmse = {
-        channel: {
-            who: m.rmse[c] / recording.factor(channel) for who, m in zip(WHO, measured, strict=True)
-        }
+        channel: {who: m.rmse[c] / recording.factor(channel) for who, m in zip(WHO, measured, strict=True)}
         for c, channel in enumerate(("x1", "y1"))
     }
     return RunError(

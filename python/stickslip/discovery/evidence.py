@@ -23,7 +23,7 @@ ALGEBRA: Mapping[frozenset[str], str] = {
 }
 
 
-def held_out(search: Search, null: Trial, trial: Trial) -> float:
+def held_out(null: Trial, trial: Trial) -> float:
     """Root-mean-square residual with the effect over that without, on windows left out of both fits in turn."""
     scores = {id(null): 0.0, id(trial): 0.0}
     for fold in range(2):
@@ -48,7 +48,13 @@ def _left_out(trial: Trial, fold: int) -> float:
 
 
 def evidence(
-    search: Search, null: Trial, trial: Trial, name: str, tried: Sequence[Trial], threshold: float, held: float
+    search: Search,
+    null: Trial,
+    trial: Trial,
+    name: str,
+    tried: Sequence[Trial],
+    threshold: float,
+    held: float,
 ) -> Evidence:
     """Evidence for `name` in the chosen trial, against the trial without it."""
     rest = tuple(sorted(n for n in trial.names if n != name))
@@ -82,12 +88,21 @@ def alternatives(trial: Trial, tried: Sequence[Trial], name: str) -> tuple[Alter
         algebra = ALGEBRA.get(frozenset({label, name}))
         tied = delta < TIED
         reason = algebra or (
-            "fits these runs as well as the winner" if tied else "fits almost as well; the odds are against it"
+            "fits these runs as well as the winner"
+            if tied
+            else "fits almost as well; the odds are against it"
         )
         odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
         out.append(
             Alternative(
-                label, odds, delta, tied, False, reason, of_effect(rival.fit, label), correlation(trial, rival)
+                label,
+                odds,
+                delta,
+                tied,
+                False,
+                reason,
+                of_effect(rival.fit, label),
+                correlation(trial, rival),
             )
         )
     return tuple(sorted(out, key=lambda a: a.delta))

@@ -60,7 +60,10 @@ def signatures(null: Fit) -> Floats:
     own = {one.name for one in base.effects}
     terms = [effect(name, **values) for name, values in LINEAR if name not in own]
     unknowns = tuple(
-        Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in t.parameters if p in STRENGTH
+        Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0)
+        for t in terms
+        for p in t.parameters
+        if p in STRENGTH
     )
     both = Hypothesis(base.with_effects([*base.effects, *terms]), unknowns, null.engine.hypothesis.phases)
     engine = Engine(null.engine.data, both, null.engine.pool, null.engine.learned)

@@ -175,7 +175,7 @@ def _found(
         gate=passed,
         runs=tuple(views),
         spectrum=spectrum(before.fit, after.fit),
-        messages=remarks(search.data, choice.null, choice.trial, effects, now),
+        messages=remarks(search.data, choice.null, effects, now),
         seconds=time.monotonic() - began,
     )
 
@@ -211,14 +211,13 @@ def _model(case: Case, trial: Trial) -> Model:
 
 
 def _law(trial: Trial) -> dict[str, Interval]:
-    found = {k: v for k, v in intervals(trial.fit).items() if "." not in k}
-    return found
+    return {k: v for k, v in intervals(trial.fit).items() if "." not in k}
 
 
 def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
     if not choice.trial.names:
         return ()
-    held = ev.held_out(search, choice.null, choice.trial)
+    held = ev.held_out(choice.null, choice.trial)
     tried = list(search.tried.values())
     out = []
     for name in choice.trial.names:
@@ -228,7 +227,9 @@ def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) ->
             assert choice.term is not None
             where, variable = choice.term.where, choice.term.variable
             learned = unlisted.curve(choice.term, after)
-            formula = f"{learned.term}: a curve in {variable}" + (f", {learned.guess}" if learned.guess else "")
+            formula = f"{learned.term}: a curve in {variable}" + (
+                f", {learned.guess}" if learned.guess else ""
+            )
             out.append(FoundEffect("unlisted", where, (variable,), {}, proof, (), formula, learned))
             continue
         kind = CATALOGUE[name]

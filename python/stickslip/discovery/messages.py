@@ -40,7 +40,7 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
 
 
 def remarks(
-    data: Sequence[Data], null: Trial, trial: Trial, effects: Sequence[FoundEffect], after: Residual
+    data: Sequence[Data], null: Trial, effects: Sequence[FoundEffect], after: Residual
 ) -> tuple[str, ...]:
     """What to know about this case's data and verdict."""
     out = []
@@ -75,5 +75,7 @@ def _one_way(null: Trial) -> bool:
     seen: dict[int, set[int]] = {}
     for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
         modes, counts = np.unique(b.mode, return_counts=True)
-        seen.setdefault(w.run, set()).update(int(m) for m, n in zip(modes, counts, strict=True) if m and n > 3)
+        seen.setdefault(w.run, set()).update(
+            int(m) for m, n in zip(modes, counts, strict=True) if m and n > 3
+        )
     return all(len(signs) <= 1 for signs in seen.values())

@@ -23,9 +23,7 @@ def next_experiments(search: Search, trial: Trial, effects: Sequence[FoundEffect
     out: list[Experiment] = []
     for name, other in pairs[:3]:
         rest = [n for n in trial.names if n != name]
-        rival = next(
-            (t for key, t in search.tried.items() if set(key) == {*rest, other}), None
-        )
+        rival = next((t for key, t in search.tried.items() if set(key) == {*rest, other}), None)
         if rival is None:
             continue
         for what, speed, initial in _menu(search):
@@ -39,7 +37,7 @@ def _menu(search: Search) -> list[tuple[str, float, tuple[float, ...]]]:
     top, low = float(speeds.max()), float(speeds.min())
     used = {float(np.sign(run.belt_speed)) for run in search.data}
     rest = (0.1, 0.0, 0.0, 0.0)
-    menu = [
+    menu: list[tuple[str, float, tuple[float, ...]]] = [
         ("a faster belt", 1.6 * top, rest),
         ("a slower belt", 0.5 * low, rest),
         ("free decay on a belt at rest, from a pull of 0.6", 0.0, (0.6, 0.0, 0.1, 0.0)),
@@ -52,7 +50,9 @@ def _menu(search: Search) -> list[tuple[str, float, tuple[float, ...]]]:
     return menu
 
 
-def _separation(search: Search, trial: Trial, rival: Trial, speed: float, initial: tuple[float, ...]) -> float:
+def _separation(
+    search: Search, trial: Trial, rival: Trial, speed: float, initial: tuple[float, ...]
+) -> float:
     """Squared distance of the rivals' predicted states over the noise, the start refitted (to first order)."""
     t = np.linspace(0.0, LENGTH, SAMPLES)
     names = ("initial.x1", "initial.x2", "initial.y1", "initial.y2")
@@ -62,7 +62,13 @@ def _separation(search: Search, trial: Trial, rival: Trial, speed: float, initia
             atol=1e-8, sensitivity=names,
         )  # fmt: skip
         b = simulate(
-            rival.hypothesis.model, belt_speed=speed, initial=initial, t_end=LENGTH, t_eval=t, rtol=1e-7, atol=1e-8
+            rival.hypothesis.model,
+            belt_speed=speed,
+            initial=initial,
+            t_end=LENGTH,
+            t_eval=t,
+            rtol=1e-7,
+            atol=1e-8,
         )
     except StickslipError:
         return 0.0

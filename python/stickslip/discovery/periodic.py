@@ -27,7 +27,8 @@ WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
 @dataclass
 class _Line:
     """Normal equations of one effect at one coarse frequency, by window: with itself (m, 2, 2), with the residual
-    (m, 2), with the base's unknowns (m, 2, p); and the windows' phase coordinate (m,)."""
+    (m, 2), with the base's unknowns (m, 2, p); and the windows' phase coordinate (m,).
+    """
 
     N: list[Floats]
     g: list[Floats]
@@ -54,7 +55,9 @@ class _Base:
         _, precision = engine.hypothesis.prior(len(engine.data))
         projections = [_Projector(b.K) for b in fit.blocks]
         residuals = [P(b.r) for P, b in zip(projections, fit.blocks, strict=True)]
-        size = [max(1.0, float(r @ r) / len(r)) for r in residuals]  # one gone astray must not outvote the others
+        size = [
+            max(1.0, float(r @ r) / len(r)) for r in residuals
+        ]  # one gone astray must not outvote the others
         slopes, A, g = [], np.diag(precision), np.zeros(p)
         for w, b, P, r, s in zip(fit.windows, fit.blocks, projections, residuals, size, strict=True):
             J = np.zeros((len(b.r), p))
@@ -62,7 +65,8 @@ class _Base:
             slopes.append(J)
             A += J.T @ J / s
             g += J.T @ r / s
-        return cls(fit, projections, residuals, slopes, size, np.linalg.pinv(A, hermitian=True), g)
+        inverse = np.asarray(np.linalg.pinv(A, hermitian=True), dtype=np.float64)
+        return cls(fit, projections, residuals, slopes, size, inverse, g)
 
 
 def periodic_starts(
@@ -109,7 +113,9 @@ def _responses(base: _Base, names: Sequence[str], w0: float) -> dict[str, _Line]
     h = fit.engine.hypothesis
     values = h.at(fit.vector, len(fit.engine.data)).model
     terms = [_small(name, w0) for name in names]
-    numbers = [Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in ("a", "phi")]
+    numbers = [
+        Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in ("a", "phi")
+    ]
     both = Hypothesis(values.with_effects([*values.effects, *terms]), tuple(numbers), h.phases)
     engine = Engine(fit.engine.data, both, fit.engine.pool, fit.engine.learned)
     vector = np.array([u.start for u in numbers])
@@ -151,15 +157,16 @@ def _fine(base: _Base, line: _Line, w0: float, step: float) -> list[tuple[float,
     for delta in np.linspace(-step / 2, step / 2, max(3, int(step * span / 0.8) | 1)):
         c, s = np.cos(delta * at), np.sin(delta * at)
         turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)  # window amplitudes = turn @ run's
-        NN = np.einsum("rw,wji,wjk,wkl->ril", member, turn, N, turn, optimize=True)
-        gg = np.einsum("rw,wji,wj->ri", member, turn, g, optimize=True).ravel()
-        CC = np.einsum("rw,wji,wjp->rip", member, turn, C, optimize=True).reshape(2 * count, -1)
+        back = turn.transpose(0, 2, 1)
+        NN = np.tensordot(member, back @ N @ turn, 1)
+        gg = np.tensordot(member, (back @ g[:, :, None])[:, :, 0], 1).ravel()
+        CC = np.tensordot(member, back @ C, 1).reshape(2 * count, -1)
         A = -CC @ base.L @ CC.T
         for r in range(count):
             A[2 * r : 2 * r + 2, 2 * r : 2 * r + 2] += NN[r]
         A += 1e-6 * np.diag(np.diag(A) + 1e-12)
         b = gg - CC @ (base.L @ base.g)
-        amplitudes = np.linalg.solve(A, b)
+        amplitudes = np.asarray(np.linalg.solve(A, b), dtype=np.float64)
         out.append((float(b @ amplitudes), w0 + float(delta), amplitudes.reshape(count, 2)))
     return out
 

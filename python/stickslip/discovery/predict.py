@@ -54,7 +54,9 @@ class Forecaster:
     learned: tuple[Learned, ...] = ()
 
     def __post_init__(self) -> None:
-        self.periodic = [one for one in self.model.effects if isinstance(one, Effect) and "phi" in one.parameters]
+        self.periodic = [
+            one for one in self.model.effects if isinstance(one, Effect) and "phi" in one.parameters
+        ]
         unknowns = tuple(
             Unknown(f"{one.name}.phi", one.parameters["phi"], False, 0.0, 30.0, per_run=True)
             for one in self.periodic
@@ -86,7 +88,11 @@ class Forecaster:
     def _windows(self, stop: int) -> list[Window]:
         starts = [0, *(int(s) for s in self.run.slips if s < stop - 20)]
         ends = [*starts[1:], stop]
-        return [start_window(self.run, 0, self.model, a, b) for a, b in zip(starts, ends, strict=True) if b - a > 9]
+        return [
+            start_window(self.run, 0, self.model, a, b)
+            for a, b in zip(starts, ends, strict=True)
+            if b - a > 9
+        ]
 
     def state_window(self, stop: int) -> Window:
         """A window that ends at `stop`, its states fitted to the readings in it."""
@@ -144,7 +150,9 @@ class Forecaster:
         return Prediction(future, whole.readings[part], whole.state[part], whole.mode[part])
 
 
-def stitched(forecaster: Forecaster, cycles: float, first: float = 3.0) -> tuple[Prediction, NDArray[np.int64]]:
+def stitched(
+    forecaster: Forecaster, cycles: float, first: float = 3.0
+) -> tuple[Prediction, NDArray[np.int64]]:
     """Forecasts of `cycles` from every cycle on, laid end to end, and the samples they are for.
 
     With `cycles` above 1 the stretches overlap; they are kept one after the other.
@@ -164,7 +172,9 @@ def stitched(forecaster: Forecaster, cycles: float, first: float = 3.0) -> tuple
                 pass
         at += run.cycle
     if not pieces:
-        raise StickslipError(f"run '{run.name}' is too short for a forecast: it needs {first + cycles:g} cycles")
+        raise StickslipError(
+            f"run '{run.name}' is too short for a forecast: it needs {first + cycles:g} cycles"
+        )
     return joined(pieces), np.concatenate(samples)
 
 
@@ -182,7 +192,9 @@ def free_run(forecaster: Forecaster, seed: int) -> Data:
     """The run as the model itself would have given it, with fresh noise: what the floor is measured on."""
     run = forecaster.run
     forecaster.settle(len(run.t))
-    window = relax(forecaster.engine, forecaster.vector, start_window(run, 0, forecaster.model, 0, len(run.t) // 4))
+    window = relax(
+        forecaster.engine, forecaster.vector, start_window(run, 0, forecaster.model, 0, len(run.t) // 4)
+    )
     whole = forecaster.run_on(window, run.t)
     noise = np.random.default_rng(seed).standard_normal(whole.readings.shape) * run.noise
     return replace(run, readings=whole.readings + noise)

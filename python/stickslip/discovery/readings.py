@@ -122,7 +122,9 @@ class _Gather:
     def apply(self, states: Floats) -> Floats:
         w = self.w.reshape(self.w.shape + (1,) * (states.ndim - 2))
         a, b = self.left, self.left + 1
-        out = w[:, 0] * states[a, 2] + w[:, 1] * states[a, 3] + w[:, 2] * states[b, 2] + w[:, 3] * states[b, 3]
+        out = (
+            w[:, 0] * states[a, 2] + w[:, 1] * states[a, 3] + w[:, 2] * states[b, 2] + w[:, 3] * states[b, 3]
+        )
         return np.asarray(out)
 
 
@@ -132,7 +134,9 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
     left = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
     h = t[left + 1] - t[left]
     s = (at - t[left]) / h
-    w = np.stack([(1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2 * h, s**2 * (3 - 2 * s), s**2 * (s - 1) * h], 1)
+    w = np.stack(
+        [(1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2 * h, s**2 * (3 - 2 * s), s**2 * (s - 1) * h], 1
+    )
     zero = 6 * s * (s - 1) / h
     r = np.stack([zero, (1 - s) * (1 - 3 * s), -zero, s * (3 * s - 2)], 1)
     for ends, near, offset in ((at < t[0], 0, at - t[0]), (at > t[-1], 2, at - t[-1])):

@@ -43,7 +43,9 @@ def describe(fit: Fit, limit: float = 4.0) -> Residual:
 
 def _sentence(chi2: float, error: float, clean: bool, parts: list[Part]) -> str:
     if clean:
-        return f"chi-squared is {chi2:.3f} per reading (1 +- {error:.3f} is noise alone): nothing is left over"
+        return (
+            f"chi-squared is {chi2:.3f} per reading (1 +- {error:.3f} is noise alone): nothing is left over"
+        )
     worst = [p for p in parts if p.what in ("channel", "mode", "transition")][:2]
     words = " and ".join(f"{p.what} {p.name} ({p.chi2:.3g})" for p in worst)
     return f"chi-squared is {chi2:.4g} per reading where noise alone leaves 1 +- {error:.3f}; most in {words}"
@@ -134,7 +136,11 @@ def _power(fit: Fit) -> tuple[Floats, Floats]:
     edges = np.linspace(0, np.pi / dt, BINS + 1)
     total, count = np.zeros(BINS), np.zeros(BINS)
     for k in range(len(data)):
-        parts = [b.r.reshape(-1, len(data[k].channels)) for w, b in zip(fit.windows, fit.blocks, strict=True) if w.run == k]
+        parts = [
+            b.r.reshape(-1, len(data[k].channels))
+            for w, b in zip(fit.windows, fit.blocks, strict=True)
+            if w.run == k
+        ]
         r = np.concatenate(parts)
         power = (np.abs(np.fft.rfft(r, axis=0)) ** 2 / len(r)).mean(axis=1)
         w = 2 * np.pi * np.fft.rfftfreq(len(r), float(np.median(np.diff(data[k].t))))

@@ -1,7 +1,8 @@
 """Starts for a ripple of the belt, read where the block rides on it: a periodogram over the sticks.
 
-In a stick x1 = c_j + v_b t - (v_b a/w) cos(w t + phi), with a constant c_j (and, against slow drifts, a slope) for each stick; a recorded belt reads
-v_b (1 + a sin(w t + phi)) itself. The amplitudes are fitted at every frequency at once, the constants projected out.
+In a stick x1 = c_j + v_b t - (v_b a/w) cos(w t + phi), with a constant c_j (and, against slow drifts, a slope)
+for each stick; a recorded belt reads v_b (1 + a sin(w t + phi)) itself. The amplitudes are fitted at every frequency
+at once, the constants projected out.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from stickslip.effects import effect
 Floats = NDArray[np.float64]
 
 
-def ripple_starts(data: Sequence[Data], *, peaks: int = 2, lowest: float = 0.6, highest: float = 16.0) -> list[Start]:
+def ripple_starts(
+    data: Sequence[Data], *, peaks: int = 2, lowest: float = 0.6, highest: float = 16.0
+) -> list[Start]:
     """The `peaks` strongest ripples, each with its phases by run; none where no stick is long enough."""
     span = max(float(run.t[-1]) for run in data)
     w = np.arange(lowest, highest, 0.7 / span)
@@ -32,7 +35,9 @@ def ripple_starts(data: Sequence[Data], *, peaks: int = 2, lowest: float = 0.6, 
         if any(abs(w[i] - other) < 0.3 for other in used):
             continue
         used.append(float(w[i]))
-        amplitudes = [p[1][:, i] / run.belt_speed for p, run in zip(parts, data, strict=True) if run.belt_speed]
+        amplitudes = [
+            p[1][:, i] / run.belt_speed for p, run in zip(parts, data, strict=True) if run.belt_speed
+        ]
         size = float(np.median([np.hypot(*a) for a in amplitudes]))
         phases = tuple(float(np.arctan2(p[1][1, i] * s, p[1][0, i] * s)) for p, s in _signs(parts, data))
         starts.append(Start(effect("belt_speed_ripple", a=min(size, 0.5), w=float(w[i]), phi=0.0), phases))
@@ -50,7 +55,9 @@ def _belt_lines(run: Data, w: Floats) -> tuple[Floats, Floats]:
     value = run.readings[:, 2] - run.belt_speed
     good = run.weight[:, 2] > 0
     label = np.zeros(int(good.sum()), dtype=np.int64)
-    return _lines(run.t[good], value[good] / run.noise[2], label, w, run.noise[2], np.ones_like(w), swap=False)
+    return _lines(
+        run.t[good], value[good] / run.noise[2], label, w, run.noise[2], np.ones_like(w), swap=False
+    )
 
 
 def _stick_lines(run: Data, w: Floats) -> tuple[Floats, Floats]:
@@ -82,7 +89,11 @@ def _lines(
     sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
     for k in np.unique(label):
         part = label == k
-        line = np.stack([np.ones(int(part.sum())), t[part] - t[part].mean()], 1) if swap else np.ones((part.sum(), 1))
+        line = (
+            np.stack([np.ones(int(part.sum())), t[part] - t[part].mean()], 1)
+            if swap
+            else np.ones((part.sum(), 1))
+        )
         q = np.linalg.qr(line)[0]
         for x in (sine, cosine, value):
             x[part] -= q @ (q.T @ x[part])

@@ -174,7 +174,7 @@ def _local(engine: Engine, vector: Floats, window: Window, steps: int) -> tuple[
         before = cost
         for _ in range(6):
             D = C + np.diag(damping * np.diag(C) + 1e-9 * np.trace(C))
-            trial = moved(window, np.linalg.solve(D, g))
+            trial = moved(window, np.asarray(np.linalg.solve(D, g), dtype=np.float64))
             r = engine.residual(vector, trial)
             new = np.inf if r is None else float(r @ r) + window_penalty(trial)
             if new < cost:
@@ -190,8 +190,7 @@ def conclude(
     engine: Engine, vector: Floats, windows: list[Window], blocks: list[Block], cost: float, done: int
 ) -> Fit:
     """The fit's summary at a point."""
-    _, precision = engine.hypothesis.prior(len(engine.data))
-    normal, _, _ = reduced(engine, blocks, windows, np.diag(precision), np.zeros(len(vector)), 0.0)
+    normal, _, _ = reduced(engine, blocks, windows, np.diag(engine.precision), np.zeros(len(vector)), 0.0)
     chi2 = float(sum(b.r @ b.r for b in blocks))
     readings = sum(int((engine.data[w.run].weight[w.start : w.stop] > 0).sum()) for w in windows)
     return Fit(engine, vector, windows, blocks, chi2, cost, readings, normal, done)
@@ -205,13 +204,12 @@ def _improve(
     cost: float,
     damping: float,
 ) -> tuple[Floats, list[Window], float, float] | None:
-    centre, precision = engine.hypothesis.prior(len(engine.data))
-    low, high = engine.hypothesis.limits(len(engine.data))
-    pull = precision * (centre - vector)
+    precision, low, high = engine.precision, engine.low, engine.high
+    pull = precision * (engine.centre - vector)
     for _ in range(12):
         A, g, follow = reduced(engine, blocks, windows, np.diag(precision), pull, damping)
         try:
-            step = np.linalg.solve(A, g)
+            step = np.asarray(np.linalg.solve(A, g), dtype=np.float64)
         except np.linalg.LinAlgError:
             damping *= 10
             continue
@@ -219,7 +217,7 @@ def _improve(
         step = trial - vector
         shifted = []
         for w, (own, cross) in zip(windows, follow, strict=True):
-            shifted.append(moved(w, own - cross @ (step[engine.hypothesis.columns(w.run)])))
+            shifted.append(moved(w, own - cross @ (step[engine.columns[w.run]])))
         trial_cost = engine.cost(trial, shifted)
         if trial_cost < cost:
             return trial, shifted, trial_cost, max(damping / 10, 1e-7)
@@ -246,18 +244,16 @@ def reduced(
     diagonal = np.zeros(len(pull))
     follow = []
     for b, w in zip(blocks, windows, strict=True):
-        columns = engine.hypothesis.columns(w.run)
-        free = list(w.free)
-        C = b.K.T @ b.K + np.diag(1.0 / w.spread[free] ** 2)
-        C[np.diag_indices_from(C)] *= 1 + damping
-        own = b.K.T @ b.r + (w.centre[free] - w.state[free]) / w.spread[free] ** 2
-        E = b.K.T @ b.J
+        columns, free, p = engine.columns[w.run], list(w.free), b.J.shape[1]
+        JJ, E, C = b.products[:p, :p], b.products[p:-1, :p], b.products[p:-1, p:-1]
+        hold = 1.0 / w.spread[free] ** 2
+        C = C + np.diag(hold + damping * (np.diag(C) + hold))
+        own = b.products[p:-1, -1] + (w.centre[free] - w.state[free]) * hold
         size = np.sqrt(np.maximum(np.diag(C), 1e-300))
         D = C / np.outer(size, size) + 1e-10 * np.eye(len(free))
         X = np.linalg.solve(D, np.column_stack([own, E]) / size[:, None]) / size[:, None]
-        JJ = b.J.T @ b.J
         A[np.ix_(columns, columns)] += JJ - E.T @ X[:, 1:]
-        g[columns] += b.J.T @ b.r - E.T @ X[:, 0]
+        g[columns] += b.products[:p, -1] - E.T @ X[:, 0]
         diagonal[columns] += np.diag(JJ)
         follow.append((X[:, 0], X[:, 1:]))
     A[np.diag_indices_from(A)] += damping * (diagonal + np.diag(base))

@@ -98,7 +98,8 @@ class Search:
         anyway: bool = False,
     ) -> Trial | None:
         """Fit one hypothesis; `windows_of` lends its windows and states, `worst` is a hopeless cost; `anyway`
-        goes on when the time is up."""
+        goes on when the time is up.
+        """
         engine = Engine(self.data, h, self.pool, learned)
         if windows_of is None:
             windows = cut(self.data, h.model, cycles)
@@ -186,7 +187,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
                 tolerance=1e-3,
                 rounds=1,
                 windows_of=base,
-                worst=1.02 * base.fit.cost,
+                worst=0.985 * base.fit.cost if base.excess > CLEAN else 1.01 * base.fit.cost,
             )
             if trial is not None and (best is None or trial.fit.cost < best.fit.cost):
                 best = trial
@@ -214,7 +215,9 @@ def decide(search: Search) -> list[Trial]:
     """The declared law, single effects and pairs; best first, the declared law among them."""
     null = declared(search)
     if null is None:
-        raise StickslipError("the declared model cannot be simulated from the readings: check the rig's numbers")
+        raise StickslipError(
+            "the declared model cannot be simulated from the readings: check the rig's numbers"
+        )
     null = search.polish(null)
     search.keep(null, ())
     singles = polished(search, screen(search, null))

@@ -115,7 +115,9 @@ class Hypothesis:
         phases = {u.name: tuple(self.values(vector, r)[u.name] for r in range(runs)) for u in self.own}
         known = self.model.parameters  # curves on readings are not the model's
         numbers = {u.name: values[u.name] for u in self.unknowns if u.name in known}
-        return replace(self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases})
+        return replace(
+            self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases}
+        )
 
 
 def law_unknowns(model: Model) -> tuple[Unknown, ...]:

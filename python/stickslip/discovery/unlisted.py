@@ -81,14 +81,18 @@ def with_term(search: Search, base: Trial, term: Term, **options: object) -> Tri
     """A trial with a curve added, from zero."""
     h = base.hypothesis
     size = SPREAD.get(term.where, 0.5)
-    unknowns = tuple(Unknown(f"{term.prefix}.value_{i}", 0.0, False, 0.0, size) for i in range(len(term.knots)))
+    unknowns = tuple(
+        Unknown(f"{term.prefix}.value_{i}", 0.0, False, 0.0, size) for i in range(len(term.knots))
+    )
     learned = base.fit.engine.learned
     if term.where.endswith("channel"):
         learned = (*learned, Learned(term.where[:2], term.variable, term.knots))
         h = replace(h, unknowns=(*h.unknowns, *unknowns))
     else:
         curve = tabulated(term.where, term.variable, list(term.knots), [0.0] * len(term.knots))
-        h = replace(h, model=h.model.with_effects([*h.model.effects, curve]), unknowns=(*h.unknowns, *unknowns))
+        h = replace(
+            h, model=h.model.with_effects([*h.model.effects, curve]), unknowns=(*h.unknowns, *unknowns)
+        )
     return search.run(h, cycles=SHORT, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
 
 
@@ -140,7 +144,11 @@ def curve(term: Term, trial: Trial) -> Curve:
     std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0))
     del centre
     half = 1.96 * std * max(trial.chi2, 1.0) ** 0.5
-    words = {"block": "force on the block", "angle_body": "force on the angle body", "contact": "friction factor less 1"}
+    words = {
+        "block": "force on the block",
+        "angle_body": "force on the angle body",
+        "contact": "friction factor less 1",
+    }
     what = words.get(term.where, f"added to the {term.where[:2]} reading")
     return Curve(
         term.where, term.variable, what, x, middle, middle - half, middle + half,

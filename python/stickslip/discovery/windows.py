@@ -68,6 +68,4 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
         state[DWELL], spread[DWELL] = 1.0, 3.0
         free.append(DWELL)
     centre[list(free)] = state[list(free)]
-    return Window(
-        window.run, window.start, window.stop, state, tuple(free), centre, spread, window.contact
-    )
+    return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, window.contact)
