@@ -28,7 +28,9 @@ def test_cycle_numbers_of_a_closed_form(slider):
     np.testing.assert_allclose(seen.period, SLIP + STICK, atol=0.05)
     np.testing.assert_allclose(seen.stick, STICK / (SLIP + STICK), atol=0.02)
     np.testing.assert_allclose(seen.amplitude, 2 * np.hypot(STATIC - KINETIC, V), atol=0.01)
-    np.testing.assert_allclose(seen.speed, V + np.hypot(STATIC - KINETIC, V), atol=0.02)  # the largest, noise too
+    np.testing.assert_allclose(
+        seen.speed, V + np.hypot(STATIC - KINETIC, V), atol=0.02
+    )  # the largest, noise too
 
 
 def test_a_model_compared_with_its_own_motion_differs_by_nothing(slider):

@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from discover_cases import LAW, RIG, make_case
 
+from discover_cases import LAW, RIG, make_case
 from stickslip.discovery.data import prepare
 from stickslip.discovery.engine import Engine, moved
 from stickslip.discovery.intervals import intervals

@@ -138,7 +138,7 @@ def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.R
 
 def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _Put) -> _core.LawKind:
     if isinstance(law, PaperFriction):
-        names = (
+        names: tuple[str, ...] = (
             "T_s_minus",
             "A1",
             "A2",

@@ -242,7 +242,9 @@ def _trajectory(raw: dict[str, object], d: int, names: tuple[str, ...]) -> Traje
     n, k, p = len(array["t"]), len(array["transition_t"]), len(names)
     state = array["state"]
     sensitivity = array["sensitivity"].reshape(n, state.shape[1], p)
-    events = array["transition_sensitivity"].reshape(k, 1 + state.shape[1], p) if p else np.zeros((k, 1 + d, 0))
+    events = (
+        array["transition_sensitivity"].reshape(k, 1 + state.shape[1], p) if p else np.zeros((k, 1 + d, 0))
+    )
     hidden = slice(4, 4 + len(HIDDEN))
     transitions = Transitions(
         t=array["transition_t"],
