@@ -17,6 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import stickslip
+from stickslip import cli_discover
 from stickslip.compare import Comparison, number
 from stickslip.config import write_text
 from stickslip.errors import InputError, StickslipError
@@ -222,6 +223,10 @@ def demo(out: Path) -> None:
     for paragraph in result.after:
         console.print(paragraph + "\n")
     _say_written(written)
+
+
+main.add_command(cli_discover.discover)
+main.add_command(cli_discover.forecast)
 
 
 def estimates_table(found: Identified) -> Table:

@@ -1,0 +1,176 @@
+"""The commands that close the loop: `stickslip discover` and `stickslip forecast`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from stickslip.discovery.result import Found
+from stickslip.errors import InputError
+from stickslip.files import whole
+from stickslip.model import Model, load_model
+from stickslip.recording import load_recording
+from stickslip.records import Case, load_case
+from stickslip.report import words
+from stickslip.report.si import to_si
+from stickslip.tables import column_names
+from stickslip.units import Channel, default_speed_unit, factor, speed
+
+console = Console(highlight=False)
+
+
+@contextmanager
+def telling(title: str) -> Iterator[Callable[[str], None]]:
+    """Say what is being tried: one line that changes on a terminal, a line each where the output is not one."""
+    err = Console(stderr=True, highlight=False)
+    began = time.monotonic()
+    if not err.is_terminal:
+        yield lambda what: err.print(
+            f"[{time.monotonic() - began:5.1f} s] {what}", markup=False, soft_wrap=True
+        )
+        return
+    with err.status(title) as status:
+        yield lambda what: status.update(f"{title}: {what} [dim]({time.monotonic() - began:.0f} s)[/dim]")
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap's random numbers.")
+def discover(case: Path, out: Path, seed: int) -> None:
+    r"""Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
+
+    Writes report.html, report.json, model_before.toml, model_after.toml and the figures. The exit status is 0 with
+    any verdict, "no_effect" included.
+
+    \b
+    Example:
+      stickslip discover CASE/rig.toml --out found
+    """
+    from stickslip.discover import discover as search
+    from stickslip.report.write import fill, folder, written  # matplotlib is slow to import
+
+    loaded = load_case(case)
+    with folder(out) as temporary, telling("discovering") as tell:
+        found = search(loaded, progress=tell, seed=seed)
+        tell("drawing the report")
+        fill(temporary, found, loaded)
+    say(found, loaded, console)
+    console.print("written:")
+    for path in written(out):
+        console.print(f"  {path}", soft_wrap=True, markup=False)
+
+
+def say(found: Found, case: Case, to: Console) -> None:
+    """Print the verdict, how sure it is, the errors, and what to do next."""
+    to.print(f"[bold]{words.headline(found)}[/bold]")
+    for line in (*words.sureness(found), words.clean_sentence(found)):
+        to.print(f"- {line}", markup=False)
+    if found.effects:
+        to.print(effects_table(found, case))
+    to.print(errors_table(found))
+    for line in found.messages:
+        to.print(f"- {line}", markup=False)
+    if found.experiments:
+        best = found.experiments[0]
+        enough = "" if best.sufficient else " (not enough by itself)"
+        at = "" if best.belt_speed is None else f" at belt speed {best.belt_speed:.3g}"
+        to.print(
+            f"Next experiment: {best.what}{at}, to tell {' from '.join(best.between)}{enough}.", markup=False
+        )
+
+
+def effects_table(found: Found, case: Case) -> Table:
+    """The effects found, with their numbers and intervals."""
+    table = Table(title="what the declared model lacks")
+    for name in ("effect", "where", "parameter"):
+        table.add_column(name)
+    for name in ("value", "95 % interval", "in SI"):
+        table.add_column(name, justify="right")
+    for effect in found.effects:
+        first = True
+        for parameter, one in effect.parameters.items() or {"-": None}.items():
+            head = (effect.name, effect.where) if first else ("", "")
+            if one is None:
+                table.add_row(*head, "-", "-", "-", "-")
+                continue
+            si = to_si(f"{effect.name}.{parameter}", one.value, case.rig)
+            span = "-" if one.low is None or one.high is None else f"{one.low:.4g} .. {one.high:.4g}"
+            in_si = "-" if si is None else f"{si[0]:.4g} {si[1]}"
+            table.add_row(*head, parameter, f"{one.value:.5g}", span, in_si)
+            first = False
+    return table
+
+
+def errors_table(found: Found) -> Table:
+    """Error on the validate runs, before and after, with its floor."""
+    table = Table(title=f"error on runs never fitted: {found.error.metric}")
+    table.add_column("run")
+    for name in ("before", "after", "floor"):
+        table.add_column(name, justify="right")
+    for run in found.error.runs:
+        table.add_row(run.run, *(words.short(run.one_cycle[k], 3) for k in ("before", "after", "floor")))
+    e = found.error
+    table.add_row("all", *(words.short(v, 3) for v in (e.before, e.after, e.floor)), style="bold")
+    return table
+
+
+@click.command()
+@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("run", type=click.Path(path_type=Path))
+@click.option("--belt-speed", required=True, help="v_b in the belt channel's unit, or with one: '12 mm/s'.")
+@click.option("--horizon", type=float, required=True, help="How far ahead, in the unit of the run's time.")
+@click.option(
+    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
+)
+def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path) -> None:
+    r"""Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
+
+    Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
+
+    \b
+    Example:
+      stickslip forecast found/model_after.toml CASE/run_07.csv --belt-speed 0.0140 --horizon 20 --out next.csv
+    """
+    from stickslip.forecast import forecast as predict
+
+    loaded = load_model(model)
+    if not np.isfinite(horizon) or horizon <= 0:
+        raise InputError("must be above 0", key="--horizon", value=horizon)
+    v_b = _model_speed(loaded, belt_speed)
+    past = load_recording(
+        run, loaded.rig, channels=_channels(loaded, run), belt_speed=belt_speed, noise=loaded.noise
+    )
+    frame = predict(loaded, past, belt_speed=v_b, horizon=horizon * factor("t", past.unit("t"), past.rig))
+    with whole(out) as temporary:
+        frame.to_csv(temporary, index=False, float_format="%.10g")
+    last = float(frame["t"].iloc[-1])
+    console.print(
+        f"{len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to {last:.6g} {past.unit('t')}", markup=False
+    )
+    console.print("written:")
+    console.print(f"  {out}", soft_wrap=True, markup=False)
+
+
+def _model_speed(model: Model, given: str) -> float:
+    channels = model.channels or {}
+    unit = channels["belt"].unit if "belt" in channels else default_speed_unit(model.rig)
+    try:
+        return speed(given, unit, model.rig)
+    except InputError as error:
+        raise InputError(error.what, key="--belt-speed", value=given) from None
+
+
+def _channels(model: Model, run: Path) -> dict[str, Channel] | None:
+    """The model's channels; a belt that this run did not record is left out."""
+    if model.channels is None:
+        return None
+    there = column_names(run)
+    return {n: c for n, c in model.channels.items() if n != "belt" or c.column in there}

@@ -1,0 +1,123 @@
+"""report.json: what was found, with SI values beside the model's numbers, and where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+
+from stickslip._core import build_config
+from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
+from stickslip.records import Case
+from stickslip.report import words
+from stickslip.report.si import UNITS, VARIABLES, factor, scales_of, to_si
+from stickslip.rig import AnyRig
+
+FORMAT = 1  # raised when a key of report.json changes its meaning
+
+
+def contents(found: Found, case: Case) -> dict[str, Json]:
+    """report.json as plain Python; numbers that are not finite are None.
+
+    Parameters
+    ----------
+    found : Found
+    case : Case
+        What it was found in: gives the SI scales, units and files.
+
+    Returns
+    -------
+    dict
+        `Found.report` with, for a rig declared in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
+        parameter that has a dimension, and with `summary`, `caveats`, `parameters` and `provenance`.
+    """
+    out = dict(found.report)
+    out["format"] = FORMAT
+    out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
+    out["caveats"] = list(words.caveats(found))
+    out["effects"] = [_effect(one, case.rig) for one in found.effects]
+    out["parameters"] = [*parameter_table(found, case)]
+    out["provenance"] = provenance(case, found.seconds)
+    first = ("format", "title", "verdict", "summary", "effects", "error")
+    return {key: out[key] for key in (*first, *(key for key in out if key not in first))}
+
+
+def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
+    out = plain(one)
+    assert isinstance(out, dict)
+    out["parameters"] = _parameters(one.name, one.parameters, rig)
+    out["alternatives"] = [
+        {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
+    ]
+    out["words"] = words.plain(one.name)
+    scales = scales_of(rig)
+    if one.curve is not None and scales is not None and one.curve.variable in VARIABLES:
+        dimension = VARIABLES[one.curve.variable]
+        si: dict[str, Json] = {
+            "x_si": plain(one.curve.x * factor(dimension, scales)),
+            "x_unit": UNITS[dimension],
+        }
+        out["curve"] = {**_table(out["curve"]), **si}
+    return out
+
+
+def _table(value: Json) -> dict[str, Json]:
+    assert isinstance(value, dict)
+    return value
+
+
+def _parameters(effect: str, values: Mapping[str, Interval], rig: AnyRig) -> dict[str, Json]:
+    return {name: {**_table(plain(one)), **_si(f"{effect}.{name}", one, rig)} for name, one in values.items()}
+
+
+def _si(name: str, one: Interval, rig: AnyRig) -> dict[str, Json]:
+    at = to_si(name, one.value, rig)
+    if at is None:
+        return {}
+    out: dict[str, Json] = {"value_si": at[0], "unit": at[1]}
+    for key, limit in (("low_si", one.low), ("high_si", one.high)):
+        converted = None if limit is None else to_si(name, limit, rig)
+        out[key] = None if converted is None else converted[0]
+    return out
+
+
+def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
+    """Every estimated number: name, before, after with its interval, SI beside, and whether it is identified."""
+    rows: list[dict[str, Json]] = []
+    for name, one in found.law.items():
+        before = found.law_before.get(name)
+        rows.append({"name": name, "kind": "law", "before": plain(before), **_row(name, one, case.rig)})
+    for effect in found.effects:
+        for name, one in effect.parameters.items():
+            full = f"{effect.name}.{name}"
+            rows.append({"name": full, "kind": "effect", "before": None, **_row(full, one, case.rig)})
+    return rows
+
+
+def _row(name: str, one: Interval, rig: AnyRig) -> dict[str, Json]:
+    status = "identified" if one.low is not None and one.high is not None else "not identified"
+    return {**_table(plain(one)), **_si(name, one, rig), "status": status}
+
+
+def provenance(case: Case, seconds: float) -> dict[str, Json]:
+    """What made the report, and of what: version, build, and the SHA-256 of every file read."""
+    files = [case.path, *dict.fromkeys(run.source for run in case.runs)]
+    return {
+        "program": "stickslip",
+        "version": version("stickslip"),
+        "build": plain(build_config()),
+        "case": case.title,
+        "files": [{"file": one.name, "sha256": sha256(one)} for one in files],
+        "findings": list(case.findings),
+        "seconds": round(seconds, 3),
+    }
+
+
+def sha256(path: Path) -> str | None:
+    """The file's SHA-256; None if it has gone since."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None

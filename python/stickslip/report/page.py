@@ -1,0 +1,112 @@
+"""report.html: one file with its figures inside, for a person."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from pathlib import Path
+
+from jinja2 import BaseLoader, Environment, StrictUndefined
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from stickslip.discovery.result import Found, Interval, Json, Verdict
+from stickslip.plot import save_figure
+from stickslip.records import Case
+from stickslip.report import figures, figures_residual, words
+from stickslip.report.units import Axes, axes_of
+
+Drawer = Callable[[Found, Axes], Figure]
+FIGURES: Mapping[str, Drawer] = {
+    "errors": figures.errors,
+    "portrait": figures.portrait,
+    "friction": figures.friction,
+    "residual_in_time": figures_residual.in_time,
+    "residual_spectrum": figures_residual.spectrum,
+    "residual_against_variable": figures_residual.against_variable,
+    "residual_parts": figures.parts,
+    "ranking": figures.ranking,
+    "learned_curve": figures_residual.curve,
+}
+
+
+def draw(found: Found, case: Case, folder: Path) -> dict[str, Path]:
+    """Draw every figure the result has something for, as SVG and PNG; return the SVG of each."""
+    axes = axes_of(case)
+    out = {}
+    for name, drawer in FIGURES.items():
+        if _wanted(name, found):
+            out[name], _ = save_figure(drawer(found, axes), folder / name)
+    return out
+
+
+def _wanted(name: str, found: Found) -> bool:
+    if name == "learned_curve":
+        return any(effect.curve is not None for effect in found.effects)
+    if name == "residual_parts":
+        return bool(found.residual_before.parts)
+    if name == "ranking":
+        return len(found.ranking) > 1
+    if name == "residual_spectrum":
+        return len(found.spectrum.get("frequency", ())) > 2
+    return bool(found.runs)
+
+
+def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping[str, Path]) -> str:
+    """The page as one self-contained HTML text: no other file and no network is needed to read it."""
+    environment = Environment(
+        loader=BaseLoader(), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        "num": number,
+        "span": span,
+        "percent": percent,
+        "tied": words.ties,
+        "sentence": words.sentence,
+    }
+    text = (files("stickslip.report") / "report.html.j2").read_text(encoding="utf-8")
+    return environment.from_string(text).render(
+        found=found,
+        case=case,
+        report=report,
+        axes=axes_of(case),
+        Verdict=Verdict,
+        headline=words.headline(found),
+        sureness=words.sureness(found),
+        alarms=words.alarms(found),
+        clean=words.clean_sentence(found),
+        caveats=words.caveats(found),
+        plain=words.plain,
+        place=words.PLACE,
+        figures={name: inline(path, name) for name, path in drawings.items()},
+    )
+
+
+def inline(path: Path, prefix: str) -> Markup:
+    """An SVG for a place in a page: its header dropped, its names made its own, scaled to the page's width."""
+    text = path.read_text(encoding="utf-8")
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'\bid="', f'id="{prefix}-', text)
+    text = text.replace("url(#", f"url(#{prefix}-").replace('href="#', f'href="#{prefix}-')
+    text = re.sub(r'<svg ([^>]*?)\bwidth="([\d.]+)pt"', r'<svg \1style="max-width:\2pt"', text, count=1)
+    text = re.sub(r'(<svg [^>]*?)\bheight="[\d.]+pt"', r'\1role="img"', text, count=1)
+    return Markup(text)  # drawn by us from numbers; names in it are escaped by matplotlib
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number for a table, with a power of ten where it is far from 1; a dash where there is none."""
+    return words.short(value, digits)
+
+
+def span(one: Interval | None) -> str:
+    """A 95 % interval for a table."""
+    if one is None or (one.low is None and one.high is None):
+        return "–"
+    return f"{number(one.low)} … {number(one.high)}"
+
+
+def percent(value: float | None) -> str:
+    """A share as percent, two digits."""
+    return "–" if value is None or value != value else f"{100 * value:.2g} %"  # NaN

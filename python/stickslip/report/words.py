@@ -1,0 +1,178 @@
+"""Plain words for a verdict: what each effect is, where it sits, how sure one can be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from stickslip.discovery.result import Alternative, Found, FoundEffect, Verdict
+
+PLAIN: Mapping[str, str] = {
+    "block_viscous_damping": "viscous damping of the block",
+    "block_quadratic_damping": "damping of the block that grows with the square of its velocity",
+    "spring_cubic_k1": "a spring k1 that stiffens (or softens) with the cube of its deflection",
+    "spring_cubic_k2": "a spring k2 that stiffens (or softens) with the cube of its deflection",
+    "spring_cubic_k3": "a spring k3 that stiffens (or softens) with the cube of its deflection",
+    "spring_gap_k3": "a stop that the angle body meets beyond a gap",
+    "constant_load": "a constant load on the block",
+    "harmonic_forcing": "a harmonic force on the block, an outside vibration",
+    "pivot_dry_friction": "dry friction in the pivot of the angle body",
+    "normal_force_feedback": "friction that grows and falls with the normal force from the angle body",
+    "stribeck_peak": "a peak of friction at low sliding speed",
+    "static_aging": "static friction that grows with the time at rest",
+    "friction_memory": "friction that lags behind the sliding speed",
+    "friction_drift": "friction that drifts within each run",
+    "belt_seam": "a seam of the belt that comes round: friction varies along the belt",
+    "contact_compliance": "a contact that yields before it slips: no rigid stick",
+    "belt_speed_ripple": "a ripple of the belt speed",
+    "belt_load_droop": "a belt that slows down under load",
+    "sensor_lag": "a lag of the x1 sensor",
+    "sensor_delay": "a delay of the y1 reading against x1",
+    "sensor_crosstalk": "crosstalk: the x1 sensor also reads y1",
+    "sensor_nonlinearity": "a nonlinear x1 sensor",
+    "sensor_drift": "a drift of the x1 sensor within each run",
+    "unlisted": "something that has no name in the catalogue",
+}
+PLACE: Mapping[str, str] = {
+    "block": "on the block",
+    "angle_body": "on the angle body",
+    "both": "between block and angle body",
+    "contact": "in the contact",
+    "belt": "in the belt drive",
+    "x1 channel": "in the x1 channel",
+    "y1 channel": "in the y1 channel",
+}
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plain(name: str) -> str:
+    """An effect in plain words; a name that has none is given back."""
+    return PLAIN.get(name, name.replace("_", " "))
+
+
+def joined(words: Sequence[str]) -> str:
+    """Words as prose: a, b and c."""
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
+
+
+def sentence(text: str) -> str:
+    """A remark as a sentence: capital, full stop, ±."""
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}.".replace("+-", "±")
+
+
+def ties(effect: FoundEffect) -> list[Alternative]:
+    """The rivals that the readings cannot tell from the effect."""
+    return [one for one in effect.alternatives if one.tied]
+
+
+def headline(found: Found) -> str:
+    """The verdict as one sentence; a tie is part of it."""
+    if found.verdict is Verdict.no_effect:
+        return "Nothing is missing: the declared model explains the readings down to their noise."
+    if found.verdict is Verdict.unlisted_effect:
+        effect = next((e for e in found.effects if e.name == "unlisted"), found.effects[0])
+        on = joined([v for v in effect.depends_on if v != "memory"])
+        variables = f", as a function of {on}" if on else ""
+        memory = " with a memory" if "memory" in effect.depends_on else ""
+        others = [plain(e.name) for e in found.effects if e is not effect]
+        beside = f", beside {joined(others)}" if others else ""
+        place = PLACE.get(effect.where, effect.where)
+        return f"Something that is not in the catalogue acts {place}{variables}{memory}{beside}."
+    lacking = joined(
+        [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
+    )
+    settled = "" if not any(ties(e) for e in found.effects) else ": these runs cannot tell which"
+    return f"The declared model lacks {lacking}{settled}."
+
+
+def sureness(found: Found) -> list[str]:
+    """How sure: of there being something, then of each name."""
+    g = found.gate
+    alarm = f"noise alone reaches {short(g.threshold, 3)} in {alarms(found)}"
+    if found.verdict is Verdict.no_effect:
+        return [
+            f"The largest gain of any candidate is {short(g.observed, 3)}; {alarm}.",
+            "An effect too small to show above the noise of these runs is not excluded.",
+        ]
+    lines = [f"Something is missing, that is sure: its gain is {short(g.observed, 3)}; {alarm}."]
+    return lines + [_of_the_name(effect) for effect in found.effects]
+
+
+def alarms(found: Found) -> str:
+    """How often noise alone passes the gate's threshold."""
+    g, count = found.gate, len(found.gate.draws)
+    if g.probability <= 0 and count:
+        return f"none of {count} simulated records like these"
+    return f"{100 * g.probability:.2g} % of simulated records like these"
+
+
+def _of_the_name(effect: FoundEffect) -> str:
+    equal = ties(effect)
+    who = "Its place and variable" if effect.name == "unlisted" else f"The name {effect.name}"
+    if equal:
+        odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
+        exact = " The tie is exact: no run of this kind can break it." if any(a.exact for a in equal) else ""
+        return f"{who} is NOT settled: these runs cannot tell it from {odds}.{exact}"
+    if effect.alternatives:
+        nearest = max(effect.alternatives, key=lambda one: one.odds)
+        return f"{who} is settled: the odds of the nearest rival, {nearest.name}, are {_odds(nearest.odds)}."
+    return f"{who} is settled: no rival comes near."
+
+
+def _odds(odds: float) -> str:
+    if odds >= 0.01:
+        return f"odds {odds:.2g} to 1"
+    return f"1 to {short(1 / odds, 2)}" if odds > 1e-12 else "under 1 to 10¹²"
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """A number for a person: plain up to a million, then with a power of ten; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    size = abs(value)
+    if size == 0 or 1e-3 <= size < 10**digits:
+        text = f"{value:.{digits}g}"
+    elif size < 1e6 and size >= 1:
+        text = f"{value:.0f}"
+    else:
+        mantissa, _, power = f"{value:.{max(digits - 1, 0)}e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPT)}"
+    return text.replace("-", "−")
+
+
+def clean_sentence(found: Found) -> str:
+    """Whether anything is left after the cure."""
+    after = found.residual_after
+    if after.clean:
+        return f"What is left is noise: chi-squared per reading is {after.chi2:.4g} ± {after.error:.1g}."
+    return (
+        f"Not all is explained: chi-squared per reading is still {after.chi2:.4g} ± {after.error:.1g} "
+        "where noise alone leaves 1."
+    )
+
+
+def caveats(found: Found) -> list[str]:
+    """What this verdict does not say."""
+    out = [sentence(one) for one in found.messages]
+    loose = [name for name, one in found.law.items() if one.low is None or one.high is None]
+    if loose:
+        out.append(f"Not identified by these runs, kept near the declared values: {', '.join(loose)}.")
+    for effect in found.effects:
+        open_ended = [n for n, one in effect.parameters.items() if one.low is None or one.high is None]
+        if open_ended:
+            out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
+        if effect.curve is not None:
+            low, high = float(effect.curve.x.min()), float(effect.curve.x.max())
+            out.append(
+                f"The learned curve holds for {effect.curve.variable} from {low:.3g} to {high:.3g} (model units); "
+                "beyond, it is held constant and nothing is known."
+            )
+    speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
+    if speeds:
+        out.append(
+            f"Trained at |belt speed| from {min(speeds):.3g} to {max(speeds):.3g} (model units); "
+            "forecasts at other speeds extrapolate."
+        )
+    return list(dict.fromkeys(out))

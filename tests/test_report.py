@@ -1,0 +1,286 @@
+"""The report: its JSON against the schema, its page, its files; on a result put together by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+from importlib.resources import files
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+import found_by_hand
+import stickslip as ss
+from stickslip.discovery.result import Found
+from stickslip.effects import CATALOGUE
+from stickslip.report import motion, words
+from stickslip.report.contents import contents
+from stickslip.report.page import page
+from stickslip.report.si import EFFECTS, to_si
+from stickslip.report.write import fill, folder, write_report
+
+VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
+SCHEMA = json.loads((files("stickslip.report") / "report.schema.json").read_text(encoding="utf-8"))
+
+OMEGA = ((6243.0 + 362.1) / 42.3) ** 0.5
+
+
+def made(tmp_path: Path, *, si: bool = True, verdict: str = "effect_found") -> tuple[Found, ss.Case]:
+    case = ss.load_case(found_by_hand.write_case(tmp_path, si=si))
+    return found_by_hand.found(case, verdict=verdict), case
+
+
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Found, Path]]:
+    """A report of every verdict, written once: the result and the folder."""
+    out = {}
+    for verdict in VERDICTS:
+        place = tmp_path_factory.mktemp(verdict)
+        found, case = made(place, verdict=verdict)
+        write_report(found, case, place / "out")
+        out[verdict] = (found, place / "out")
+    return out
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+@pytest.mark.parametrize("si", [True, False])
+def test_json_follows_the_schema(tmp_path: Path, verdict: str, si: bool) -> None:
+    found, case = made(tmp_path, si=si, verdict=verdict)
+    text = json.dumps(contents(found, case), allow_nan=False)  # raises on NaN and infinity
+    report = json.loads(text)
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.validate(report, SCHEMA)
+    assert list(report)[:3] == ["format", "title", "verdict"]
+    assert report["error"]["runs"][0]["period"]["after"] is None  # it was NaN
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda r: r.update(verdict="maybe"), "maybe"),
+        (lambda r: r["error"].pop("floor"), "floor"),
+        (lambda r: r["effects"][0]["parameters"]["tau"].pop("high"), "high"),
+        (lambda r: r.update(effects=[]), "non-empty|too short"),
+    ],
+)
+def test_the_schema_refuses_a_spoilt_report(tmp_path: Path, spoil: object, why: str) -> None:
+    report = json.loads(json.dumps(contents(*made(tmp_path))))
+    spoil(report)  # type: ignore[operator]
+    with pytest.raises(jsonschema.ValidationError, match=why):
+        jsonschema.validate(report, SCHEMA)
+
+
+def test_si_values_are_the_scaled_ones(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    tau = contents(found, case)["effects"][0]["parameters"]["tau"]  # type: ignore[index, call-overload]
+    assert tau["unit"] == "s"
+    assert tau["value_si"] == pytest.approx(0.12 / OMEGA)
+    assert tau["low_si"] == pytest.approx(0.117 / OMEGA)
+
+
+def test_every_parameter_of_the_catalogue_has_its_dimension() -> None:
+    names = {f"{k.name}.{p.name}" for k in CATALOGUE.values() for p in k.parameters if p.name != "phi"}
+    assert names == set(EFFECTS)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected", "unit"),
+    [
+        ("block_viscous_damping.c", 0.5, 0.5 * 362.1 / OMEGA, "N s/m"),
+        ("spring_cubic_k1.k", 2.0, 2.0 * 362.1 / 0.0089**2, "N/m^3"),
+        ("contact_compliance.k", 400.0, 400.0 * 362.1, "N/m"),
+        ("T_s_minus", 5.94, 5.94 * 362.1 * 0.0089, "N"),
+        ("belt_speed_ripple.w", 2.0, 2.0 * OMEGA, "1/s"),
+        ("sensor_nonlinearity.q", 0.1, 0.1 / 0.0089, "1/m"),
+        ("belt_load_droop.k", 0.002, 0.002 * OMEGA / 362.1, "m/(N s)"),
+    ],
+)
+def test_si_by_the_rigs_own_numbers(name: str, value: float, expected: float, unit: str) -> None:
+    got = to_si(name, value, found_by_hand.rig(si=True))
+    assert got == (pytest.approx(expected, rel=2e-4), unit)
+    assert to_si(name, value, found_by_hand.rig(si=False)) is None
+
+
+def test_models_are_complete_and_read_back(reports: dict[str, tuple[Found, Path]]) -> None:
+    found, out = reports["effect_found"]
+    assert ss.load_model(out / "model_before.toml") == found.before
+    assert ss.load_model(out / "model_after.toml") == found.after
+
+
+class _Page(HTMLParser):
+    """Collects what a page loads from elsewhere, its names, and whether its tags close."""
+
+    VOID = frozenset({"meta", "link", "br", "img", "hr"})
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.loads: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.ids += [given["id"]] if given.get("id") else []  # type: ignore[list-item]
+        target = given.get("src") or given.get("href") or given.get("xlink:href") or "#"
+        if not target.startswith("#") and not target.startswith("data:"):
+            self.loads.append(target)
+        if tag in ("script", "link", "iframe"):
+            self.loads.append(tag)
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in self.VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_page_stands_alone_and_says_the_verdict(reports: dict[str, tuple[Found, Path]], verdict: str) -> None:
+    found, out = reports[verdict]
+    text = (out / "report.html").read_text(encoding="utf-8")
+    parsed = _Page()
+    parsed.feed(text)
+    assert parsed.open == []
+    assert parsed.loads == []
+    assert len(parsed.ids) == len(set(parsed.ids))
+    for name in re.findall(r"url\(#([^)]+)\)", text):
+        assert name in parsed.ids
+    assert words.headline(found) in text
+    assert "nan" not in re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL).lower().split()
+    assert text.count("<svg") == len(list((out / "figures").glob("*.svg")))
+    assert len(list((out / "figures").glob("*.png"))) == len(list((out / "figures").glob("*.svg")))
+
+
+def test_page_shows_the_tie_the_experiment_and_what_is_not_identified(
+    reports: dict[str, tuple[Found, Path]],
+) -> None:
+    text = (reports["effect_found"][1] / "report.html").read_text(encoding="utf-8")
+    assert "these runs cannot tell which" in text
+    assert "exact, by algebra" in text
+    assert "a common trigger for both sensors" in text
+    assert "Not identified by these runs, kept near the declared values: T_min_plus." in text
+
+
+def test_a_title_cannot_break_the_page(tmp_path: Path) -> None:
+    path = found_by_hand.write_case(tmp_path)
+    path.write_text(path.read_text().replace("made by hand", "<script>alert(1)</script>"), encoding="utf-8")
+    case = ss.load_case(path)
+    found = found_by_hand.found(case)
+    text = page(found, case, contents(found, case), {})
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+
+
+def test_headlines() -> None:
+    assert set(words.PLAIN) == {*CATALOGUE, "unlisted"}
+
+
+def test_nothing_half_written_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, case = made(tmp_path)
+
+    def fail(*_: object) -> str:
+        raise RuntimeError("no page today")
+
+    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    monkeypatch.setattr("stickslip.report.write.page", fail)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(RuntimeError, match="no page today"):
+        write_report(found, case, tmp_path / "out")
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, case = made(tmp_path)
+    out = tmp_path / "out"
+    (out / "figures").mkdir(parents=True)
+    (out / "mine.txt").write_text("kept", encoding="utf-8")
+    (out / "report.json").write_text("old", encoding="utf-8")
+    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    write_report(found, case, out)
+    assert (out / "mine.txt").read_text(encoding="utf-8") == "kept"
+    assert json.loads((out / "report.json").read_text(encoding="utf-8"))["verdict"] == "effect_found"
+    assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("", encoding="utf-8")
+    with pytest.raises(ss.InputError, match="is a file; give a folder"), folder(tmp_path / "out"):
+        pytest.fail("the work began")
+
+
+def test_same_result_same_files(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        fill(tmp_path / name, found, case)
+    for name in ("report.html", "report.json", "figures/portrait.svg"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        ss.effect("sensor_lag", tau=0.12),
+        ss.effect("sensor_crosstalk", c=0.2),
+        ss.effect("sensor_nonlinearity", q=0.3),
+        ss.effect("sensor_drift", r=0.01),
+    ],
+    ids=lambda e: e.name,
+)
+def test_velocity_of_a_reading_is_its_derivative(effect: ss.Effect) -> None:
+    model = ss.Model(found_by_hand.rig(si=False), friction=ss.PaperFriction(), effects=[effect])
+    t = np.linspace(0.0, 8.0, 4001)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=8.0, t_eval=t)
+    x1, y1, p = run.state[:, 0], run.state[:, 2], effect.parameters
+    # the readings by the catalogue's formulas, written out again
+    reading = {
+        "sensor_lag": run.hidden.get("m", x1),
+        "sensor_crosstalk": x1 + p.get("c", 0) * y1,
+        "sensor_nonlinearity": x1 + p.get("q", 0) * x1**2,
+        "sensor_drift": x1 + p.get("r", 0) * t,
+    }[effect.name]
+    state = run.state.copy()
+    if effect.name != "sensor_lag":  # simulate returns readings for these: undo them
+        bare = ss.simulate(
+            model.with_effects([]), belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=8.0, t_eval=t
+        )
+        state, x1, y1 = bare.state, bare.state[:, 0], bare.state[:, 2]
+        reading = x1 + p.get("c", 0) * y1 + p.get("q", 0) * x1**2 + (p.get("r", 0) * t if "r" in p else 0.0)
+    rate = motion.reading_velocity(model, state, reading)
+    differences = np.gradient(reading, t)
+    assert np.median(np.abs(rate - differences)[2:-2]) < 2e-5
+
+
+def test_force_from_readings_is_the_law(tmp_path: Path) -> None:
+    found, _ = made(tmp_path, si=False)
+    model = found.before
+    t = np.arange(0.0, 60.0, 0.04)
+    truth = ss.simulate(model, belt_speed=-0.1, initial=(0.1, 0.1, 0, 0), t_end=60.0, t_eval=t)
+    generator = np.random.default_rng(3)
+    noisy = truth.state[:, [0, 2]] + 1e-3 * generator.standard_normal((len(t), 2))
+    view = dataclasses.replace(
+        found.runs[1], t=t, belt_speed=-0.1, measured={"x1": noisy[:, 0], "y1": noisy[:, 1]}
+    )
+    got = motion.measured(model, view)
+    assert got is not None
+    slip = got.sure & (np.abs(got.v_w) > 0.05)
+    off = np.abs(got.force[slip] - model.friction.force(got.v_w[slip]))
+    assert np.median(off) < 0.04 * model.friction.T_s_minus
+    assert np.median(np.abs(got.x2 - truth.state[:, 1])) < 0.01
+
+
+def test_forecasts_are_not_joined_by_lines() -> None:
+    t = np.arange(200) * 0.05
+    state = np.column_stack([np.sin(t), np.cos(t), 0 * t, 0 * t])
+    state[100:, 0] += 0.3
+    (x,) = motion.broken(t, state, state[:, 0])
+    assert len(x) == 201
+    assert np.isnan(x[100])
