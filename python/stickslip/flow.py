@@ -33,7 +33,7 @@ class Arc:
     ----------
     start, end : (d,) states, hidden ones included; the start as the core took it (set on the belt in stick).
     monodromy : (d, d) d end / d start.
-    by_parameter : (d,) d end / d parameter; zeros without one.
+    by_parameter, start_by_parameter : (d,) d end / d parameter, d start / d parameter; zeros without one.
     rate : (d,) d end / d span.
     run : the trajectory from start to end.
     """
@@ -42,6 +42,7 @@ class Arc:
     end: Floats
     monodromy: Floats
     by_parameter: Floats
+    start_by_parameter: Floats
     rate: Floats
     run: Trajectory
     span: float
@@ -170,12 +171,12 @@ class Flow:
             if beyond.size == 0:
                 break
             look = 0.9 * float(beyond.min() - span)
-        states, jacobian, d = self.full(run), self.jacobian(run)[1], len(self.states)
+        states, jacobian, d = self.full(run), self.jacobian(run)[:2], len(self.states)
         fit = np.polynomial.chebyshev.chebfit(2 * NODES - 1, states[1:], 7)
         slope = np.polynomial.chebyshev.chebder(fit)
         rate = np.asarray(np.polynomial.chebyshev.chebval(-1.0, slope) * 2 / look, dtype=np.float64)
-        by_parameter = jacobian[:, d] if parameter is not None else np.zeros(d)
-        return Arc(states[0], states[1], jacobian[:, :d], by_parameter, rate, run, span)
+        from_start, at_end = jacobian[..., d] if parameter is not None else np.zeros((2, d))
+        return Arc(states[0], states[1], jacobian[1, :, :d], at_end, from_start, rate, run, span)
 
 
 def forcing_period(model: Model, belt_speed: float) -> float | None:

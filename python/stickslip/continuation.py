@@ -1,0 +1,397 @@
+"""Branches of limit cycles in a parameter, by pseudo-arclength, with the bifurcations on the way.
+
+A point X = (z, T, p) holds the state on the section, the period and the parameter. Equations are those of
+`cycles`; their derivatives by z, T and p are exact. A step goes along the tangent and is corrected by Newton's
+method at right angles to it (Keller 1977), in units of the cycle's size, its period and the span asked for.
+
+Folds, flips and Neimark-Sacker points are zeros of smooth functions. Sliding bifurcations change the sequence of
+contact modes: a stick phase shrinks to nothing, v_w = 0 is crossed where it was stuck to, or is touched in slip.
+They are located where the sequence changes. There the branch may have a corner, and even turn round in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from stickslip.branch import Branch, Kind, SpecialPoint, branch_of
+from stickslip.cycles import LimitCycle, cycle_of, limit_cycle
+from stickslip.errors import InputError, StickslipError, number, unknown
+from stickslip.flow import Arc, Contact, Floats, Flow
+from stickslip.model import Model
+from stickslip.sliding import NoLimitCycleError, equilibrium
+
+CORRECTIONS = 10
+SMALLEST = 1e-9  # step at which a branch counts as ended or cornered
+SMOOTH: tuple[Kind, ...] = ("fold", "flip", "neimark_sacker")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A cycle on the branch, or a trial on the way to one; `x` is in scaled units."""
+
+    x: Floats
+    residual: Floats
+    jacobian: Floats
+    arc: Arc
+    flow: Flow
+    value: float
+
+    @property
+    def signature(self) -> tuple[tuple[int, int], ...]:
+        """Contact modes before and after each transition."""
+        return self.arc.signature
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The equations of a branch."""
+
+    flow: Flow
+    parameter: str
+    turns: int
+    contact: Contact
+    scale: Floats
+    tol: float
+
+    @cached_property
+    def dimension(self) -> int:
+        """Number of states."""
+        return len(self.flow.states)
+
+    def at(self, x: Floats) -> Point:
+        """Equations and derivatives at X / scale."""
+        d, full = self.dimension, x * self.scale
+        z, span, value = full[:d], float(full[d]), float(full[d + 1])
+        flow = self.flow.moved(self.parameter, value)
+        if span <= 0:
+            raise StickslipError("the period is no longer positive")
+        arc = flow.arc(z, span, parameter=self.parameter, contact=self.contact)
+        residual, jacobian = np.empty(d + 1), np.zeros((d + 1, d + 2))
+        residual[:d] = arc.end - z
+        jacobian[:d, :d] = arc.monodromy - np.eye(d)
+        jacobian[:d, d], jacobian[:d, d + 1] = arc.rate, arc.by_parameter
+        if self.contact == "stick":  # the start is set on the belt, whatever z says
+            residual[1] = arc.start[1] - z[1]
+            jacobian[1] = 0.0
+            jacobian[1, 1], jacobian[1, d + 1] = -1.0, arc.start_by_parameter[1]
+        self._last_row(flow, value, span, z, residual, jacobian)
+        return Point(x, residual, jacobian * self.scale, arc, flow, value)
+
+    def _last_row(
+        self, flow: Flow, value: float, span: float, z: Floats, residual: Floats, jacobian: Floats
+    ) -> None:
+        """On the section, or a whole number of periods of what moves the rig."""
+        d, forcing = self.dimension, flow.forcing_period
+        if forcing is None:
+            residual[d], jacobian[d, 1] = z[1], 1.0
+            return
+        h = 1e-6 * max(abs(value), 1e-3)
+        beside = [self.flow.moved(self.parameter, value + s * h).forcing_period or forcing for s in (1, -1)]
+        residual[d], jacobian[d, d] = span - self.turns * forcing, 1.0
+        jacobian[d, d + 1] = -self.turns * (beside[0] - beside[1]) / (2 * h)
+
+    def correct(self, x: Floats, across: Floats) -> tuple[Point, int] | None:
+        """Newton's method in the plane through `x` normal to `across`; None if it does not converge."""
+        try:
+            point = self.at(x)
+            for k in range(CORRECTIONS):
+                system = np.vstack([point.jacobian, across])
+                right = np.append(-point.residual, across @ (x - point.x))
+                change = np.linalg.solve(system, right)
+                if np.abs(change).max() > 0.5:
+                    return None
+                point = self.at(point.x + change)
+                if np.abs(point.residual).max() <= self.tol and np.abs(change).max() <= 1e-7:
+                    return point, k + 1
+        except (StickslipError, np.linalg.LinAlgError):
+            return None
+        return None
+
+    def tangent(self, point: Point, along: Floats) -> Floats:
+        """Unit tangent of the branch, pointing to the side of `along`."""
+        t = np.asarray(np.linalg.svd(point.jacobian)[2][-1])
+        return t if t @ along >= 0 else -t
+
+    def cycle(self, point: Point) -> LimitCycle:
+        """Return the limit cycle at a corrected point."""
+        return cycle_of(point.flow, point.arc, 0, self.turns, self.contact)
+
+
+def continuation(
+    model: Model,
+    belt_speed: float | None = None,
+    *,
+    parameter: str = "belt_speed",
+    span: tuple[float, float],
+    guess: ArrayLike | LimitCycle | None = None,
+    step: float = 0.02,
+    max_points: int = 500,
+    tol: float = 1e-10,
+) -> Branch:
+    """Trace a branch of limit cycles in a parameter, both ways from where it starts.
+
+    Parameters
+    ----------
+    model, belt_speed
+        The rig on its belt. The branch starts at its numbers; `belt_speed` may be left out where it is the
+        parameter, and the branch then starts in the middle of the span.
+    parameter
+        "belt_speed" or a name in `model.parameters`.
+    span
+        Least and greatest value.
+    guess
+        A cycle to start from, or a state to settle from; at rest at the origin if absent.
+    step
+        First and greatest step: 1 is the whole span, or a change of the cycle by its own size.
+    max_points
+        In each direction.
+    tol
+        Residual of the equations at each point, and relative distance in which special points are bracketed.
+
+    Returns
+    -------
+    Branch
+
+    Raises
+    ------
+    InputError
+        A bad span, a start outside it, an unknown parameter.
+    NoLimitCycleError
+        There is no cycle to start from.
+    """
+    low, high = number("span[0]", span[0]), number("span[1]", span[1])
+    if not low < high:
+        raise InputError("must increase", key="span", value=span)
+    number("step", step, above=0, most=0.5)
+    name, speed, value = _start(model, belt_speed, parameter, (low, high))
+    first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
+    flow = Flow(model, speed)
+    problem = Problem(flow, name, first.turns, first.contact, _scale(first, high - low), tol)
+    x = np.concatenate([first.state, [first.period, value]]) / problem.scale
+    e = np.zeros(len(x))
+    e[-1] = 1.0
+    found = problem.correct(x, e)
+    if found is None:
+        raise NoLimitCycleError("the cycle to start from cannot be corrected; give a nearer guess")
+    back, ahead = (Walk(problem, (low, high), step, max_points).go(found[0], way * e) for way in (-1.0, 1.0))
+    return branch_of(name, problem.cycle, back, ahead)
+
+
+def _start(
+    model: Model, belt_speed: float | None, parameter: str, span: tuple[float, float]
+) -> tuple[str, float, float]:
+    """Full name of the parameter, belt speed and value to start at."""
+    if parameter == "belt_speed":
+        value = 0.5 * (span[0] + span[1]) if belt_speed is None else number("belt_speed", belt_speed)
+        name, speed = parameter, value
+    else:
+        if parameter.startswith("initial."):
+            raise unknown("parameter of a branch", parameter, ["belt_speed", *model.parameters])
+        name = model.parameter_name(parameter)
+        if belt_speed is None:
+            raise InputError("missing; give the speed of the belt", key="belt_speed")
+        speed, value = number("belt_speed", belt_speed), model.parameters[name]
+    if not span[0] <= value <= span[1]:
+        raise InputError(f"the branch starts at {value:g}, outside {span[0]:g} to {span[1]:g}", key=name)
+    return name, speed, value
+
+
+def _scale(cycle: LimitCycle, width: float) -> Floats:
+    states = cycle.trajectory(65).state
+    size = float(np.ptp(states, axis=0).max())
+    return np.concatenate([np.full(len(cycle.state), size), [cycle.period, width]])
+
+
+@dataclass
+class Walk:
+    """Steps along the branch in one direction."""
+
+    problem: Problem
+    span: tuple[float, float]
+    step: float
+    most: int
+
+    def go(self, start: Point, along: Floats) -> tuple[list[Point], list[SpecialPoint]]:
+        """Points and special points from `start` in the direction of `along`, to an end of the span."""
+        points, special = [start], list[SpecialPoint]()
+        tangent, step = self.problem.tangent(start, along), self.step
+        while len(points) < self.most:
+            last = points[-1]
+            ahead = self.problem.correct(last.x + step * tangent, tangent)
+            if ahead is None or np.linalg.norm(ahead[0].x - last.x) > 2.5 * step:
+                step *= 0.5
+                if step > SMALLEST:
+                    continue
+                turned = self._turn(last)
+                if turned is None:
+                    break
+                point, tangent, step = turned[0], turned[1], 0.05 * self.step
+                special.append(self._corner(last, point, len(points)))
+                points.append(point)
+                continue
+            point, work = ahead
+            if self._outside(point):
+                points += self._at_the_end(last, point)
+                break
+            if self.problem.flow.forcing_period is None and point.arc.rate[1] > 0:  # amplitude below 0
+                special += self._birth(last, len(points))
+                break
+            following = self.problem.tangent(point, point.x - last.x)
+            special += self._between(last, point, tangent, following, len(points))
+            if step > 1e-3 * self.step or len(points) < 2:
+                points.append(point)
+            else:  # closing in on a corner: one point is enough
+                points[-1] = point
+            tangent = following
+            step = min(self.step, step * (1.4 if work <= 3 else 0.7 if work > 5 else 1.0))
+        return points, special
+
+    def _outside(self, point: Point) -> bool:
+        return not self.span[0] <= point.value <= self.span[1]
+
+    def _at_the_end(self, last: Point, point: Point) -> list[Point]:
+        """Return the point at the end of the span itself."""
+        bound = self.span[0] if point.value < self.span[0] else self.span[1]
+        e = np.zeros(len(point.x))
+        e[-1] = 1.0
+        share = (bound - last.value) / (point.value - last.value)
+        found = self.problem.correct(last.x + share * (point.x - last.x), e)
+        return [] if found is None or share < 1e-9 else [found[0]]
+
+    def _between(self, a: Point, b: Point, before: Floats, after: Floats, index: int) -> list[SpecialPoint]:
+        """Special points between two neighbours."""
+        found = list[SpecialPoint]()
+        if a.signature != b.signature:
+            found.append(self._located(self._switch(a, b), a, b, index))
+            return found
+        values = {"fold": (before[-1], after[-1])}
+        for kind, test in (("flip", _flip), ("neimark_sacker", _neimark_sacker)):
+            values[kind] = (test(self.problem.cycle(a)), test(self.problem.cycle(b)))
+        for kind in SMOOTH:
+            if values[kind][0] * values[kind][1] < 0:
+                at = self._smooth_zero(a, b, self._test(kind, b.x - a.x))
+                if at is not None:
+                    found.append(SpecialPoint(kind, at.value, self.problem.cycle(at), index))
+        return found
+
+    def _chord(self, a: Point, b: Point, share: float) -> Point | None:
+        """Return the point of the branch over a share of the chord from a to b."""
+        chord = b.x - a.x
+        found = self.problem.correct(a.x + share * chord, chord / np.linalg.norm(chord))
+        return None if found is None else found[0]
+
+    def _birth(self, a: Point, index: int) -> list[SpecialPoint]:
+        """Return where the cycle shrinks to steady sliding: there the sliding itself changes stability."""
+
+        def leading(value: float) -> float:
+            sliding = equilibrium(self.problem.flow.moved(self.problem.parameter, value), a.arc.start)
+            return float(sliding.eigenvalues.real.max())
+
+        for width in (0.01, 0.05, 0.2):
+            reach = width * (self.span[1] - self.span[0])
+            try:
+                at = float(brentq(leading, a.value - reach, a.value + reach, xtol=1e-13))
+            except (StickslipError, ValueError):
+                continue
+            return [SpecialPoint("hopf", at, self.problem.cycle(a), index)]
+        return []
+
+    def _test(self, kind: Kind, along: Floats) -> Callable[[Point], float]:
+        if kind == "fold":
+            return lambda point: float(self.problem.tangent(point, along)[-1])
+        test = _flip if kind == "flip" else _neimark_sacker
+        return lambda point: test(self.problem.cycle(point))
+
+    def _smooth_zero(self, a: Point, b: Point, test: Callable[[Point], float]) -> Point | None:
+        def value(share: float) -> float:
+            point = a if share == 0 else b if share == 1 else self._chord(a, b, share)
+            if point is None:
+                raise StickslipError("no convergence")
+            return test(point)
+
+        try:
+            share = float(brentq(value, 0.0, 1.0, xtol=self.problem.tol, rtol=1e-12))
+        except (StickslipError, ValueError):
+            return None
+        return self._chord(a, b, share)
+
+    def _switch(self, a: Point, b: Point) -> tuple[Point, Point]:
+        """Neighbours as near as the tolerance between which the sequence of modes changes."""
+        left, right, low, high = 0.0, 1.0, a, b
+        while right - left > self.problem.tol:
+            for share in (0.5, 0.37, 0.71):
+                middle = left + share * (right - left)
+                point = self._chord(a, b, middle)
+                if point is not None:
+                    break
+            else:
+                break
+            if point.signature == a.signature:
+                left, low = middle, point
+            else:
+                right, high = middle, point
+        return low, high
+
+    def _located(self, pair: tuple[Point, Point], a: Point, b: Point, index: int) -> SpecialPoint:
+        kind = kind_of(a.signature, b.signature)
+        return SpecialPoint(kind, pair[0].value, self.problem.cycle(pair[0]), index)
+
+    def _corner(self, last: Point, point: Point, index: int) -> SpecialPoint:
+        kind = kind_of(last.signature, point.signature)
+        return SpecialPoint(kind, last.value, self.problem.cycle(last), index, turns_round=True)
+
+    def _turn(self, last: Point) -> tuple[Point, Floats] | None:
+        """Go on from a corner of the branch: tangents of the other side, from states moved a little over to it."""
+        d = self.problem.dimension
+        for size in (1e-5, 1e-4, 1e-3):
+            for i in (k for k in range(d) if k != 1):
+                for way in (-1.0, 1.0):
+                    x = last.x.copy()
+                    x[i] += way * size
+                    found = self._over(last, x, 20 * size)
+                    if found is not None:
+                        return found
+        return None
+
+    def _over(self, last: Point, x: Floats, step: float) -> tuple[Point, Floats] | None:
+        try:
+            beside = self.problem.at(x)
+        except StickslipError:
+            return None
+        if beside.signature == last.signature:
+            return None
+        for along in (1.0, -1.0):
+            tangent = along * np.asarray(np.linalg.svd(beside.jacobian)[2][-1])
+            ahead = self.problem.correct(last.x + step * tangent, tangent)
+            if ahead is None or ahead[0].signature == last.signature:
+                continue
+            if np.linalg.norm(ahead[0].x - last.x) < 3 * step and not self._outside(ahead[0]):
+                return ahead[0], self.problem.tangent(ahead[0], ahead[0].x - last.x)
+        return None
+
+
+def kind_of(before: tuple[tuple[int, int], ...], after: tuple[tuple[int, int], ...]) -> Kind:
+    """Name the sliding bifurcation between two sequences of contact modes."""
+    sticks = [sum(into == 0 for _, into in s) for s in (before, after)]
+    crossings = [sum(0 not in change for change in s) for s in (before, after)]
+    if (sticks[0] == 0) != (sticks[1] == 0):
+        return "loss_of_stick"
+    if crossings[0] != crossings[1]:
+        return "crossing"
+    return "grazing"
+
+
+def _flip(cycle: LimitCycle) -> float:
+    return float(np.prod(1 + cycle.multipliers).real)
+
+
+def _neimark_sacker(cycle: LimitCycle) -> float:
+    """Zero where a complex pair has modulus 1; nan where there is none."""
+    upper = cycle.multipliers[cycle.multipliers.imag > 1e-9]
+    return float(np.prod(np.abs(upper) - 1)) if len(upper) else np.nan

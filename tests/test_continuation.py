@@ -1,0 +1,176 @@
+"""Branches of limit cycles, against direct sweeps with simulate and bifurcations in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import stickslip as ss
+from stickslip.continuation import continuation
+from stickslip.cycles import limit_cycle
+from test_cycles import DAMPED, LEINE, RIG, popp_stelter
+
+
+def settled(model, v_b, start, t_end=400.0):
+    """The last period of what a plain simulation settles to: times, states and modes from one release on."""
+    run = ss.simulate(
+        model, belt_speed=v_b, initial=start, t_end=t_end, contact="slip-", rtol=1e-12, atol=1e-12
+    )
+    tr = run.transitions
+    releases = np.flatnonzero(tr.after == -1)[-2:]
+    return tr.t[releases[0] : releases[1] + 1], tr.state[releases[0] :], tr.after[releases[0] : releases[1]]
+
+
+def stuck(model, v_b, start):
+    """Time stuck in a period of a plain simulation."""
+    t, _, modes = settled(model, v_b, start)
+    return float(np.diff(t)[modes == 0].sum())
+
+
+@pytest.fixture(scope="module")
+def leine():
+    return continuation(LEINE, 0.2, span=(0.05, 5.0))
+
+
+def test_leines_oscillator_against_a_direct_sweep(leine):
+    assert leine.values[[0, -1]] == pytest.approx([0.05, 5.0], rel=1e-14)
+    assert leine.stable.all()
+    for k in range(0, len(leine), 12):
+        v_b = leine.values[k]
+        t, _, modes = settled(LEINE, v_b, (1.0, v_b), t_end=1200.0)
+        assert leine.period[k] == pytest.approx(t[-1] - t[0], abs=1e-9)
+        assert leine.stick_time[k] == pytest.approx(np.diff(t)[modes == 0].sum(), abs=1e-7)
+
+
+def test_leines_oscillator_through_crossing_and_the_loss_of_stick(leine):
+    assert [one.kind for one in leine.special] == ["crossing", "loss_of_stick"]
+    crossing, loss = (one.value for one in leine.special)
+    # the block comes back to the belt at x1 = -1, where the belt cannot hold it any more
+    back = brentq(lambda v: settled(LEINE, v, (1.0, v))[1][1, 0] + 1.0, 0.5, 0.7, xtol=1e-13)
+    assert crossing == pytest.approx(back, abs=1e-9)
+    below, above = (settled(LEINE, v, (1.0, v))[2].tolist() for v in (crossing - 1e-6, crossing + 1e-6))
+    assert (below, above) == ([-1, 0], [-1, 1, 0])
+    vanished = brentq(lambda v: stuck(LEINE, v, (1.0, v)) - 1e-7, 4.0, loss, xtol=1e-12)
+    assert loss == pytest.approx(vanished, abs=1e-6)
+    assert 0 not in settled(LEINE, loss + 1e-6, (1.0, loss + 1e-6))[2]
+
+
+@pytest.fixture(scope="module")
+def damped():
+    return continuation(DAMPED, 2.0, span=(0.5, 3.5), guess=(3.0, 0.0))
+
+
+def test_the_branch_turns_round_where_stick_is_lost(damped):
+    corner, hopf = damped.special
+    assert corner.kind == "loss_of_stick"
+    assert corner.turns_round
+    assert damped.stable[: corner.index].all()
+    assert not damped.stable[corner.index :].any()
+    assert np.all(damped.stick_time[corner.index :] == 0)
+    # directly: the release is reached again without a stick
+    gap = brentq(lambda v: stuck(DAMPED, v, (1 - 0.1 * v, v)) - 1e-3, 2.5, corner.value - 1e-7, xtol=1e-11)
+    assert corner.value == pytest.approx(gap, abs=2e-3)
+    beyond = ss.simulate(
+        DAMPED,
+        belt_speed=corner.value + 1e-3,
+        initial=(1 - 0.1 * corner.value, corner.value + 1e-3),
+        t_end=3000,
+    )
+    assert beyond.transitions.t.max(initial=0.0) < 2900  # no cycle is left: it slides in the end
+    # sliding loses stability where c = 3 / (1 + 3 v)^2, and the unstable cycle is born there
+    assert hopf.kind == "hopf"
+    assert hopf.value == pytest.approx((np.sqrt(30) - 1) / 3, abs=1e-9)
+    assert damped.values[-1] == pytest.approx(hopf.value, abs=1e-2)
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return continuation(RIG, 0.1, span=(0.05, 0.3))
+
+
+def test_fold_of_the_reference_rig(rig):
+    fold = next(one for one in rig.special if one.kind == "fold")
+    assert np.abs(fold.cycle.multipliers - 1).min() < 1e-4
+    assert rig.values.max() <= fold.value
+    assert rig.values[-1] < fold.value - 0.05  # back on the other sheet
+    beyond = limit_cycle(RIG, fold.value + 0.005)  # a simulation goes elsewhere
+    assert abs(beyond.period - fold.cycle.period) > 0.1
+
+
+def test_stability_of_the_reference_rig_against_plain_simulations(rig):
+    for k in range(5, len(rig), 25):
+        start, period = rig.state[k], rig.period[k]
+        size = np.abs(rig.multipliers[k]).max()
+        if abs(np.log(size)) < 0.02:
+            continue
+        turns = int(np.ceil(np.log(1e3) / abs(np.log(size))))
+        times = np.array([0.0, 1.0, turns, turns + 1]) * period
+        run = ss.simulate(
+            RIG, belt_speed=rig.values[k], initial=start * (1 + 1e-5), t_end=times[-1], t_eval=times
+        )
+        change = np.abs(np.diff(run.state, axis=0)).max(axis=1)  # over a period, at first and later
+        assert (change[2] < 0.1 * change[0]) == rig.stable[k]
+
+
+def test_neimark_sacker_points_of_the_reference_rig(rig):
+    points = [one for one in rig.special if one.kind == "neimark_sacker"]
+    assert len(points) == 2
+    for one in points:
+        assert np.abs(one.cycle.multipliers[:2]) == pytest.approx([1.0, 1.0], abs=1e-8)
+        assert abs(one.cycle.multipliers[0].imag) > 0.1
+
+
+def test_flips_are_where_a_multiplier_is_minus_one():
+    low = RIG.replace(eta1=0.01, eta12=0.02)
+    branch = continuation(low, 0.1, span=(0.05, 0.12))
+    flips = [one for one in branch.special if one.kind == "flip"]
+    assert len(flips) == 2
+    for one in flips:
+        assert np.abs(one.cycle.multipliers + 1).min() < 1e-6
+    inside = (branch.values > flips[0].value) & (branch.values < flips[1].value)
+    assert np.ptp(branch.stable[inside].astype(int)) == 0
+    assert branch.stable[inside][0] != branch.stable[branch.values < flips[0].value - 1e-6][-1]
+
+
+def test_neimark_sacker_of_a_weakly_shaken_slider_is_near_the_hopf_point_of_sliding():
+    model = DAMPED.with_effects([ss.effect("harmonic_forcing", a=1e-3, w=1.7, phi=0)])
+    branch = continuation(model, 1.6, span=(1.45, 1.6))
+    (point,) = branch.special
+    assert point.kind == "neimark_sacker"
+    assert np.abs(point.cycle.multipliers) == pytest.approx([1.0, 1.0], abs=1e-8)
+    assert point.value == pytest.approx((np.sqrt(30) - 1) / 3, abs=1e-4)
+
+
+def test_the_forcing_frequency_can_be_the_parameter():
+    branch = continuation(popp_stelter(), 1.0, parameter="effect.w", span=(1.0, 1.2))
+    assert branch.parameter == "harmonic_forcing.w"
+    assert branch.period == pytest.approx(2 * np.pi / branch.values, rel=1e-11)
+    k = int(np.argmin(np.abs(branch.values - 1.12)))
+    assert branch.state[k] == pytest.approx(
+        limit_cycle(popp_stelter(w=branch.values[k]), 1.0).state, abs=1e-9
+    )
+
+
+def test_a_branch_becomes_a_dataset(leine):
+    table = leine.to_xarray()
+    assert table.sizes["point"] == len(leine)
+    assert float(table["period"][0]) == leine.period[0]
+    assert [text.split()[0] for text in table.attrs["special"]] == ["crossing", "loss_of_stick"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "keywords", "message"),
+    [
+        (0.2, {"span": (0.5, 0.1)}, "span = .*must increase"),
+        (0.2, {"span": (0.3, 0.5)}, "belt_speed: the branch starts at 0.2, outside 0.3 to 0.5"),
+        (0.2, {"span": (0.1, 0.5), "parameter": "decey"}, "did you mean 'decay'"),
+        (0.2, {"span": (0.1, 0.5), "parameter": "initial.x1"}, "unknown parameter of a branch"),
+        (None, {"span": (1.0, 5.0), "parameter": "decay"}, "belt_speed: missing"),
+        (0.2, {"span": (0.1, float("nan"))}, r"span\[1\] = nan"),
+        (0.2, {"span": (0.1, 0.5), "step": 0.0}, "step = 0.0: must be above 0"),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(speed, keywords, message):
+    with pytest.raises(ss.StickslipError, match=message):
+        continuation(LEINE, speed, **keywords)
