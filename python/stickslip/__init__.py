@@ -4,23 +4,29 @@ from importlib.metadata import version
 
 from stickslip import signals
 from stickslip._core import build_config
+from stickslip.branch import Branch, SpecialPoint
 from stickslip.compare import Comparison, compare
+from stickslip.continuation import continuation
+from stickslip.cycles import LimitCycle, limit_cycle
 from stickslip.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.identified import Identified
 from stickslip.identify import identify
+from stickslip.lyapunov import LyapunovSpectrum, lyapunov
 from stickslip.model import Model, load_model
 from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
 from stickslip.rig import BlockOnBelt, Rig, Scales
 from stickslip.simulate import Status, Trajectory, Transitions, simulate
+from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
 
 __version__ = version("stickslip")
 
 __all__ = [
     "CATALOGUE",
     "BlockOnBelt",
+    "Branch",
     "Case",
     "Comparison",
     "CoulombFriction",
@@ -28,12 +34,17 @@ __all__ = [
     "HyperbolicFriction",
     "Identified",
     "InputError",
+    "LimitCycle",
+    "LyapunovSpectrum",
     "Model",
+    "NoLimitCycleError",
     "PaperFriction",
     "Recording",
     "Rig",
     "Scales",
+    "SpecialPoint",
     "Status",
+    "SteadySliding",
     "StickslipError",
     "Tabulated",
     "Trajectory",
@@ -41,12 +52,16 @@ __all__ = [
     "__version__",
     "build_config",
     "compare",
+    "continuation",
     "effect",
     "identify",
+    "limit_cycle",
     "load_case",
     "load_model",
     "load_recording",
+    "lyapunov",
     "signals",
     "simulate",
+    "steady_sliding",
     "tabulated",
 ]
