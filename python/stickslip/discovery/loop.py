@@ -20,7 +20,16 @@ from stickslip.discovery.messages import absurd, remarks
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe, spectrum
 from stickslip.discovery.result import Found, FoundEffect, Interval, Residual, Rival, Verdict
-from stickslip.discovery.trace import LONG, MARGIN, Search, Trial, decide, declared, explained
+from stickslip.discovery.trace import (
+    LONG,
+    MARGIN,
+    Search,
+    Trial,
+    decide_pairs,
+    decide_single,
+    declared,
+    explained,
+)
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
@@ -112,27 +121,29 @@ def _noise_factor(case: Case, search: Search) -> Floats | None:
 
 
 def _choose(search: Search) -> _Choice:
-    trials = decide(search)
-    null = search.tried[()]
+    trials = decide_single(search)
+    null, best = search.tried[()], trials[0]
     absurd(null, search.data)
-    best = trials[0]
     if explained(best, null):
         return _Choice(null, best, None, trials)
-    named = best if best.names and best.fit.cost < 0.5 * null.fit.cost else null
-    bases = [null] if named is null or len(named.names) == 2 else [null, named]
-    curves: list[tuple[unlisted.Term, Trial]] = []
-    for base in bases:
-        curves += unlisted.learn(search, base, search.progress)
-        if curves and min(t.excess for _, t in curves) < 4:
-            break
+    curves = unlisted.learn(search, null, search.progress)
+    if not (curves and _clearly(curves[0][1], best) and explained(curves[0][1], null)):
+        trials = decide_pairs(search, trials)
+        best = trials[0]
+        if explained(best, null):
+            return _Choice(null, best, None, trials)
+        if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
+            curves += unlisted.learn(search, best, search.progress, 3)
     curves.sort(key=lambda one: one[1].bic)
-    if not curves:
+    if not curves or not _clearly(curves[0][1], best):
         return _Choice(null, best, None, trials)
-    term, trial = curves[0]
     trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
-    if trial.bic < best.bic - MARGIN and trial.chi2 - 1 < BETTER * max(best.chi2 - 1, 1e-9):
-        return _Choice(null, trial, term, trials)
-    return _Choice(null, best, None, trials)
+    return _Choice(null, curves[0][1], curves[0][0], trials)
+
+
+def _clearly(curve: Trial, named: Trial) -> bool:
+    """Does a learned curve do clearly better than the best of the named?"""
+    return curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9)
 
 
 def _found(

@@ -20,23 +20,28 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
     Raises
     ------
     InputError
-        With the channel that is worst, and what may be wrong with it.
+        With the channel whose size is least like such a rig's, and what may be wrong with it.
     """
-    for c, channel in enumerate(("x1", "y1")):
-        off, spread, count = 0.0, 0.0, 0
-        for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
-            run = data[w.run]
-            r = b.r.reshape(-1, len(run.channels))[:, c] * run.noise[c]
-            x = run.readings[w.start : w.stop, c]
-            off += float(r @ r)
-            spread += float(np.sum((x - x.mean()) ** 2))
-            count += len(r)
-        if off > ABSURD**2 * spread and off > 100 * count * data[0].noise[c] ** 2:
-            share = (off / spread) ** 0.5
-            raise InputError(
-                f"the declared model leaves {100 * share:.0f} % of channel {channel} unexplained even over single "
-                "cycles, more than any effect does: check the channels' units and columns and the rig's numbers"
-            )
+    off, spread, noise = np.zeros(2), np.zeros(2), np.zeros(2)
+    for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
+        run = data[w.run]
+        r = b.r.reshape(-1, len(run.channels))[:, :2] * run.noise[:2]
+        x = run.readings[w.start : w.stop, :2]
+        off += np.sum(r**2, axis=0)
+        spread += np.sum((x - x.mean(axis=0)) ** 2, axis=0)
+        noise += len(r) * run.noise[:2] ** 2
+    if not np.any((off > ABSURD**2 * spread) & (off > 100 * noise)):
+        return
+    model = null.hypothesis.model
+    typical = model.friction.static_limits[0] / model.parameters["alpha1"]
+    size = np.array([np.std(np.concatenate([run.readings[:, c] for run in data])) for c in range(2)])
+    suspect = int(np.argmax(np.abs(np.log(np.maximum(size, 1e-300) / typical))))
+    share = 100 * float(np.max(np.sqrt(off / spread)))
+    raise InputError(
+        f"the declared model leaves {share:.0f} % of the readings unexplained even over single cycles, more than any "
+        f"effect does; channel {('x1', 'y1')[suspect]} spreads by {size[suspect]:.3g} in model units where such a rig "
+        f"moves by about {typical:.2g}: check its unit and column, and the rig's numbers"
+    )
 
 
 def remarks(

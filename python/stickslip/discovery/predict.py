@@ -24,6 +24,7 @@ from stickslip.model import Model
 Floats = NDArray[np.float64]
 PHASES = 12  # starts tried for an unknown phase
 PAST = (1.5, 2.5, 0.8)  # cycles of the past that the state may be taken from, in order of preference
+MORE = 3.5  # cycles that it is taken from if the model explains them as well
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,18 @@ class Forecaster:
                 break
         if best is None:
             raise StickslipError("the past is too short to tell the state from it: give at least one cycle")
-        return best
+        return self._longer(best, stop, least)
+
+    def _longer(self, best: Window, stop: int, least: float) -> Window:
+        """A longer past says more of the state, as long as the model explains it as well."""
+        wanted = self.run.t[stop - 1] - MORE * self.run.cycle
+        before = [int(s) for s in self.run.slips if self.run.t[s] <= wanted and s < best.start]
+        if not before:
+            return best
+        window = relax(self.engine, self.vector, start_window(self.run, 0, self.model, before[-1], stop), 15)
+        r = self.engine.residual(self.vector, window)
+        chi2 = np.inf if r is None else float(r @ r) / len(r)
+        return window if chi2 < 1.15 * least else best
 
     def run_on(self, window: Window, t: Floats) -> Prediction:
         """Simulate from a window's start through times t after it."""
@@ -158,6 +170,7 @@ def stitched(
     With `cycles` above 1 the stretches overlap; they are kept one after the other.
     """
     run = forecaster.run
+    first = max(1.0, min(first, float(run.t[-1]) / run.cycle - cycles - 1.0))
     at = float(run.t[0]) + first * run.cycle
     pieces: list[Prediction] = []
     samples: list[NDArray[np.int64]] = []

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,13 +129,23 @@ class Search:
                 break
             before = best.fit.cost
             long = self._again(best, LONG, None)
-            for origin in (long, best):
+            for origin in (long, self._declared_law(best)):
+                if best.excess < CLEAN:
+                    break
                 short = None if origin is None else self._again(origin, SHORT, None)
                 if short is not None and short.fit.cost < best.fit.cost:
                     best = short
             if best.fit.cost > 0.98 * before:
                 break
         return best
+
+    def _declared_law(self, trial: Trial) -> Trial:
+        """The trial with its law back at the declared start: another way into the minimum."""
+        vector = trial.fit.vector.copy()
+        for i, u in enumerate(trial.fit.engine.hypothesis.shared):
+            if "." not in u.name:
+                vector[i] = u.coordinate(self.model.parameters[u.name])
+        return Trial(trial.names, replace(trial.fit, vector=vector))
 
     def _again(self, trial: Trial, cycles: float, windows_of: Trial | None) -> Trial | None:
         learned = trial.fit.engine.learned
@@ -211,8 +221,8 @@ def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tri
     return sorted(out, key=lambda one: one.bic)
 
 
-def decide(search: Search) -> list[Trial]:
-    """The declared law, single effects and pairs; best first, the declared law among them."""
+def decide_single(search: Search) -> list[Trial]:
+    """The declared law and single effects; best first."""
     null = declared(search)
     if null is None:
         raise StickslipError(
@@ -224,19 +234,24 @@ def decide(search: Search) -> list[Trial]:
     if not singles:
         return [null]
     null = _refitted(search, null, singles[0])
-    best = singles[0]
-    if best.bic > null.bic - MARGIN:
+    if singles[0].bic > null.bic - MARGIN:
         return [null, *singles]
+    return sorted([null, *singles], key=lambda one: one.bic)
+
+
+def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
+    """Pairs built on the best single effects, and what there was; best first."""
+    null = search.tried[()]
     pairs: list[Trial] = []
-    if not explained(best, null):
-        for base in singles[:3]:
-            if base.fit.cost > 0.9 * null.fit.cost or search.left < 0.35 * search.budget:
-                break
-            pairs += polished(search, screen(search, base), most=3)
-            if pairs and min(one.excess for one in pairs) < CLEAN:
-                break
+    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:3]
+    for base in bases:
+        if pairs and search.left < 0.3 * search.budget:
+            break
+        pairs += polished(search, screen(search, base), most=3)
+        if pairs and min(one.excess for one in pairs) < CLEAN:
+            break
     pairs = [one for one in pairs if _both_needed(search, one)]
-    return sorted([null, *singles, *pairs], key=lambda one: one.bic)
+    return sorted([*trials, *pairs], key=lambda one: one.bic)
 
 
 def explained(trial: Trial, null: Trial) -> bool:
@@ -264,4 +279,14 @@ def _both_needed(search: Search, pair: Trial) -> bool:
     return True
 
 
-__all__ = ["Search", "Trial", "decide", "declared", "explained", "polished", "screen", "starts_of"]
+__all__ = [
+    "Search",
+    "Trial",
+    "decide_pairs",
+    "decide_single",
+    "declared",
+    "explained",
+    "polished",
+    "screen",
+    "starts_of",
+]

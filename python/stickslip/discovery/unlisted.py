@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.discovery.engine import Engine
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
-from stickslip.discovery.trace import SHORT, Search, Trial
-from stickslip.discovery.unknowns import Unknown
+from stickslip.discovery.trace import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.effects import Tabulated, tabulated
 from stickslip.lowering import WIDTH
 
@@ -77,8 +78,8 @@ def terms(trial: Trial, count: int = KNOTS) -> Iterator[Term]:
             yield Term(f"{channel} channel", variable, knots_for(seen[variable], count))
 
 
-def with_term(search: Search, base: Trial, term: Term, **options: object) -> Trial | None:
-    """A trial with a curve added, from zero."""
+def _extended(base: Trial, term: Term) -> tuple[Hypothesis, tuple[Unknown, ...], tuple[Learned, ...]]:
+    """The base's hypothesis with a curve in its model at zero, the curve's unknowns, the curves on readings."""
     h = base.hypothesis
     size = SPREAD.get(term.where, 0.5)
     unknowns = tuple(
@@ -87,37 +88,86 @@ def with_term(search: Search, base: Trial, term: Term, **options: object) -> Tri
     learned = base.fit.engine.learned
     if term.where.endswith("channel"):
         learned = (*learned, Learned(term.where[:2], term.variable, term.knots))
-        h = replace(h, unknowns=(*h.unknowns, *unknowns))
     else:
         curve = tabulated(term.where, term.variable, list(term.knots), [0.0] * len(term.knots))
-        h = replace(
-            h, model=h.model.with_effects([*h.model.effects, curve]), unknowns=(*h.unknowns, *unknowns)
-        )
+        h = replace(h, model=h.model.with_effects([*h.model.effects, curve]))
+    return h, unknowns, learned
+
+
+def with_term(search: Search, base: Trial, term: Term, **options: float) -> Trial | None:
+    """A trial with a curve added, from zero."""
+    h, unknowns, learned = _extended(base, term)
+    h = replace(h, unknowns=(*h.unknowns, *unknowns))
     return search.run(h, cycles=SHORT, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
 
 
-def learn(search: Search, base: Trial, progress: Callable[[str], None]) -> list[tuple[Term, Trial]]:
-    """All curves added to `base`, crudely fitted, the best few closely; best first."""
-    found: list[tuple[Term, Trial]] = []
+def gain(base: Trial, term: Term) -> float:
+    """Fall of chi-squared that a curve promises to first order, the base refitted and bad windows held back."""
+    fit = base.fit
+    h, unknowns, learned = _extended(base, term)
+    own = replace(h, unknowns=unknowns)
+    engine = Engine(fit.engine.data, own, fit.engine.pool, learned)
+    vector = np.zeros(len(unknowns))
+    p, k = len(fit.vector), len(unknowns)
+    A, g = np.zeros((p + k, p + k)), np.zeros(p + k)
+    A[:p, :p] = np.diag(fit.engine.precision)
+    A[p:, p:] = np.diag([1.0 / u.spread**2 for u in unknowns])
+    for w, b, more in zip(
+        fit.windows,
+        fit.blocks,
+        fit.engine.pool.map(lambda w: engine.linearise(vector, w), fit.windows),
+        strict=True,
+    ):
+        if more is None:
+            continue
+        q = np.linalg.qr(b.K)[0]
+        D = np.zeros((len(b.r), p + k))
+        D[:, fit.engine.columns[w.run]] = b.J
+        D[:, p:] = np.nan_to_num(more.J)
+        D -= q @ (q.T @ D)
+        r = b.r - q @ (q.T @ b.r)
+        size = max(1.0, float(r @ r) / len(r))
+        A += D.T @ D / size
+        g += D.T @ r / size
+    law = g[:p] @ np.linalg.lstsq(A[:p, :p], g[:p], rcond=1e-12)[0]
+    return float(g @ np.linalg.lstsq(A, g, rcond=1e-12)[0] - law)
+
+
+def learn(
+    search: Search, base: Trial, progress: Callable[[str], None], most: int = 6
+) -> list[tuple[Term, Trial]]:
+    """Curves added to `base`: screened by their scores, the best `most` fitted, the best two closely; best first."""
+    promised = []
     for term in terms(base):
-        if search.left < 0.1 * search.budget and found:
+        progress(f"scoring a curve: {term.where} against {term.variable}")
+        promised.append((gain(base, term), term))
+    promised.sort(key=lambda one: -one[0])
+    found: list[tuple[Term, Trial]] = []
+    for _, term in promised[:most]:
+        if search.left < 0.05 * search.budget and found:
             break
         progress(f"learning a curve: {term.where} against {term.variable}")
         trial = with_term(
-            search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=1.05 * base.fit.cost
+            search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=0.98 * base.fit.cost
         )
         if trial is not None:
             found.append((term, trial))
     found.sort(key=lambda one: one[1].bic)
     close = []
-    for term, trial in found[:3]:
+    for term, trial in found[:2]:
         progress(f"learning closely: {term.where} against {term.variable}")
         close.append((term, search.polish(trial, turns=1)))
+        if close[-1][1].excess < CLEAN:
+            break
     close.sort(key=lambda one: one[1].bic)
-    if close and close[0][1].excess > 4 and search.left > 0:
+    if (
+        close
+        and close[0][1].excess > CLEAN
+        and search.left > 0
+        and close[0][1].fit.cost < 0.7 * base.fit.cost
+    ):
         close.append(_finer(search, base, close[0]))
-        close.sort(key=lambda one: one[1].bic)
-    return [*close, *found[3:]]
+    return sorted([*close, *found[len(close) :]], key=lambda one: one[1].bic)
 
 
 def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Term, Trial]:
@@ -139,10 +189,8 @@ def curve(term: Term, trial: Trial) -> Curve:
     values, covariance = trial.fit.vector[index], trial.fit.covariance[np.ix_(index, index)]
     x = np.linspace(term.knots[0], term.knots[-1], 101)
     basis = Learned("x1", "x1", term.knots).basis(x)
-    centre = basis.mean(axis=0) if term.variable != "t" else basis[0]
     middle = basis @ values
     std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0))
-    del centre
     half = 1.96 * std * max(trial.chi2, 1.0) ** 0.5
     words = {
         "block": "force on the block",
