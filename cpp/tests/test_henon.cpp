@@ -28,7 +28,8 @@ struct Found {
   bool found;
   double t;
 };
-Found crossing(const std::vector<double>& c, double h, bool on_surface = false, bool henon = true) {
+Found crossing(std::vector<double> c, double h, bool on_surface = false, bool henon = true) {
+  if (c.size() < 3) c.resize(3);  // the order of a series is at least 2
   Found r{false, -1.0};
   r.found = first_crossing(c.data(), static_cast<int>(c.size()) - 1, h, on_surface, henon, r.t);
   return r;
@@ -71,6 +72,18 @@ TEST_CASE("henon: a single root is landed on to rounding, by both locators") {
       const auto r = crossing(from_roots({root, -2.0, 3.0}), 1.0, false, henon);
       REQUIRE(r.found);
       CHECK(std::abs(r.t - root) <= 4e-16 * root + 1e-16);
+    }
+  }
+}
+
+TEST_CASE("henon: S and its slope together are those of Horner") {
+  const std::vector<double> c{1.0, -2.0, 0.5, 3.0, -1.5, 0.25, 0.1};
+  for (int n = 1; n <= 6; ++n) {
+    for (const double t : {0.0, 0.3, 1.1}) {
+      double s = 0, slope = 0;
+      value_and_slope(c.data(), n, t, s, slope);
+      CHECK(s == doctest::Approx(evaluate(c.data(), n, t)).epsilon(1e-14).scale(1));
+      CHECK(slope == doctest::Approx(evaluate_slope(c.data(), n, t)).epsilon(1e-14).scale(1));
     }
   }
 }

@@ -114,6 +114,9 @@ TEST_CASE("series: Horner value and slope against powers written out") {
     }
     CHECK(std::abs(evaluate(c, order, h) - static_cast<double>(sum)) < 1e-14);
     CHECK(std::abs(evaluate_slope(c, order, h) - static_cast<double>(slope)) < 1e-13);
+    double four[4];
+    evaluate_four<double>({c, c, c, c}, order, h, four);
+    for (const double value : four) CHECK(std::abs(value - static_cast<double>(sum)) < 1e-14);
   }
 }
 

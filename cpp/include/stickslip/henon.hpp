@@ -58,15 +58,21 @@ Bracket first_sign_change(R* b, int n, double a, double width, R noise, int dept
   return left.found ? left : first_sign_change(right, n, a + 0.5 * width, 0.5 * width, noise, depth - 1);
 }
 
-// S and S' at t, together: two short chains instead of two passes.
+// S and S' at t, together, in even and odd powers: short chains instead of two passes.
 template <class R>
 void value_and_slope(const R* c, int n, R t, R& s, R& slope) {
-  s = c[n];
-  slope = R(0.0);
-  for (int k = n - 1; k >= 0; --k) {
-    slope = slope * t + s;
-    s = s * t + c[k];
+  const R square = t * t;
+  R even(0.0), odd(0.0), even_slope(0.0), odd_slope(0.0);  // slopes with respect to t^2
+  int k = n;
+  if (k % 2 == 0) even = c[k--];
+  for (; k >= 1; k -= 2) {
+    odd_slope = odd_slope * square + odd;
+    odd = odd * square + c[k];
+    even_slope = even_slope * square + even;
+    even = even * square + c[k - 1];
   }
+  s = even + odd * t;
+  slope = odd + (even_slope + odd_slope * t) * (t + t);
 }
 
 // Land on S = 0 inside [a, b], where S(a) > 0 > S(b), from `guess` in it. `henon` off: bisection alone.
@@ -104,10 +110,18 @@ R inverse_hermite(R s0, R slope0, R s1, R slope1, R h) {
 // Is S falling throughout [0, h]? A bound; then a root in it is the only one.
 template <class R>
 bool surely_falling(const R* c, int n, R h) {
-  R rest(0.0);
-  for (int k = n; k >= 3; --k) rest = rest * h + magnitude(c[k]) * static_cast<double>(k);
-  rest = rest * h * h;
-  const R end = c[1] + c[2] * h * 2.0;
+  const R square = h * h;
+  R even(0.0), odd(0.0);
+  int k = n;
+  if (k % 2 == 0 && k >= 4) even = magnitude(c[k]) * static_cast<double>(k);
+  if (k % 2 == 0) --k;
+  for (; k >= 5; k -= 2) {
+    odd = odd * square + magnitude(c[k]) * static_cast<double>(k);
+    even = even * square + magnitude(c[k - 1]) * static_cast<double>(k - 1);
+  }
+  if (k == 3) odd = odd * square + magnitude(c[3]) * 3.0;
+  const R rest = (odd + even * h) * square;
+  const R end = n < 2 ? c[1] : c[1] + c[2] * h * 2.0;
   return (c[1] > end ? c[1] : end) < -rest;
 }
 

@@ -16,8 +16,9 @@ struct System {
   Rig<T> rig;
   Branch<T> minus, plus;
   Structure structure;
-  Real<T> stick_step, line_step;  // of linear pieces
-  T table[max_knots + 1][4];      // cubic of each interval in (variable - its left knot); constant outside the knots
+  Real<T> stick_step, floor_step, line_step;  // of linear pieces: at rest, on a floor, along a line
+  Real<T> frequency;                          // of the block on its spring
+  T table[max_knots + 1][4];  // cubic of each interval in (variable - its left knot); constant outside the knots
 };
 
 template <class T>
@@ -27,17 +28,17 @@ void build(System<T>& sys) {  // from sys.structure and sys.p
   sys.plus = branch(sys.structure.law, sys.p, 1);
   const Rig<T>& r = sys.rig;
   const auto real = [](const T& x) { return magnitude(value(x)); };
-  const auto rate = [&](const Real<T>& slope) {  // of |A|: root of the stiffness plus the damping, row by row
-    const Real<T> block =
-        square_root(real(r.kx) + real(r.s * r.over_a1)) + (real(r.e1) * 2.0 + slope) * real(r.over_a1);
-    if (!r.two) return block;
-    const Real<T> leg =
-        square_root((real(r.b3) + 1.0) * real(r.over_a2)) + (real(r.e1) + real(r.e12)) * real(r.over_a2);
-    return largest(block, leg);
+  // rates of |A|: root of the stiffness plus the damping, row by row; of the leg alone in stick
+  const auto block = [&](const Real<T>& slope) {
+    return square_root(real(r.kx) + real(r.s * r.over_a1)) + (real(r.e1) * 2.0 + slope) * real(r.over_a1);
   };
+  const Real<T> leg = square_root((real(r.b3) + 1.0) * real(r.over_a2)) + (real(r.e1) + real(r.e12)) * real(r.over_a2);
+  const auto rate = [&](const Real<T>& slope) { return r.two ? largest(block(slope), leg) : block(slope); };
   const Real<T> reach(linear_reach);
-  sys.stick_step = reach / rate(Real<T>(0.0));
+  sys.stick_step = reach / (r.two ? leg : block(Real<T>(0.0)));
+  sys.floor_step = reach / rate(Real<T>(0.0));
   sys.line_step = reach / rate(largest(Real<T>(real(sys.minus.c1)), Real<T>(real(sys.plus.c1))));
+  sys.frequency = square_root(Real<T>(value(r.kx)));
 }
 
 template <class T>
@@ -80,7 +81,7 @@ T* state_series(Piece<T>& piece, int i) {
 
 template <class T>
 Real<T> natural_frequency(const System<T>& sys) {
-  return square_root(Real<T>(value(sys.rig.kx)));
+  return sys.frequency;
 }
 
 // Without effects a piece has one switching function: q between the static limits, or u from 0 to the kink.
@@ -105,6 +106,7 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
   const Real<T> dir(static_cast<double>(mode.contact));
   int order = linear_order;
   if (mode.saturated) {
+    linear_step = sys.floor_step;
     expand_line(r, b.saturated, T(0.0), dir, order, s);
   } else if (b.shape == Shape::line) {
     expand_line(r, b.c0, b.c1, dir, order, s);

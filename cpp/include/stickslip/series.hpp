@@ -129,6 +129,32 @@ T evaluate(const T* c, int order, const H& h) {
   return s;
 }
 
+// The same for four series in step, in even and odd powers: short chains that do not wait for each other.
+template <class T>
+void evaluate_four(const T* const (&c)[4], int order, const T& h, T* out) {
+  const T square = h * h;
+  T even[4], odd[4];
+  int k = order;
+  for (int i = 0; i < 4; ++i) {
+    odd[i] = T(0.0);
+    even[i] = c[i][k];
+  }
+  if (k % 2 == 1) {
+    for (int i = 0; i < 4; ++i) {
+      odd[i] = even[i];
+      even[i] = c[i][k - 1];
+    }
+    --k;
+  }
+  for (k -= 2; k >= 0; k -= 2) {
+    for (int i = 0; i < 4; ++i) {
+      odd[i] = odd[i] * square + c[i][k + 1];
+      even[i] = even[i] * square + c[i][k];
+    }
+  }
+  for (int i = 0; i < 4; ++i) out[i] = even[i] + odd[i] * h;
+}
+
 // Its first derivative.
 template <class T, class H>
 T evaluate_slope(const T* c, int order, const H& h) {

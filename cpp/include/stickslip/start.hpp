@@ -27,7 +27,11 @@ template <class T>
 void piece_state(const System<T>& sys, const Mode& mode, Piece<T>& piece, const State<T>& start, int order, const T& h,
                  T* z) {
   constexpr Effect owner[] = {fx_memory, fx_compliance, fx_droop, fx_lag};
-  for (int i = 0; i < 4; ++i) z[i] = evaluate_at(state_series(piece, i), order, h);
+  if constexpr (requires(T x) { x.d[0]; }) {
+    for (int i = 0; i < 4; ++i) z[i] = evaluate_at(state_series(piece, i), order, h);
+  } else {
+    evaluate_four<T>({piece.s.x1, piece.s.x2, piece.s.y1, piece.s.y2}, order, h, z);
+  }
   if (mode.contact == 0 && sys.structure.effects == 0) z[1] = sys.rig.v_b;
   if (sys.structure.effects == 0) {
     for (int i = hidden_w; i < state_count; ++i) z[i] = start.z[i];
