@@ -15,14 +15,17 @@ __all__: list[str] = [
     "LawKind",
     "Locator",
     "MAX_KNOTS",
+    "MAX_SWEEP_POINTS",
     "Outcome",
     "PARAMETERS",
     "RigKind",
     "STATES",
+    "SWEEP_ROW",
     "Structure",
     "build_config",
     "first_order",
     "simulate",
+    "sweep",
 ]
 
 class RigKind(enum.IntEnum):
@@ -99,8 +102,26 @@ def simulate(
     order: typing.SupportsInt | typing.SupportsIndex = 0,
     fixed_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> dict[str, object]: ...
+def sweep(
+    *,
+    structure: Structure,
+    base: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    varied: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    t_end: typing.SupportsFloat | typing.SupportsIndex,
+    after: typing.SupportsFloat | typing.SupportsIndex,
+    rtol: typing.SupportsFloat | typing.SupportsIndex,
+    atol: typing.SupportsFloat | typing.SupportsIndex,
+    observe: typing.SupportsInt | typing.SupportsIndex,
+    points: typing.SupportsInt | typing.SupportsIndex,
+    lanes: bool,
+    threads: typing.SupportsInt | typing.SupportsIndex,
+    max_transitions: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple[object, ...]: ...
 
 EFFECTS: tuple[str, ...]
 MAX_KNOTS: int = 24
+MAX_SWEEP_POINTS: int = 64
 PARAMETERS: tuple[str, ...]
 STATES: tuple[str, ...]
+SWEEP_ROW: tuple[str, ...]

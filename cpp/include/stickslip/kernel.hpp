@@ -2,6 +2,8 @@
 // for this processor; the builds themselves live in stickslip::baseline, ::avx2 and ::avx512.
 #pragma once
 
+#include <cstddef>
+
 #include "stickslip/interface.hpp"
 #include "stickslip/isa.hpp"
 
@@ -10,6 +12,10 @@ namespace stickslip::inline STICKSLIP_ISA {
 // One trajectory with up to `max_seeds` derivatives. Never allocates; results go to `sink` as they come.
 void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
 
+// Trajectories taken from the request's queue until it is empty, in memory of sweep_workspace() bytes aligned to 128.
+void sweep(const stickslip_abi::SweepRequest& request, void* workspace);
+std::size_t sweep_workspace();
+
 }  // namespace stickslip::inline STICKSLIP_ISA
 
 namespace stickslip::dispatch {
@@ -17,5 +23,7 @@ namespace stickslip::dispatch {
 constexpr int max_seeds = 12;
 
 void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
+void sweep(const stickslip_abi::SweepRequest& request, void* workspace);
+std::size_t sweep_workspace();
 
 }  // namespace stickslip::dispatch

@@ -8,6 +8,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
 
 #include "stickslip/isa.hpp"
 
@@ -30,6 +33,11 @@ template <>
 struct Register<8> {
   using Vec [[gnu::vector_size(64)]] = double;
   using Bits [[gnu::vector_size(64)]] = std::int64_t;
+};
+template <>
+struct Register<16> {
+  using Vec [[gnu::vector_size(128)]] = double;
+  using Bits [[gnu::vector_size(128)]] = std::int64_t;
 };
 
 template <int W>
@@ -80,6 +88,27 @@ Lanes<W> max(const Lanes<W>& a, const Lanes<W>& b) {
 template <int W>
 Lanes<W> min(const Lanes<W>& a, const Lanes<W>& b) {
   return Lanes<W>(a.v < b.v ? a.v : b.v);
+}
+
+// Bit i of the result: is lane i of a comparison true?
+template <int W>
+[[gnu::always_inline]] inline unsigned mask_of(const typename Register<W>::Bits& x) {
+#ifdef __AVX512DQ__
+  if constexpr (W == 8) return _mm512_movepi64_mask(reinterpret_cast<__m512i>(x));
+#endif
+#ifdef __AVX2__
+  if constexpr (W == 4) return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(x)));
+#endif
+  if constexpr (W > 4) {
+    constexpr int half = W / 2;
+    typename Register<half>::Bits part[2];
+    static_assert(sizeof part == sizeof x);
+    __builtin_memcpy(part, &x, sizeof x);
+    return mask_of<half>(part[0]) | mask_of<half>(part[1]) << half;
+  }
+  unsigned mask = 0;
+  for (int i = 0; i < W; ++i) mask |= static_cast<unsigned>(x[i] & 1) << i;
+  return mask;
 }
 
 namespace detail {

@@ -115,6 +115,14 @@ R largest(R a, R b) {
   }
 }
 template <class R>
+R smallest(R a, R b) {
+  if constexpr (requires { a.v; }) {
+    return min(a, b);
+  } else {
+    return a < b ? a : b;
+  }
+}
+template <class R>
 R magnitude(R a) {
   if constexpr (requires { a.v; }) {
     return abs(a);

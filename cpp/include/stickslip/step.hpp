@@ -18,7 +18,7 @@ Real<T> step_from(const Real<T>& last, const Real<T>& before, const Real<T>& sca
   const R h1 = (allowed - rough_log2(last + tiny)) * (1.0 / order);
   const R h2 = (allowed - rough_log2(before + tiny)) * (1.0 / (order - 1));
   const R safety(-0.7 / (order - 1) * 1.4426950408889634);
-  return rough_exp2(R((h1 < h2 ? h1 : h2) + safety));
+  return rough_exp2(R(smallest(h1, h2) + safety));
 }
 
 // With effects, what drives a switching function counts too: the friction or its demand, the static limits, the
@@ -54,20 +54,35 @@ Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Re
   return R(step);
 }
 
+// The scale of a motion: its speeds, and its positions as speeds.
+template <class T>
+Real<T> motion_scale(const System<T>& sys, const Series<T>& s) {
+  using R = Real<T>;
+  const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
+  const R speed = largest(R(magnitude(value(s.x2[0]))), R(magnitude(value(s.y2[0]))));
+  return largest(speed, R(position * natural_frequency(sys)));
+}
+
+template <class T>
+Real<T> step_plain(const System<T>& sys, const Series<T>& s, int order, double rtol, double atol) {
+  using R = Real<T>;
+  const auto size = [&](int k) { return largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k])))); };
+  return step_from<T>(size(order), size(order - 1), motion_scale(sys, s), order, rtol, atol);
+}
+
 template <class T>
 Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piece, int order, double rtol,
                     double atol) {
   using R = Real<T>;
   const Series<T>& s = piece.s;
-  const bool plain = sys.structure.effects == 0;
+  if (sys.structure.effects == 0) return step_plain(sys, s, order, rtol, atol);
   const auto size = [&](int k) {
     const R motion = largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k]))));
-    return plain || k == 0 ? motion : largest(motion, effect_size(sys, mode, piece.fx, k));
+    return largest(motion, effect_size(sys, mode, piece.fx, k));
   };
-  const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
-  const R scale = largest(size(0), R(position * natural_frequency(sys)));
+  const R scale = motion_scale(sys, s);
   const R h = step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
-  if (plain || mode.contact == 0 || (sys.structure.effects & fx_peak) == 0) return h;
+  if (mode.contact == 0 || (sys.structure.effects & fx_peak) == 0) return h;
   return peak_step(sys, piece.fx, order, h, tolerance_share * (atol + rtol * static_cast<double>(scale)));
 }
 

@@ -1,0 +1,170 @@
+// W trajectories in the same mode, stepped together. A lane that meets a surface or its time leaves; another enters.
+#pragma once
+
+#include "stickslip/start.hpp"
+#include "stickslip/table.hpp"
+#include "stickslip/tally.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// A trajectory between two batches.
+struct Member {
+  System<double> sys;
+  State<double> s;
+  Mode mode;
+  Side side;     // of watch_contact, where it has just left the surface
+  double limit;  // time at which it must be looked at: `after`, then t_end
+  long index, changes;
+  Tally tally;
+};
+
+// Sets up member m.index from its row of values and finds its mode.
+inline void start_member(const SweepRequest& q, Member& m, Piece<double>& scratch) {
+  double all[parameter_count + state_count];
+  for (int i = 0; i < parameter_count + state_count; ++i) all[i] = q.base[i];
+  for (int j = 0; j < q.n_varied; ++j) all[q.varied[j]] = q.values[m.index * q.n_varied + j];
+  for (int i = 0; i < parameter_count; ++i) m.sys.p[i] = all[i];
+  for (int i = 0; i < state_count; ++i) m.s.z[i] = all[parameter_count + i];
+  m.s.t = 0;
+  m.sys.structure = *q.structure;
+  build(m.sys);
+  build_table(m.sys);
+  Side on[watch_count] = {};
+  m.mode = Mode{};
+  set_modes(m.sys, m.s, m.mode, on, 2, scratch);
+  m.side = on[watch_contact];
+  m.changes = 0;
+  clear(m.tally);
+  m.limit = q.after > 0 ? q.after : q.t_end;
+}
+
+// Observables count from here.
+inline void begin_counting(const SweepRequest& q, Member& m) {
+  const double steps = m.tally.row.steps;
+  clear(m.tally);
+  m.tally.row.steps = steps;
+  m.limit = q.t_end;
+}
+
+inline void report(const SweepRequest& q, Member& m, Outcome outcome) {
+  SweepRow& row = m.tally.row;
+  for (int i = 0; i < state_count; ++i) row.final_state[i] = m.s.z[i];
+  row.t = m.s.t;
+  row.outcome = static_cast<double>(outcome);
+  q.done(q.context, m.index, row, &m.tally.points[0][0]);
+}
+
+template <int W>
+struct Batch {
+  using L = Lanes<W>;
+  System<L> sys;
+  State<L> s;
+  Mode mode;
+  Piece<L> piece;
+  L limit;
+  L stick, steps;
+  typename L::Bits on_lower, on_upper;  // lanes that stand on a bound of the watch and are leaving it
+  Member* member[W] = {};
+  unsigned busy = 0;
+  int active = 0;
+
+  const typename L::Bits& standing(Side side) const { return side == Side::lower ? on_lower : on_upper; }
+};
+
+template <int W>
+void copy_branch(Branch<Lanes<W>>& to, int i, const Branch<double>& from) {
+  to.shape = from.shape;
+  to.has_kink = from.has_kink;
+  const double values[] = {from.static_limit, from.c0,    from.c1,        from.c2,
+                           from.rational,     from.decay, from.a1,        from.k1,
+                           from.a2,           from.k2,    from.saturated, from.has_kink ? from.kink : 0.0};
+  Lanes<W>* slots[] = {&to.static_limit, &to.c0, &to.c1, &to.c2, &to.rational,  &to.decay,
+                       &to.a1,           &to.k1, &to.a2, &to.k2, &to.saturated, &to.kink};
+  for (int k = 0; k < 12; ++k) slots[k]->set(i, values[k]);
+}
+
+template <int W>
+void copy_rig(Rig<Lanes<W>>& to, int i, const Rig<double>& from) {
+  to.two = from.two;
+  const double values[] = {from.a1, from.over_a1, from.kx, from.e1, from.s, from.over_a2, from.b3, from.e12, from.v_b};
+  Lanes<W>* slots[] = {&to.a1, &to.over_a1, &to.kx, &to.e1, &to.s, &to.over_a2, &to.b3, &to.e12, &to.v_b};
+  for (int k = 0; k < 9; ++k) slots[k]->set(i, values[k]);
+}
+
+template <int W>
+void enter(Batch<W>& b, int i, Member* m) {
+  copy_rig(b.sys.rig, i, m->sys.rig);
+  if (m->mode.contact <= 0) copy_branch(b.sys.minus, i, m->sys.minus);
+  if (m->mode.contact >= 0) copy_branch(b.sys.plus, i, m->sys.plus);
+  b.sys.structure.effects = 0;
+  b.sys.stick_step.set(i, m->sys.stick_step);
+  b.sys.line_step.set(i, m->sys.line_step);
+  for (int k = 0; k < 4; ++k) b.s.z[k].set(i, m->s.z[k]);
+  b.s.t.set(i, m->s.t);
+  b.limit.set(i, m->limit);
+  b.on_lower[i] = m->side == Side::lower ? -1 : 0;
+  b.on_upper[i] = m->side == Side::upper ? -1 : 0;
+  b.stick.set(i, 0.0);
+  b.steps.set(i, 0.0);
+  b.mode = m->mode;
+  b.member[i] = m;
+  b.busy |= 1u << i;
+  ++b.active;
+}
+
+template <int W>
+void leave(Batch<W>& b, int i) {
+  Member* m = b.member[i];
+  for (int k = 0; k < 4; ++k) m->s.z[k] = b.s.z[k][i];
+  m->s.t = b.s.t[i];
+  m->tally.row.stick_time += b.stick[i];
+  m->tally.row.steps += b.steps[i];
+  b.member[i] = nullptr;
+  b.busy &= ~(1u << i);
+  --b.active;
+}
+
+// An idle lane copies a busy one, so that it computes something harmless.
+template <int W>
+void fill_idle(Batch<W>& b, int busy) {
+  Member* m = b.member[busy];
+  for (int i = 0; i < W; ++i) {
+    if (b.member[i] != nullptr) continue;
+    enter(b, i, m);
+    --b.active;
+    b.busy &= ~(1u << i);
+    b.member[i] = nullptr;
+    for (int k = 0; k < 4; ++k) b.s.z[k].set(i, b.s.z[k][busy]);
+    b.s.t.set(i, b.s.t[busy]);
+    b.on_lower[i] = b.on_lower[busy];
+    b.on_upper[i] = b.on_upper[busy];
+  }
+}
+
+// Lanes whose exit through `side` a bound does not exclude, as a mask of bits.
+template <int W>
+unsigned suspects(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, const Lanes<W>& h, const Lanes<W>& rest) {
+  using Vec = typename Lanes<W>::Vec;
+  const double sign = side == Side::lower ? 1.0 : -1.0;
+  const Vec bound = side == Side::lower ? watch.lo.v : watch.hi.v;
+  const Vec c0 = sign * (watch.c[0].v - bound), c1 = sign * watch.c[1].v, c2 = sign * watch.c[2].v * h.v;
+  const Vec end = c0 + c1 * h.v, end1 = c1 + c2;
+  const Vec free = (c0 < end ? c0 : end) - rest.v;
+  const Vec left = (c1 < end1 ? c1 : end1) * h.v - rest.v + (c2 < 0 ? -c2 : c2) * h.v;
+  return mask_of<W>((b.standing(side) ? left : free) <= 0) & b.busy;
+}
+
+// The first exit of lane i through `side` within h, located as the scalar kernel does.
+template <int W>
+bool locate(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, int i, int order, double& h) {
+  const bool leaving = b.standing(side)[i] != 0;
+  const double sign = side == Side::lower ? 1.0 : -1.0;
+  double c[series_size], t;
+  for (int k = 0; k <= order; ++k) c[k] = sign * watch.c[k][i];
+  c[0] = leaving ? 0.0 : c[0] - sign * (side == Side::lower ? watch.lo[i] : watch.hi[i]);
+  if (!first_crossing(c, order, h, leaving, true, t)) return false;
+  h = t;
+  return true;
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

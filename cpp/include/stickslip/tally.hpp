@@ -1,0 +1,109 @@
+// What a sweep observes of a trajectory while it runs; nothing of it is stored.
+#pragma once
+
+#include "stickslip/piece.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+struct Tally {
+  SweepRow row;
+  double points[max_sweep_points][5];
+};
+
+inline void clear(Tally& tally) {
+  tally.row = SweepRow{};
+  for (int i = 0; i < 4; ++i) {
+    tally.row.state_min[i] = std::numeric_limits<double>::infinity();
+    tally.row.state_max[i] = -std::numeric_limits<double>::infinity();
+  }
+}
+
+// One coefficient series of one lane.
+struct Strided {
+  const double* c;
+  int stride;
+  double operator[](int k) const { return c[k * stride]; }
+};
+
+inline double at(const Strided& c, int order, double h) {
+  double s = c[order];
+  for (int k = order - 1; k >= 0; --k) s = s * h + c[k];
+  return s;
+}
+inline double slope_at(const Strided& c, int order, double h) {
+  double s = c[order] * order;
+  for (int k = order - 1; k >= 1; --k) s = s * h + c[k] * k;
+  return s;
+}
+
+// Extremes over [0, h]: the ends, and where the slope changes sign between them.
+inline void widen(Tally& tally, int i, const Strided& c, int order, double h) {
+  const auto take = [&](double x) {
+    if (x < tally.row.state_min[i]) tally.row.state_min[i] = x;
+    if (x > tally.row.state_max[i]) tally.row.state_max[i] = x;
+  };
+  take(c[0]);
+  take(at(c, order, h));
+  double a = 0, b = h, sa = c[1], sb = slope_at(c, order, h);
+  if (!(sa * sb < 0)) return;
+  for (int k = 0; k < 100 && b - a > 1e-9 * h; ++k) {  // an extremum needs half the digits of its place
+    double t = k % 3 == 2 ? 0.5 * (a + b) : a - sa * (b - a) / (sb - sa);
+    if (!(t > a && t < b)) t = 0.5 * (a + b);
+    const double st = slope_at(c, order, t);
+    if (st * sa > 0) {
+      a = t;
+      sa = st;
+    } else {
+      b = t;
+      sb = st;
+    }
+  }
+  take(at(c, order, 0.5 * (a + b)));
+}
+
+// Work of friction on the sliding block, integral of T v_w: Gauss points of the series.
+inline double work(const Rig<double>& r, const Strided* z, int order, double h, double belt) {
+  constexpr double x[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+  constexpr double w[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+  double sum = 0;
+  for (int g = 0; g < 8; ++g) {
+    const double t = 0.5 * h * (1 + (g < 4 ? -x[g] : x[g - 4]));
+    double v[4];
+    for (int i = 0; i < 4; ++i) v[i] = at(z[i], order, t);
+    const double a = slope_at(z[1], order, t);
+    const double friction = -(r.a1 * (a + r.kx * v[0]) + bracket(r, v[1], v[2], v[3]));
+    sum += w[g % 4] * friction * (v[1] - belt);
+  }
+  return 0.5 * h * sum;
+}
+
+// A step of length h of a piece, seen from `after` on.
+inline void observe_step(Tally& tally, std::uint32_t what, const Rig<double>& r, const Strided* z, int contact,
+                         int order, double h) {
+  if ((what & ob_range) != 0)
+    for (int i = 0; i < (r.two ? 4 : 2); ++i) widen(tally, i, z[i], order, h);
+  if ((what & ob_dissipated) != 0 && contact != 0) tally.row.dissipated += work(r, z, order, h, r.v_b);
+}
+
+// A change of the contact mode, seen from `after` on.
+inline void observe_transition(Tally& tally, int points, int before, int now, double t, const double* state) {
+  SweepRow& row = tally.row;
+  row.transitions += 1;
+  if (now == 0) return;
+  row.slips += before == 0 ? 1 : 0;
+  if (row.releases > 0) {
+    const double interval = t - row.last_release;
+    row.interval_squares += interval * interval;
+  } else {
+    row.first_release = t;
+  }
+  row.last_release = t;
+  if (points > 0) {
+    double* p = tally.points[static_cast<long>(row.releases) % points];
+    p[0] = t;
+    for (int i = 0; i < 4; ++i) p[i + 1] = state[i];
+  }
+  row.releases += 1;
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

@@ -1,0 +1,84 @@
+#include "stickslip/sweep.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+#include <thread>
+
+#include "stickslip/kernel.hpp"
+
+namespace stickslip {
+
+namespace {
+
+using namespace stickslip_abi;
+
+struct Shared {
+  std::atomic<long> next{0};
+  std::atomic<bool> stop{false};
+  std::atomic<int> running{0};
+  long members;
+  int points;
+  SweepResult* out;
+};
+
+long take(void* context) {
+  Shared& s = *static_cast<Shared*>(context);
+  if (s.stop.load(std::memory_order_relaxed)) return -1;
+  const long member = s.next.fetch_add(1, std::memory_order_relaxed);
+  return member < s.members ? member : -1;
+}
+
+void done(void* context, long member, const SweepRow& row, const double* points) {
+  Shared& s = *static_cast<Shared*>(context);
+  double* to = s.out->rows.data() + member * sweep_row_size;
+  std::memcpy(to, &row, sizeof row);
+  const long kept = s.points == 0                                ? 0
+                    : static_cast<long>(row.releases) < s.points ? static_cast<long>(row.releases)
+                                                                 : s.points;
+  double* p = s.out->points.data() + member * s.points * 5;
+  for (long k = 0; k < kept; ++k) {  // the ring, newest first
+    const long slot = (static_cast<long>(row.releases) - 1 - k) % s.points;
+    std::memcpy(p + k * 5, points + slot * 5, 5 * sizeof(double));
+  }
+}
+
+void work(SweepRequest request, Shared& shared) {
+  constexpr std::align_val_t line{128};
+  void* workspace = ::operator new(dispatch::sweep_workspace(), line);
+  dispatch::sweep(request, workspace);
+  ::operator delete(workspace, line);
+  shared.running.fetch_sub(1);
+}
+
+}  // namespace
+
+SweepResult sweep(SweepRequest request, long members, int threads, bool (*interrupted)()) {
+  SweepResult out;
+  out.rows.resize(static_cast<std::size_t>(members) * sweep_row_size);
+  out.points.assign(static_cast<std::size_t>(members) * static_cast<std::size_t>(request.points) * 5,
+                    std::numeric_limits<double>::quiet_NaN());
+  Shared shared;
+  shared.members = members;
+  shared.points = request.points;
+  shared.out = &out;
+  request.context = &shared;
+  request.take = take;
+  request.done = done;
+  shared.running = threads;
+  std::vector<std::thread> pool;
+  for (int i = 0; i < threads; ++i) pool.emplace_back([&] { work(request, shared); });
+  for (auto pause = std::chrono::microseconds(50); shared.running.load() > 0;
+       pause = std::min(pause * 2, std::chrono::microseconds(20000))) {
+    std::this_thread::sleep_for(pause);
+    if (!shared.stop.load() && interrupted()) shared.stop = out.interrupted = true;
+  }
+  for (std::thread& thread : pool) thread.join();
+  return out;
+}
+
+}  // namespace stickslip
