@@ -167,15 +167,20 @@ def evidence(delta: float) -> r.Evidence:
     )
 
 
-def found(case: ss.Case, *, verdict: str = "effect_found") -> r.Found:
-    """The result, with verdict effect_found (tied), no_effect, or unlisted_effect (a curve on the block)."""
-    model = Model(
+def true_model(case: ss.Case) -> Model:
+    """What the readings were made with."""
+    return Model(
         case.rig,
         friction=ss.PaperFriction(),
         effects=[LAG],
         channels=dict(case.channels),
         noise=dict(case.noise),
     )
+
+
+def found(case: ss.Case, *, verdict: str = "effect_found") -> r.Found:
+    """The result, with verdict effect_found (tied), no_effect, or unlisted_effect (a curve on the block)."""
+    model = true_model(case)
     bare = model.with_effects([])
     runs = [view(model, one) for one in case.runs]
     train, validate = (
@@ -236,3 +241,8 @@ def _unlisted() -> r.FoundEffect:
         "block", "x1", "force on the block", x, value, value - 0.03, value + 0.03, x[::12], "0.4 sin(7 x1)"
     )
     return r.FoundEffect("unlisted", "block", ("x1",), {}, evidence(900.0), (), "+g(x1)", curve)
+
+
+def per_reading(case: ss.Case) -> float:
+    """How many of the readings' length unit make 1 of the model's."""
+    return 1e3 * case.rig.scales.length if case.rig.scales else 1.0

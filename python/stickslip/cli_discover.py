@@ -143,11 +143,16 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path)
 
     loaded = load_model(model)
     if not np.isfinite(horizon) or horizon <= 0:
-        raise InputError("must be above 0", key="--horizon", value=horizon)
+        raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
     v_b = _model_speed(loaded, belt_speed)
     past = load_recording(
         run, loaded.rig, channels=_channels(loaded, run), belt_speed=belt_speed, noise=loaded.noise
     )
+    step = float(np.median(np.diff(past.t))) / factor("t", past.unit("t"), past.rig)
+    if horizon < step:
+        raise InputError(
+            f"shorter than the run's sampling interval {step:.4g}", key="--horizon", value=horizon
+        )
     frame = predict(loaded, past, belt_speed=v_b, horizon=horizon * factor("t", past.unit("t"), past.rig))
     with whole(out) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.10g")

@@ -96,6 +96,11 @@ def sureness(found: Found) -> list[str]:
             "An effect too small to show above the noise of these runs is not excluded.",
         ]
     lines = [f"Something is missing, that is sure: its gain is {short(g.observed, 3)}; {alarm}."]
+    if not found.residual_after.clean and found.verdict is Verdict.effect_found:
+        names = joined([effect.name for effect in found.effects])
+        lines.append(
+            f"But no name tried explains the readings down to their noise; {names} is the best of them."
+        )
     return lines + [_of_the_name(effect) for effect in found.effects]
 
 
@@ -116,8 +121,8 @@ def _of_the_name(effect: FoundEffect) -> str:
         return f"{who} is NOT settled: these runs cannot tell it from {odds}.{exact}"
     if effect.alternatives:
         nearest = max(effect.alternatives, key=lambda one: one.odds)
-        return f"{who} is settled: the odds of the nearest rival, {nearest.name}, are {_odds(nearest.odds)}."
-    return f"{who} is settled: no rival comes near."
+        return f"{who} stands: for the nearest rival, {nearest.name}, it is {_odds(nearest.odds)}."
+    return f"{who} stands: no rival comes near."
 
 
 def _odds(odds: float) -> str:

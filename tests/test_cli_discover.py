@@ -1,0 +1,127 @@
+"""The commands discover and forecast: what they write, print and return."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner, Result
+
+import found_by_hand
+import stickslip as ss
+from stickslip.cli import main
+from stickslip.discovery.result import Found
+
+
+def invoke(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+@pytest.fixture
+def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Let the command return a result put together by hand, of the verdict asked for."""
+
+    def use(verdict: str) -> None:
+        def search(case: ss.Case, *, progress: Callable[[str], None], seed: int) -> Found:
+            assert seed == 3
+            progress("trying sensor_lag")
+            return found_by_hand.found(case, verdict=verdict)
+
+        monkeypatch.setattr("stickslip.discover.discover", search)
+        monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+
+    return use
+
+
+@pytest.mark.parametrize("verdict", ["no_effect", "effect_found", "unlisted_effect"])
+def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None], verdict: str) -> None:
+    known(verdict)
+    path = found_by_hand.write_case(tmp_path, si=True)
+    result = invoke("discover", path, "--out", tmp_path / "out", "--seed", "3")
+    assert result.exit_code == 0, result.output
+    assert json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))["verdict"] == verdict
+    assert "trying sensor_lag" in result.stderr
+    for name in ("report.html", "report.json", "model_before.toml", "model_after.toml"):
+        assert str(tmp_path / "out" / name) in result.stdout
+        assert (tmp_path / "out" / name).is_file()
+
+
+def test_what_is_printed_has_the_tie_the_si_value_and_the_next_experiment(
+    tmp_path: Path, known: Callable[[str], None]
+) -> None:
+    known("effect_found")
+    path = found_by_hand.write_case(tmp_path, si=True)
+    out = " ".join(invoke("discover", path, "--out", tmp_path / "out", "--seed", 3).stdout.split())
+    assert "NOT settled: these runs cannot tell it from sensor_delay" in out
+    assert "0.009603 s" in out
+    assert "Next experiment: a common trigger for both sensors, to tell sensor_lag from sensor_delay." in out
+
+
+def test_no_verdict_is_one_line_and_not_zero(tmp_path: Path) -> None:
+    path = found_by_hand.write_case(tmp_path)
+    path.write_text(path.read_text().replace('"validate"', '"train"'), encoding="utf-8")
+    result = invoke("discover", path, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert result.stderr == "stickslip: rig.toml: no [[run]] has role = 'validate'; give it to at least one\n"
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("si", [True, False])
+def test_forecast_meets_what_happened(tmp_path: Path, si: bool) -> None:
+    case = ss.load_case(found_by_hand.write_case(tmp_path, si=si))
+    model = found_by_hand.true_model(case)
+    model.save(tmp_path / "model.toml")
+    whole = pd.read_csv(tmp_path / "run_03.csv")
+    now, later = 1000, 1300
+    whole[:now].to_csv(tmp_path / "past.csv", index=False)
+    horizon = float(whole["t"][later - 1] - whole["t"][now - 1]) * 1.0001
+    recording = case.run("run_03")
+    speed = recording.belt_speed * (case.rig.scales.velocity if si else 1.0)
+    result = invoke(
+        "forecast", tmp_path / "model.toml", tmp_path / "past.csv", "--belt-speed", speed, "--horizon", horizon,
+        "--out", tmp_path / "next.csv",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    ahead = pd.read_csv(tmp_path / "next.csv")
+    assert list(ahead.columns) == ["t", "x1", "y1"]
+    assert len(ahead) == later - now
+    np.testing.assert_allclose(ahead["t"], whole["t"][now:later], rtol=1e-5)
+    noise = recording.noise["x1"] * found_by_hand.per_reading(case)
+    truth = found_by_hand.readings(model, recording.belt_speed)[now:later, 1:] * found_by_hand.per_reading(
+        case
+    )
+    off = np.sqrt(np.mean((ahead[["x1", "y1"]].to_numpy() - truth) ** 2))
+    assert off < 2 * noise  # two cycles ahead, of readings that spread by several hundred times the noise
+    assert np.std(truth) > 100 * noise
+
+
+def test_forecast_writes_nothing_on_bad_input(tmp_path: Path) -> None:
+    case = ss.load_case(found_by_hand.write_case(tmp_path))
+    case.model().save(tmp_path / "model.toml")
+    run = tmp_path / "run_03.csv"
+    out = tmp_path / "next.csv"
+    result = invoke(
+        "forecast", tmp_path / "model.toml", run, "--belt-speed", 0.1, "--horizon", "-1", "--out", out
+    )
+    assert result.exit_code == 2
+    assert result.stderr == "stickslip: --horizon = -1.0: must be a finite number above 0\n"
+    assert not out.exists()
+
+
+@pytest.mark.slow
+def test_a_lag_is_found_and_removed(tmp_path: Path) -> None:
+    path = found_by_hand.write_case(tmp_path, si=True)
+    result = invoke("discover", path, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
+    first = report["effects"][0]
+    assert "sensor_lag" in {first["name"], *(a["name"] for a in first["alternatives"] if a["tied"])}
+    assert (
+        first["name"] != "sensor_lag"
+        or first["parameters"]["tau"]["low"] < 0.12 < first["parameters"]["tau"]["high"]
+    )
+    assert report["error"]["after"] < 0.5 * report["error"]["before"]
