@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from stickslip import reference
+from stickslip.cycle_sensitivity import cycle_sensitivity
 from stickslip.cycles import limit_cycle
 from stickslip.sliding import NoLimitCycleError, steady_sliding
 
@@ -156,3 +157,38 @@ def test_bad_input_is_answered_in_one_line(model, speed, keywords, message):
     with pytest.raises(ss.StickslipError, match=message) as caught:
         limit_cycle(model, speed, **keywords)
     assert "\n" not in str(caught.value)
+
+
+def test_sensitivity_of_the_period_in_closed_form():
+    # Coulomb on a belt: period 2 (pi - atan(A/v)) + 2 A/v, A = static - kinetic
+    v, a = 0.25, 0.6
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.0, kinetic=0.4))
+    moved = cycle_sensitivity(limit_cycle(model, v), ("belt_speed", "static", "kinetic"))
+    by_a, by_v = -2 * v / (v**2 + a**2) + 2 / v, 2 * a / (v**2 + a**2) - 2 * a / v**2
+    assert moved.period == pytest.approx([by_v, by_a, -by_a], rel=1e-9)
+    # x1 is greatest at kinetic + sqrt(A^2 + v^2)
+    r = np.hypot(a, v)
+    assert moved.state[0] == pytest.approx([v / r, a / r, 1 - a / r], abs=1e-9)
+
+
+def test_sensitivity_of_the_reference_rig_against_differences_of_cycles():
+    cycle = limit_cycle(RIG, 0.1)
+    names = ("alpha1", "eta12", "T_s_minus", "t2")
+    moved = cycle_sensitivity(cycle, names)
+    for k, name in enumerate(names):
+        h = 1e-4 * RIG.parameters[name]
+        up, down = (
+            limit_cycle(RIG.replace({name: RIG.parameters[name] + s * h}), 0.1, cycle) for s in (1, -1)
+        )
+        assert moved.period[k] == pytest.approx((up.period - down.period) / (2 * h), rel=1e-5)
+        assert moved.state[:, k] == pytest.approx((up.state - down.state) / (2 * h), rel=1e-4, abs=1e-6)
+
+
+def test_sensitivity_of_a_forced_cycle_to_the_frequency():
+    cycle = limit_cycle(popp_stelter(), 1.0)
+    moved = cycle_sensitivity(cycle, ("effect.w", "belt_speed"))
+    assert moved.period == pytest.approx([-2 * np.pi / 1.067**2, 0.0], rel=1e-9)
+    h = 1e-5
+    up, down = (limit_cycle(popp_stelter(w=1.067 + s * h), 1.0, cycle) for s in (1, -1))
+    assert moved.state[:, 0] == pytest.approx((up.state - down.state) / (2 * h), abs=1e-5)
+    assert moved.state[1, 1] == pytest.approx(1.0)  # looked at inside a stick: it moves with the belt

@@ -7,6 +7,7 @@ from stickslip._core import build_config
 from stickslip.branch import Branch, SpecialPoint
 from stickslip.compare import Comparison, compare
 from stickslip.continuation import continuation
+from stickslip.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
 from stickslip.cycles import LimitCycle, limit_cycle
 from stickslip.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
 from stickslip.errors import InputError, StickslipError
@@ -30,6 +31,7 @@ __all__ = [
     "Case",
     "Comparison",
     "CoulombFriction",
+    "CycleSensitivity",
     "Effect",
     "HyperbolicFriction",
     "Identified",
@@ -53,6 +55,7 @@ __all__ = [
     "build_config",
     "compare",
     "continuation",
+    "cycle_sensitivity",
     "effect",
     "identify",
     "limit_cycle",
