@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 import stickslip as ss
 from stickslip.continuation import continuation
 from stickslip.cycles import limit_cycle
+from stickslip.plot_branch import plot_branch
 from test_cycles import DAMPED, LEINE, RIG, popp_stelter
 
 
@@ -184,3 +185,14 @@ def test_a_branch_becomes_a_dataset(leine):
 def test_bad_input_is_answered_in_one_line(speed, keywords, message):
     with pytest.raises(ss.StickslipError, match=message):
         continuation(LEINE, speed, **keywords)
+
+
+def test_the_figure_shows_every_point_and_both_stabilities(damped):
+    figure = plot_branch(damped, "period")
+    (ax,) = figure.axes
+    lines = [line for line in ax.lines if line.get_linestyle() != "None"]
+    assert {line.get_label() for line in lines} == {"stable", "unstable"}
+    marks = [line for line in ax.lines if line.get_linestyle() == "None"]
+    assert [float(line.get_xdata()[0]) for line in marks] == [one.value for one in damped.special]
+    with pytest.raises(ss.InputError, match="did you mean 'period'"):
+        plot_branch(damped, "periode")
