@@ -174,6 +174,8 @@ def caveats(found: Found) -> list[str]:
                 f"The learned curve holds for {effect.curve.variable} from {low:.3g} to {high:.3g} (model units); "
                 "beyond, it is held constant and nothing is known."
             )
+        if effect.curve is not None and effect.curve.where.endswith("channel"):
+            out.append("The learned curve is one of a reading: report.json has it, model_after.toml does not.")
     speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
     if speeds:
         out.append(
