@@ -5,7 +5,8 @@ Usage: python bench/bench_p1.py [--peers DIR] [--repeats 31] [--out FILE] [--req
 Rivals: scipy's DOP853 with events, heyoka's Taylor integrator with events where it is installed, and with
 --peers the jitted DOP853 mode machine `run` of DIR/peer_numba.py. Every answer is held to the truth before a
 time is taken: 191 transitions, final state and transition times within 1e-9, no worse than the jitted rival's.
-Ratios are medians over pairs measured one after the other. Measure on a plain install.
+Times are those of the calling thread on its processor (every call runs in one), so that other load counts little;
+ratios are medians over pairs measured one after the other. Measure on a plain install.
 """
 
 from __future__ import annotations
@@ -211,10 +212,10 @@ def medians(calls: dict[str, Call], repeats: int) -> dict[str, list[float]]:
             if name.startswith("scipy") and turn % 10:
                 continue  # seconds a run: a few are enough
             calls_a_turn = 1 if name.startswith("scipy") else 5  # the rival before leaves cold caches
-            begin = time.perf_counter()
+            begin = time.thread_time()
             for _ in range(calls_a_turn):
                 call()
-            times[name].append((time.perf_counter() - begin) / calls_a_turn)
+            times[name].append((time.thread_time() - begin) / calls_a_turn)
     return times
 
 
