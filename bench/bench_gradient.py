@@ -2,7 +2,7 @@
 
 Usage: python bench/bench_gradient.py [--repeat 200]
 
-Plain runs and gradients take turns in one process; the medians are compared. The gradient is first held to
+Plain runs and gradients take turns in one process; the medians of processor time are compared. The gradient is first held to
 central differences. Exits with an error where it is wrong or costs more than 6 plain runs.
 """
 
@@ -48,13 +48,13 @@ def check(t_end: float) -> float:
 
 
 def medians(calls: list[Callable[[], object]], repeat: int) -> list[float]:
-    """Median seconds of each call, the calls taking turns."""
+    """Median processor seconds of each call, the calls taking turns."""
     times = np.zeros((repeat, len(calls)))
     for row in times:
         for j, call in enumerate(calls):
-            begin = time.perf_counter()
+            begin = time.process_time()
             call()
-            row[j] = time.perf_counter() - begin
+            row[j] = time.process_time() - begin
     return [float(x) for x in np.median(times, axis=0)]
 
 
