@@ -26,6 +26,7 @@ class ParameterInfo:
     bounds: tuple[float, float] = (-math.inf, math.inf)
     per_run: bool = False
     open_below: bool = False  # the lower bound itself is excluded
+    optional: bool = False  # 0 when left out
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,11 @@ _KINDS = (
     EffectKind(
         "pivot_dry_friction",
         "angle_body",
-        "-f sgn(y2), sticks at y2 = 0",
-        (_not_negative("f", "friction force"),),
+        "-f sgn(y2), sticks at y2 = 0; with a creep speed v_c: -f tanh(y2/v_c)",
+        (
+            _not_negative("f", "friction force"),
+            ParameterInfo("v_c", "creep speed that rounds the sign; 0: sharp", (0.0, math.inf), optional=True),
+        ),
         ("y2",),
         two_degree=True,
     ),

@@ -60,7 +60,7 @@ def effect(name: str, **parameters: float) -> Effect:
     name
         A name of `CATALOGUE`.
     **parameters
-        Every parameter of the effect, nondimensional; a phase `phi` is 0 when left out.
+        Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def effect(name: str, **parameters: float) -> Effect:
     values: dict[str, float] = {}
     for info in kind.parameters:
         if info.name not in parameters:
-            if not info.per_run:
+            if not (info.per_run or info.optional):
                 words = f"lacks its parameter '{info.name}' ({info.meaning}); give {info.name}="
                 raise InputError(f"effect '{name}' {words}")
             values[info.name] = 0.0

@@ -215,7 +215,10 @@ class System:
         if self.two:
             torque = self.angle_force(t, z, side)
             if p := self.e.get("pivot_dry_friction"):
-                torque = 0.0 * torque if side.pivot == 0 else torque - side.pivot * p["f"]
+                if p["v_c"] > 0:
+                    torque = torque - p["f"] * np.tanh(z[3] / p["v_c"])
+                else:
+                    torque = 0.0 * torque if side.pivot == 0 else torque - side.pivot * p["f"]
             out["y1"], out["y2"] = z[3], torque / self.rig.alpha2
         return np.array([out[n] for n in self.names])
 
@@ -250,7 +253,7 @@ class System:
         return {"gap+": lambda _, z: z[2] - d, "gap-": lambda _, z: -z[2] - d}
 
     def _pivot_guards(self, side: Side) -> dict[str, Guard]:
-        if "pivot_dry_friction" not in self.e:
+        if "pivot_dry_friction" not in self.e or self.e["pivot_dry_friction"]["v_c"] > 0:
             return {}
         f = self.e["pivot_dry_friction"]["f"]
         if side.pivot:

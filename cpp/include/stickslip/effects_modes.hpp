@@ -64,7 +64,12 @@ void watch_effects(const System<T>& sys, const Mode& mode, int order, Piece<T>& 
     if (mode.gap >= 0) above(w, mode.gap > 0 ? d : -d);
     if (mode.gap <= 0) below(w, mode.gap < 0 ? -d : d);
   }
-  if (has(sys, fx_pivot)) {
+  if (has(sys, fx_pivot) && creeps(sys)) {
+    const T reach = p[pivot_dry_friction_v_c] * creep_reach;
+    Watch<T>& w = watch_series(piece, watch_pivot, piece.s.y2, 1.0, order);
+    if (mode.pivot >= 0) above(w, mode.pivot > 0 ? reach : -reach);
+    if (mode.pivot <= 0) below(w, mode.pivot < 0 ? -reach : reach);
+  } else if (has(sys, fx_pivot)) {
     if (mode.pivot != 0) {
       above(watch_series(piece, watch_pivot, piece.s.y2, mode.pivot, order), T(0.0));
     } else {
@@ -160,7 +165,10 @@ void change_effects(const System<T>& sys, State<T>& s, Mode& mode, Side* on, int
     case watch_memory: mode.w_sign = -mode.w_sign; return void(on[id] = side);
     case watch_gap: mode.gap += step; break;
     case watch_lift: mode.lifted = !mode.lifted; break;
-    case watch_pivot: return change_pivot(sys, s, mode, on, side, piece);
+    case watch_pivot:
+      if (!creeps(sys)) return change_pivot(sys, s, mode, on, side, piece);
+      mode.pivot += step;
+      break;
     default:
       mode.knot += step;
       if (sys.structure.table_variable == TableVariable::t && sys.structure.table_period > 0 &&

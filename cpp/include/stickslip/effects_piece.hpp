@@ -104,6 +104,31 @@ T stick_friction(const System<T>& sys, const Series<T>& s, const EffectSeries<T>
   return -q;
 }
 
+// With a creep speed the sign is tanh(y2/v_c) where |y2| < creep_reach v_c, and the sign itself beyond: there they differ
+// by 1e-17.
+constexpr double creep_reach = 20;
+template <class T>
+bool creeps(const System<T>& sys) {
+  return value(sys.p[pivot_dry_friction_v_c]) > 0;
+}
+
+// Force of the pivot's friction on the angle body, coefficient k; not called where it is stuck.
+template <class T>
+T pivot_friction(const System<T>& sys, const Mode& mode, const Series<T>& s, EffectSeries<T>& fx, int k) {
+  const T& f = sys.p[pivot_dry_friction_f];
+  if (!creeps(sys) || mode.pivot != 0) return constant(f * static_cast<double>(-mode.pivot), k);
+  const T a = s.y2[k] / sys.p[pivot_dry_friction_v_c];
+  fx.creep_slope[k] = k == 0 ? a : a * static_cast<double>(k);
+  if (k == 0) {
+    const T e = exponential(a * 2.0);
+    fx.creep[0] = (e - T(1.0)) / (e + T(1.0));
+  } else {
+    fx.creep[k] = rotation_next(fx.creep_slope, fx.creep_rest, k);
+  }
+  fx.creep_rest[k] = constant(T(1.0), k) - product(fx.creep, fx.creep, k);
+  return -(f * fx.creep[k]);
+}
+
 // All series of the piece, `order` of them.
 template <class T>
 void expand_effects(const System<T>& sys, const Mode& mode, const State<T>& state, int order, Piece<T>& piece) {
@@ -153,9 +178,9 @@ void expand_effects(const System<T>& sys, const Mode& mode, const State<T>& stat
     s.x1[k + 1] = s.x2[k] * over;
     s.y1[k + 1] = s.y2[k] * over;
     fx.pivot_force[k] = -(r.b3 * s.y1[k] + r.e12 * s.y2[k] + s.x1[k] + r.e1 * s.x2[k]) + leg;
-    const bool free = r.two && !(has(sys, fx_pivot) && mode.pivot == 0);
+    const bool free = r.two && !(has(sys, fx_pivot) && mode.pivot == 0 && !creeps(sys));
     T drive = fx.pivot_force[k];
-    if (has(sys, fx_pivot)) drive = drive - constant(p[pivot_dry_friction_f] * static_cast<double>(mode.pivot), k);
+    if (has(sys, fx_pivot) && free) drive = drive + pivot_friction(sys, mode, s, fx, k);
     s.y2[k + 1] = free ? drive * r.over_a2 * over : T(0.0);
   }
 }

@@ -61,6 +61,7 @@ enum Slot : int {
   harmonic_forcing_w,
   harmonic_forcing_phi,
   pivot_dry_friction_f,
+  pivot_dry_friction_v_c,
   normal_force_feedback_beta2,
   normal_force_feedback_eta2,
   stribeck_peak_dT,
@@ -173,7 +174,7 @@ enum Observable : std::uint32_t {
   ob_counts = 1u << 2,  // transitions, releases, period and its spread
   ob_range = 1u << 3,
   ob_dissipated = 1u << 4,
-  ob_points = 1u << 5   // states at the last releases
+  ob_points = 1u << 5  // states at the last releases
 };
 
 // One trajectory's results. Counted from `after` on.
@@ -195,15 +196,15 @@ constexpr int sweep_row_size = sizeof(SweepRow) / sizeof(double);
 // then states). `take` hands out member numbers, negative when there are none left; `done` receives each result.
 struct SweepRequest {
   const Structure* structure;
-  const double* base;    // parameter_count + state_count
-  const int* varied;     // n_varied
+  const double* base;  // parameter_count + state_count
+  const int* varied;   // n_varied
   int n_varied;
   const double* values;  // members x n_varied
   double t_end, after;
   double rtol, atol;
   std::uint32_t observe;
-  int points;        // how many of the last releases to keep
-  bool lanes;        // false: one at a time, the reference for the lanes
+  int points;  // how many of the last releases to keep
+  bool lanes;  // false: one at a time, the reference for the lanes
   long max_transitions;
   void* context;
   long (*take)(void*);

@@ -60,6 +60,7 @@ struct EffectSeries {
   T forcing[series_size], forcing_cos[series_size];
   T x1_square[series_size], x2_square[series_size], y1_square[series_size], sum[series_size], sum_square[series_size];
   T zv[series_size], ratio[series_size], pivot_force[series_size];
+  T creep_slope[series_size], creep[series_size], creep_rest[series_size];  // y2/v_c, its tanh, 1 - tanh^2
   T table[series_size], variable[series_size], variable2[series_size], variable3[series_size];
 };
 

@@ -59,7 +59,7 @@ struct Mode {
   bool saturated = false;  // the branch holds its floor
   int x2_sign = 1;         // block_quadratic_damping
   int gap = 0;             // spring_gap_k3: -1 below -d, 1 above d
-  int pivot = 1;           // pivot_dry_friction: sign of y2, 0 stuck
+  int pivot = 1;           // pivot_dry_friction: sign of y2, 0 stuck (with a creep speed: within its reach)
   bool lifted = false;     // normal_force_feedback: no contact force
   int w_sign = 1;          // friction_memory
   int knot = 0;            // tabulated term: interval, 0 below the first knot

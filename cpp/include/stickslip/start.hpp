@@ -80,7 +80,10 @@ void set_effect_modes(const System<T>& sys, const State<T>& s, Mode& mode, Side*
     mode.knot = 0;
     while (mode.knot < st.knots && x >= st.knot[mode.knot]) ++mode.knot;
   }
-  if (has(sys, fx_pivot)) {
+  if (has(sys, fx_pivot) && creeps(sys)) {
+    const double reach = creep_reach * real(sys.p[pivot_dry_friction_v_c]), y2 = real(s.z[3]);
+    mode.pivot = y2 > reach ? 1 : (y2 < -reach ? -1 : 0);
+  } else if (has(sys, fx_pivot)) {
     mode.pivot = real(s.z[3]) > 0 ? 1 : -1;
     if (real(s.z[3]) == 0) {
       State<T> copy = s;

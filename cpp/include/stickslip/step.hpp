@@ -54,6 +54,25 @@ Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Re
   return R(step);
 }
 
+// sum over k >= 1 of |c_k| h^k.
+template <class T>
+Real<T> tail_from(const T* c, int order, const Real<T>& h) {
+  Real<T> sum(0.0);
+  for (int k = order; k >= 1; --k) sum = (sum + magnitude(value(c[k]))) * h;
+  return sum;
+}
+
+// tanh(y2/v_c) has its nearest pole pi/2 beside the real axis, and seen from afar hides as the peak does: y2 may move a
+// share of its distance from there.
+template <class T>
+Real<T> creep_step(const System<T>& sys, const Series<T>& s, int order, Real<T> h) {
+  using R = Real<T>;
+  const R v_c = value(sys.p[pivot_dry_friction_v_c]), y2 = value(s.y2[0]);
+  const R most = square_root(R(y2 * y2 + v_c * v_c * 2.467)) * 0.3;
+  for (int i = 0; i < 200 && tail_from(s.y2, order, h) > most; ++i) h = h * 0.8;
+  return h;
+}
+
 // The scale of a motion: its speeds, and its positions as speeds.
 template <class T>
 Real<T> motion_scale(const System<T>& sys, const Series<T>& s) {
@@ -81,8 +100,9 @@ Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piec
     return largest(motion, effect_size(sys, mode, piece.fx, k));
   };
   const R scale = motion_scale(sys, s);
-  const R h = step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
-  if (mode.contact == 0 || (sys.structure.effects & fx_peak) == 0) return h;
+  R h = step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
+  if (has(sys, fx_pivot) && creeps(sys) && mode.pivot == 0) h = creep_step(sys, s, order, h);
+  if (mode.contact == 0 || !has(sys, fx_peak)) return h;
   return peak_step(sys, piece.fx, order, h, tolerance_share * (atol + rtol * static_cast<double>(scale)));
 }
 
