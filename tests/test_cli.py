@@ -139,7 +139,7 @@ def test_a_failed_write_leaves_what_was_there(folder, tmp_path, monkeypatch):
 
 
 def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
-    result = stickslip("demo", "--out", tmp_path)
+    result = stickslip("demo", "--first-half", "--out", tmp_path)
     assert result.exit_code == 0, result.output
     saved = json.loads((tmp_path / "identified.json").read_text())
     weight = 30.7e-3 * 9.81

@@ -1,4 +1,4 @@
-"""The command line: `stickslip simulate | identify | compare | demo`."""
+"""The command line: `stickslip simulate | identify | compare | discover | forecast | demo`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class OneLine(click.Group):
 @click.group(cls=OneLine, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(stickslip.__version__, prog_name="stickslip")
 def main() -> None:
-    """Stick-slip friction rigs: simulate, identify from recordings, compare.
+    """Stick-slip friction rigs: simulate, identify from recordings, compare, find what the model lacks.
 
     Each command shows an example: stickslip identify --help
     """
@@ -201,8 +201,11 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     show_default=True,
     help="Folder for the results.",
 )
-def demo(out: Path) -> None:
+@click.option("--first-half", is_flag=True, help="Stop after the slider.")
+def demo(out: Path, first_half: bool) -> None:
     """Do the whole job on a recording that comes with the package: a slider of paper on paper.
+
+    Then tell the paper's own story: a rig whose measured portrait is rotated, its stick phase irregular, and why.
 
     \b
     Example:
@@ -222,6 +225,10 @@ def demo(out: Path) -> None:
     console.print(comparison_table(result.comparison))
     for paragraph in result.after:
         console.print(paragraph + "\n")
+    if not first_half:
+        from stickslip.story import story
+
+        written += story(out, console).paths
     _say_written(written)
 
 

@@ -38,6 +38,7 @@ CAUSE = (effect("sensor_lag", tau=0.16), effect("belt_speed_ripple", a=0.12, w=6
 NOISE = 1e-3  # of `length`
 SAMPLES, STEP = 1500, 0.06  # model time
 SEED = 4
+BUDGET = 300.0  # seconds at most: the story must not end otherwise on a busy machine
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def story(out: Path, console: Console) -> Told:
     )
     case = load_case(path)
     with folder(place / "found") as temporary, telling("discovering") as tell:
-        found = discover(case, progress=tell)
+        found = discover(case, progress=tell, budget=BUDGET)
         tell("drawing the report")
         fill(temporary, found, case)
     say(found, case, console)

@@ -39,6 +39,7 @@ EFFECTS: Mapping[str, Dimension] = {
     "harmonic_forcing.a": FORCE,
     "harmonic_forcing.w": RATE,
     "pivot_dry_friction.f": FORCE,
+    "pivot_dry_friction.v_c": SPEED,
     "normal_force_feedback.beta2": STIFFNESS,
     "normal_force_feedback.eta2": DAMPING,
     "stribeck_peak.dT": FORCE,
