@@ -192,3 +192,13 @@ def test_sensitivity_of_a_forced_cycle_to_the_frequency():
     up, down = (limit_cycle(popp_stelter(w=1.067 + s * h), 1.0, cycle) for s in (1, -1))
     assert moved.state[:, 0] == pytest.approx((up.state - down.state) / (2 * h), abs=1e-5)
     assert moved.state[1, 1] == pytest.approx(1.0)  # looked at inside a stick: it moves with the belt
+
+
+@pytest.mark.parametrize("speed", [0.1, -0.1])
+def test_an_effect_that_switches_on_the_section_does_no_harm(speed):
+    # quadratic damping has its kink at x2 = 0, where the cycle is cut
+    cycle = limit_cycle(RIG.with_effects([ss.effect("block_quadratic_damping", c=2.0)]), speed)
+    run = cycle.trajectory(3)
+    assert len(run.t) == 3
+    assert run.state[-1] == pytest.approx(run.state[0], abs=1e-10)
+    assert cycle.stable

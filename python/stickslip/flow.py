@@ -20,6 +20,7 @@ from stickslip.simulate import Trajectory, simulate
 Floats = NDArray[np.float64]
 Contact = Literal["auto", "stick", "slip-", "slip+"]
 
+BEYOND = 1e-6  # of a natural time unit: runs end so much later than their last sample, which may be an event
 LOOK_ON = 0.01  # of a natural time unit: how far beyond the end its rate of change is read off
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # where, on [0, 1]
 OWNERS = {"friction_memory": "w", "contact_compliance": "z", "belt_load_droop": "b", "static_aging": "dwell"}
@@ -135,7 +136,7 @@ class Flow:
             belt_speed=self.belt_speed,
             initial=self.initial(z),
             t_start=start,
-            t_end=float(times[-1]),
+            t_end=float(times[-1]) + BEYOND * self.natural_time,
             t_eval=times,
             rtol=self.tolerance,
             atol=self.tolerance,
@@ -162,21 +163,28 @@ class Flow:
     def arc(self, z: Floats, span: float, *, parameter: str | None = None, contact: Contact = "auto") -> Arc:
         """Follow the motion for `span` from `z`, with the derivatives of where it arrives."""
         seeds = (*self.seeds(), *(() if parameter is None else (parameter,)))
-        look = LOOK_ON * self.natural_time
-        for _ in range(8):
-            times = np.concatenate([[0.0], span + look * NODES])
+        look, way = LOOK_ON * self.natural_time, 1.0  # the rate is read off beyond the end
+        while True:
+            beside = span + way * look * NODES
+            times = np.append(0.0, beside if way > 0 else beside[::-1])
             run = self.run(z, times, seeds=seeds, contact=contact)
-            events = np.concatenate([run.transitions.t, run.kinks])
-            beyond = events[(events > span) & (events <= span + look)]
-            if beyond.size == 0:
+            clear = way * (np.concatenate([run.transitions.t, run.kinks]) - span)
+            nearest = float(clear[(clear > 0) & (clear <= look)].min(initial=2 * look))
+            if nearest > look:
                 break
-            look = 0.9 * float(beyond.min() - span)
-        states, jacobian, d = self.full(run), self.jacobian(run)[:2], len(self.states)
-        fit = np.polynomial.chebyshev.chebfit(2 * NODES - 1, states[1:], 7)
-        slope = np.polynomial.chebyshev.chebder(fit)
-        rate = np.asarray(np.polynomial.chebyshev.chebval(-1.0, slope) * 2 / look, dtype=np.float64)
+            if nearest > 0.01 * look:
+                look = 0.9 * nearest
+            elif way > 0:  # an event at the very end: read it off before the end
+                look, way = LOOK_ON * self.natural_time, -1.0
+            else:
+                break
+        at, d = (1 if way > 0 else -1), len(self.states)
+        states, jacobian = self.full(run), self.jacobian(run)[[0, at]]
+        fit = np.polynomial.chebyshev.chebfit(2 * NODES - 1, states[1:] if way > 0 else states[:0:-1], 7)
+        slope = np.polynomial.chebyshev.chebval(-1.0, np.polynomial.chebyshev.chebder(fit))
+        rate = np.asarray(slope * 2 * way / look, dtype=np.float64)
         from_start, at_end = jacobian[..., d] if parameter is not None else np.zeros((2, d))
-        return Arc(states[0], states[1], jacobian[1, :, :d], at_end, from_start, rate, run, span)
+        return Arc(states[0], states[at], jacobian[1, :, :d], at_end, from_start, rate, run, span)
 
 
 def forcing_period(model: Model, belt_speed: float) -> float | None:
