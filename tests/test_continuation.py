@@ -95,6 +95,21 @@ def test_the_branch_turns_round_where_stick_is_lost(damped):
     assert damped.values[-1] == pytest.approx(hopf.value, abs=1e-2)
 
 
+def test_a_branch_that_ends_in_a_jump_says_so():
+    # Coulomb with a drop: with damping the slip falls short of the belt, from a stick still of finite length
+    model = ss.Model(ss.BlockOnBelt(damping=0.05), friction=ss.CoulombFriction(static=1, kinetic=0.5))
+    branch = continuation(model, 0.2, span=(0.05, 4.0))
+    (end,) = branch.special
+    assert (end.kind, end.ends) == ("loss_of_stick", True)
+    assert branch.stick_time[-1] > 0.1
+    returns, misses = 0.5, 1.5
+    while misses - returns > 1e-10:
+        v = 0.5 * (returns + misses)
+        run = ss.simulate(model, belt_speed=v, initial=(1 - 0.05 * v, v), t_end=7.0, contact="slip-")
+        returns, misses = (v, misses) if len(run.transitions) else (returns, v)
+    assert end.value == pytest.approx(returns, abs=1e-7)
+
+
 @pytest.fixture(scope="module")
 def rig():
     return continuation(RIG, 0.1, span=(0.05, 0.3))

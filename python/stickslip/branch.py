@@ -40,6 +40,8 @@ class SpecialPoint:
         Of the branch's point that follows.
     turns_round
         Does the branch turn round in a corner here (a fold that is not smooth)?
+    ends
+        Does the branch end here, the cycle jumping or vanishing?
     """
 
     kind: Kind
@@ -47,6 +49,7 @@ class SpecialPoint:
     cycle: LimitCycle
     index: int
     turns_round: bool = False
+    ends: bool = False
 
 
 @dataclass(frozen=True)
@@ -136,3 +139,25 @@ def branch_of(
         stick_time=np.array([stick_time(one) for one in cycles]),
         special=tuple(special),
     )
+
+
+def kind_of(before: tuple[tuple[int, int], ...], after: tuple[tuple[int, int], ...]) -> Kind:
+    """Name the sliding bifurcation between two sequences of contact modes."""
+    sticks = [sum(into == 0 for _, into in s) for s in (before, after)]
+    crossings = [sum(0 not in change for change in s) for s in (before, after)]
+    if (sticks[0] == 0) != (sticks[1] == 0):
+        return "loss_of_stick"
+    if crossings[0] != crossings[1]:
+        return "crossing"
+    return "grazing"
+
+
+def flip_test(cycle: LimitCycle) -> float:
+    """Zero where a multiplier is -1."""
+    return float(np.prod(1 + cycle.multipliers).real)
+
+
+def neimark_sacker_test(cycle: LimitCycle) -> float:
+    """Zero where a complex pair has modulus 1; nan where there is none."""
+    upper = cycle.multipliers[cycle.multipliers.imag > 1e-9]
+    return float(np.prod(np.abs(upper) - 1)) if len(upper) else np.nan

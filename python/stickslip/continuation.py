@@ -19,7 +19,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from stickslip.branch import Branch, Kind, SpecialPoint, branch_of
+from stickslip.branch import (
+    Branch,
+    Kind,
+    SpecialPoint,
+    branch_of,
+    flip_test,
+    kind_of,
+    neimark_sacker_test,
+)
 from stickslip.cycles import LimitCycle, cycle_of, limit_cycle
 from stickslip.errors import InputError, StickslipError, number, unknown
 from stickslip.flow import Arc, Contact, Floats, Flow
@@ -230,6 +238,7 @@ class Walk:
                     continue
                 turned = self._turn(last)
                 if turned is None:
+                    special += self._end(last, tangent, len(points))
                     break
                 point, tangent, step = turned[0], turned[1], 0.05 * self.step
                 special.append(self._corner(last, point, len(points)))
@@ -271,7 +280,7 @@ class Walk:
             found.append(self._located(self._switch(a, b), a, b, index))
             return found
         values = {"fold": (before[-1], after[-1])}
-        for kind, test in (("flip", _flip), ("neimark_sacker", _neimark_sacker)):
+        for kind, test in (("flip", flip_test), ("neimark_sacker", neimark_sacker_test)):
             values[kind] = (test(self.problem.cycle(a)), test(self.problem.cycle(b)))
         for kind in SMOOTH:
             if values[kind][0] * values[kind][1] < 0:
@@ -305,7 +314,7 @@ class Walk:
     def _test(self, kind: Kind, along: Floats) -> Callable[[Point], float]:
         if kind == "fold":
             return lambda point: float(self.problem.tangent(point, along)[-1])
-        test = _flip if kind == "flip" else _neimark_sacker
+        test = flip_test if kind == "flip" else neimark_sacker_test
         return lambda point: test(self.problem.cycle(point))
 
     def _smooth_zero(self, a: Point, b: Point, test: Callable[[Point], float]) -> Point | None:
@@ -346,6 +355,18 @@ class Walk:
         kind = kind_of(last.signature, point.signature)
         return SpecialPoint(kind, last.value, self.problem.cycle(last), index, turns_round=True)
 
+    def _end(self, last: Point, tangent: Floats, index: int) -> list[SpecialPoint]:
+        """Say why the branch ends, by what the motion does just beyond."""
+        for step in (1e-7, 1e-6, 1e-5):
+            try:
+                signature = self.problem.at(last.x + step * tangent).signature
+            except StickslipError:
+                continue
+            if signature != last.signature:
+                kind = kind_of(last.signature, signature)
+                return [SpecialPoint(kind, last.value, self.problem.cycle(last), index, ends=True)]
+        return []
+
     def _turn(self, last: Point) -> tuple[Point, Floats] | None:
         """Go on from a corner of the branch: tangents of the other side, from states moved a little over to it."""
         d = self.problem.dimension
@@ -374,24 +395,3 @@ class Walk:
             if np.linalg.norm(ahead[0].x - last.x) < 3 * step and not self._outside(ahead[0]):
                 return ahead[0], self.problem.tangent(ahead[0], ahead[0].x - last.x)
         return None
-
-
-def kind_of(before: tuple[tuple[int, int], ...], after: tuple[tuple[int, int], ...]) -> Kind:
-    """Name the sliding bifurcation between two sequences of contact modes."""
-    sticks = [sum(into == 0 for _, into in s) for s in (before, after)]
-    crossings = [sum(0 not in change for change in s) for s in (before, after)]
-    if (sticks[0] == 0) != (sticks[1] == 0):
-        return "loss_of_stick"
-    if crossings[0] != crossings[1]:
-        return "crossing"
-    return "grazing"
-
-
-def _flip(cycle: LimitCycle) -> float:
-    return float(np.prod(1 + cycle.multipliers).real)
-
-
-def _neimark_sacker(cycle: LimitCycle) -> float:
-    """Zero where a complex pair has modulus 1; nan where there is none."""
-    upper = cycle.multipliers[cycle.multipliers.imag > 1e-9]
-    return float(np.prod(np.abs(upper) - 1)) if len(upper) else np.nan
