@@ -23,9 +23,9 @@ BINS = 24
 
 
 def worst_run(found: Found) -> RunView:
-    """The training run that the declared model explains worst."""
-    runs = [run for run in found.runs if run.role == "train"] or list(found.runs)
-    return max(runs, key=lambda run: float(np.nanmean(residual(run, "before", "x1") ** 2)))
+    """The training run that is explained worst, by what was found if that leaves something over."""
+    which = "before" if found.residual_after.clean else "after"
+    return max(_train(found), key=lambda run: float(np.nanmean(residual(run, which, "x1") ** 2)))
 
 
 @styled

@@ -175,7 +175,9 @@ def caveats(found: Found) -> list[str]:
                 "beyond, it is held constant and nothing is known."
             )
         if effect.curve is not None and effect.curve.where.endswith("channel"):
-            out.append("The learned curve is one of a reading: report.json has it, model_after.toml does not.")
+            out.append(
+                "The learned curve is one of a reading: report.json has it, model_after.toml does not."
+            )
     speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
     if speeds:
         out.append(
