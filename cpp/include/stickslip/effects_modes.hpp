@@ -125,8 +125,13 @@ void settle_at_rest(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Pie
     expand_effects(sys, mode, s, 0, piece);
     s.z[hidden_dwell] = before == 0 ? dwell : T(0.0);
     s.z[1] = piece.s.x2[0];
-    if (value(piece.fx.limit_minus[0] + piece.fx.friction[0]) < 0) mode.contact = -1;
-    if (value(piece.fx.limit_plus[0] - piece.fx.friction[0]) < 0) mode.contact = 1;
+    const auto real = [](const T& x) { return static_cast<double>(value(x)); };
+    Side stands = Side::none;
+    mode.contact = contact_at_rest(real(piece.fx.limit_minus[0] + piece.fx.friction[0]),
+                                   real(piece.fx.limit_plus[0] - piece.fx.friction[0]),
+                                   real(piece.fx.limit_minus[0] + piece.fx.limit_plus[0]), stands);
+    if (stands == Side::upper) on[watch_contact] = Side::lower;  // the margins are watched from below
+    if (stands == Side::lower) on[watch_demand] = Side::lower;
   }
   if (!(memory_runs_on && mode.contact == -before)) s.z[hidden_w] = T(0.0);
   leave_rest(sys, s, mode, on);

@@ -135,11 +135,16 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
   return order;
 }
 
-// The block has come to rest on the belt: does it stay?
-template <class T>
-int contact_at_rest(const T& q, const T& lower, const T& upper) {
-  if (value(q) > value(upper)) return -1;
-  return value(q) < value(lower) ? 1 : 0;
+// The block has come to rest on the belt with the given margins of q to the static limits: does it stay? On a limit, to
+// rounding, it does, and then stands on that surface: where q goes next decides, not the last digit.
+constexpr double limit_rounding = 1e-13;
+inline int contact_at_rest(double upper_margin, double lower_margin, double limit, Side& stands) {
+  stands = Side::none;
+  if (upper_margin < -limit_rounding * limit) return -1;
+  if (lower_margin < -limit_rounding * limit) return 1;
+  if (upper_margin <= limit_rounding * limit) stands = Side::upper;
+  if (lower_margin <= limit_rounding * limit) stands = Side::lower;
+  return 0;
 }
 
 template <class T>
@@ -154,7 +159,9 @@ void change_plain(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Side 
   if (slip_end) {
     s.z[1] = sys.rig.v_b;
     const T q = demand(sys.rig, s.z[0], s.z[1], s.z[2], s.z[3]);
-    mode.contact = contact_at_rest(q, T(-sys.plus.static_limit), sys.minus.static_limit);
+    const auto real = [](const T& x) { return static_cast<double>(value(x)); };
+    mode.contact = contact_at_rest(real(sys.minus.static_limit - q), real(sys.plus.static_limit + q),
+                                   real(sys.minus.static_limit + sys.plus.static_limit), on[watch_contact]);
   } else {
     mode.contact = side == Side::upper ? -1 : 1;
   }
