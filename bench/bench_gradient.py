@@ -2,8 +2,8 @@
 
 Usage: python bench/bench_gradient.py [--repeat 200]
 
-Plain runs and gradients take turns in one process; the medians of processor time are compared. The gradient is first held to
-central differences. Exits with an error where it is wrong or costs more than 6 plain runs.
+Plain runs and gradients take turns in one process; the medians of processor time are compared. The
+gradient is first held to central differences. Exits with an error where it is wrong or costs more than 6 plain runs.
 """
 
 import argparse
