@@ -15,10 +15,10 @@ namespace py = pybind11;
 namespace stickslip::bindings {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using ConstMatrix = Eigen::Ref<const RowMatrix>;                   // (n, d) float64, C-contiguous
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;             // (n,) float64
+using ConstMatrix = Eigen::Ref<const RowMatrix>;                                       // (n, d) float64, C-contiguous
+using ConstVector = Eigen::Ref<const Eigen::VectorXd>;                                 // (n,) float64
 using IndexVector = Eigen::Ref<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1>>;  // (n,) int32
-using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;  // (n,) int8: -1, 0, 1
+using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;                      // (n,) int8: -1, 0, 1
 
 void bind_config(py::module_& m);
 void bind_filter(py::module_& m);

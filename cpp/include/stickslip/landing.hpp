@@ -25,7 +25,7 @@ Landings<W> land_lanes(const Watch<Lanes<W>>& watch, Side side, int order, const
   // look no further than a little beyond the root of c0 + c1 t + c2 t^2: bounds are sharp on short intervals
   const Vec near = square_root(Lanes<W>(c2 < 0 ? c1 * c1 - 4.0 * c2 * c0 : Vec{})).v;
   const Vec reach = 1.25 * (c1 + near) / (-2.0 * c2);
-  const Vec hv = (c2 < 0) & (reach > 0) & (reach < h.v) ? reach : h.v;
+  const Vec hv = ((c2 < 0) & (reach > 0) & (reach < h.v)) ? reach : h.v;
   Vec slope_rest = Vec{}, bend_rest = Vec{};  // bounds of S' and S''/2 beyond their first terms
   for (int k = order; k >= 3; --k) {
     const Vec c = watch.c[k].v, size = (c < 0 ? -c : c) * static_cast<double>(k);
@@ -53,7 +53,7 @@ Landings<W> land_lanes(const Watch<Lanes<W>>& watch, Side side, int order, const
   root = square_root(Lanes<W>(root > 0 ? root : Vec{})).v;
   const Vec parabola = (c1 + root) / (-2.0 * q);
   Vec t = falling ? hermite : parabola;
-  t = (t > 0) & (t < hv) ? t : hv * 0.5;
+  t = ((t > 0) & (t < hv)) ? t : hv * 0.5;
   const auto inside = c0 > 0;
   const auto leaving = c1 > 0;
   const unsigned within = (mask_of<W>(inside) & ~standing) | (mask_of<W>(leaving) & standing);
