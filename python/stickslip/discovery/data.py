@@ -17,6 +17,7 @@ from stickslip.records import Recording
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
 GLITCH_SIGMAS = 8.0
+OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
 
 @dataclass(frozen=True)
@@ -163,3 +164,18 @@ def _local(
 def refined(data: Sequence[Data], factor: Floats) -> list[Data]:
     """The runs with their noise multiplied by a factor per channel."""
     return [replace(run, noise=run.noise * factor, weight=run.weight / factor) for run in data]
+
+
+def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[Data]:
+    """The runs with single samples masked that stand out from the residual (n, c) of both neighbours.
+
+    A misfit varies from sample to sample by less than the noise, so that it masks nothing.
+    """
+    out = []
+    for run, r in zip(data, residuals, strict=True):
+        weight = run.weight.copy()
+        middle, spread = 0.5 * (r[:-2] + r[2:]), np.abs(r[2:] - r[:-2])
+        odd = (np.abs(r[1:-1] - middle) > OUTLIER_SIGMAS + spread) & np.isfinite(middle)
+        weight[1:-1][odd] = 0.0
+        out.append(replace(run, weight=weight))
+    return out

@@ -194,17 +194,24 @@ class Engine:
         mode = np.ones(window.stop - window.start, dtype=np.int8)
         return Block(np.full(m, FAILED), zeros, np.zeros((m, len(window.free))), mode)
 
-    def cost(self, vector: Floats, windows: Sequence[Window]) -> float:
-        """chi-squared with the weak priors; infinite where too many windows cannot be simulated."""
-        total, failed = 0.0, 0
-        for w, r in zip(windows, self.pool.map(lambda w: self.residual(vector, w), windows), strict=True):
+    def costs(self, vector: Floats, windows: Sequence[Window]) -> Floats:
+        """chi-squared by window, its own priors included; infinite throughout where too many cannot be simulated."""
+        out, failed = np.empty(len(windows)), 0
+        for i, (w, r) in enumerate(
+            zip(windows, self.pool.map(lambda w: self.residual(vector, w), windows), strict=True)
+        ):
             failed += r is None
             m = (w.stop - w.start) * self.data[w.run].readings.shape[1]
-            total += FAILED**2 * m if r is None else float(r @ r)
-        if failed > MOST_FAILED * len(windows):
-            return np.inf
-        total += float(self.precision @ (vector - self.centre) ** 2)
-        total += sum(window_penalty(w) for w in windows)
+            out[i] = (FAILED**2 * m if r is None else float(r @ r)) + window_penalty(w)
+        return np.full(len(windows), np.inf) if failed > MOST_FAILED * len(windows) else out
+
+    def penalty(self, vector: Floats) -> float:
+        """What the weak priors of the unknowns cost."""
+        return float(self.precision @ (vector - self.centre) ** 2)
+
+    def cost(self, vector: Floats, windows: Sequence[Window]) -> float:
+        """chi-squared with the weak priors; infinite where too many windows cannot be simulated."""
+        total = float(self.costs(vector, windows).sum()) + self.penalty(vector)
         return total if np.isfinite(total) else np.inf
 
 

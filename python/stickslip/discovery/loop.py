@@ -8,11 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
-from stickslip.discovery.data import Data, prepare, refined
+from stickslip.discovery.data import Data, prepare, refined, without_outliers
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
@@ -37,7 +36,6 @@ from stickslip.model import Model
 from stickslip.records import Case
 from stickslip.rig import Rig
 
-Floats = NDArray[np.float64]
 BUDGET = 40.0  # seconds for the tracing; the rest of the minute is for the errors and the report
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
@@ -97,27 +95,29 @@ def discover(
         model = Model(case.rig, friction=case.friction)
         search = Search(data[:count], model, pool, tell, budget)
         tell("fitting the declared law")
-        factor = _noise_factor(case, search)
-        if factor is not None:
-            data = refined(data, factor)
-            search = Search(data[:count], model, pool, tell, budget)
+        data = _cleaned(case, data, search)
+        search = Search(data[:count], model, pool, tell, budget)
         choice = _choose(search)
         return _found(case, choice, search, data[count:], tell, seed, began)
 
 
-def _noise_factor(case: Case, search: Search) -> Floats | None:
-    """Correction of estimated noise by what the fit's residual does from sample to sample; None where it is given."""
-    channels = search.data[0].channels
-    missing = [c not in case.noise for c in channels]
-    first = declared(search) if any(missing) else None
+def _cleaned(case: Case, data: list[Data], search: Search) -> list[Data]:
+    """The runs with single outliers masked, and noise that is not given corrected, both by a first fit's residual."""
+    first = declared(search)
     if first is None:
-        return None
+        return data
+    channels = search.data[0].channels
+    residuals = [np.full(run.readings.shape, np.nan) for run in search.data]
+    for w, b in zip(first.fit.windows, first.fit.blocks, strict=True):
+        residuals[w.run][w.start : w.stop] = b.r.reshape(-1, len(channels))
     factor = np.ones(len(channels))
-    for c in np.flatnonzero(missing):
-        steps = np.concatenate([np.diff(b.r.reshape(-1, len(channels))[:, c]) for b in first.fit.blocks])
-        steps = steps[steps != 0]
-        factor[c] = 1.4826 * float(np.median(np.abs(steps))) / np.sqrt(2.0)
-    return factor
+    for c, channel in enumerate(channels):
+        if channel not in case.noise:
+            steps = np.concatenate([np.diff(r[:, c]) for r in residuals])
+            steps = steps[np.isfinite(steps) & (steps != 0)]
+            factor[c] = 1.4826 * float(np.median(np.abs(steps))) / np.sqrt(2.0)
+    kept = without_outliers(search.data, [r / factor for r in residuals])
+    return refined([*kept, *data[len(kept) :]], factor)
 
 
 def _choose(search: Search) -> _Choice:

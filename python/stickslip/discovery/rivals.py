@@ -38,6 +38,7 @@ BOUNDS = {  # of positive numbers: beyond, an effect is another one (or none) an
     "spring_gap_k3.k": (1e-2, 500.0),
     "spring_gap_k3.d": (1e-3, 2.0),
     "pivot_dry_friction.f": (1e-4, 5.0),
+    "pivot_dry_friction.v_c": (2e-5, 0.05),
     "stribeck_peak.v_s": (3e-3, 0.5),
     "static_aging.tau": (0.05, 50.0),
     "friction_memory.tau": (4e-3, 2.0),
@@ -66,6 +67,8 @@ def unknowns_of(term: Effect) -> tuple[Unknown, ...]:
     out = []
     for info in term.kind.parameters:
         name, value = f"{term.name}.{info.name}", term.parameters[info.name]
+        if info.optional and value == 0:
+            continue
         if info.per_run:
             out.append(Unknown(name, value, False, value, 30.0, per_run=True))
         elif name in SPREADS:
@@ -93,7 +96,7 @@ def shapes(name: str, data: Sequence[Data]) -> list[Start]:
     """Starts of an effect that is not periodic: a grid over the parameters that no linear score reaches."""
     grids = {
         "spring_gap_k3": _gap_starts(data),
-        "pivot_dry_friction": [{"f": 0.05}],
+        "pivot_dry_friction": [{"f": 0.08}, {"f": 0.08, "v_c": 2e-3}],
         "stribeck_peak": [{"dT": 0.3, "v_s": v} for v in (0.02, 0.07)],
         "static_aging": [{"dT": 0.3, "tau": tau} for tau in (0.5, 2.0)],
         "friction_memory": [{"tau": tau} for tau in (0.05,)],

@@ -215,10 +215,12 @@ def _improve(
             continue
         trial = np.clip(vector + limited(step), low, high)
         step = trial - vector
-        shifted = []
-        for w, (own, cross) in zip(windows, follow, strict=True):
-            shifted.append(moved(w, own - cross @ (step[engine.columns[w.run]])))
-        trial_cost = engine.cost(trial, shifted)
+        shifted = [
+            moved(w, own - cross @ step[engine.columns[w.run]])
+            for w, (own, cross) in zip(windows, follow, strict=True)
+        ]
+        costs = engine.costs(trial, shifted)
+        trial_cost = float(costs.sum()) + engine.penalty(trial)
         if trial_cost < cost:
             return trial, shifted, trial_cost, max(damping / 10, 1e-7)
         damping = max(damping, 1e-6) * 6

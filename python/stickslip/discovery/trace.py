@@ -27,6 +27,7 @@ from stickslip.model import Model
 Floats = NDArray[np.float64]
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
 CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
+NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -123,9 +124,9 @@ class Search:
 
     def polish(self, trial: Trial, turns: int = 2) -> Trial:
         """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
-        best = self._again(trial, SHORT, trial) or trial
+        best = self.close(trial)
         for _ in range(turns):
-            if best.excess < CLEAN or self.left < 0:
+            if best.excess < CLEAN or best.chi2 > NEAR or self.left < 0:
                 break
             before = best.fit.cost
             long = self._again(best, LONG, None)
@@ -139,6 +140,10 @@ class Search:
                 break
         return best
 
+    def close(self, trial: Trial) -> Trial:
+        """The trial fitted on from where it is."""
+        return self._again(trial, SHORT, trial, 25) or trial
+
     def _declared_law(self, trial: Trial) -> Trial:
         """The trial with its law back at the declared start: another way into the minimum."""
         vector = trial.fit.vector.copy()
@@ -147,12 +152,17 @@ class Search:
                 vector[i] = u.coordinate(self.model.parameters[u.name])
         return Trial(trial.names, replace(trial.fit, vector=vector))
 
-    def _again(self, trial: Trial, cycles: float, windows_of: Trial | None) -> Trial | None:
-        learned = trial.fit.engine.learned
-        h = trial.hypothesis
-        vector = trial.fit.vector
+    def _again(
+        self, trial: Trial, cycles: float, windows_of: Trial | None, iterations: int = 40
+    ) -> Trial | None:
         return self.run(
-            h, cycles=cycles, windows_of=windows_of, tolerance=2e-5, learned=learned, vector=vector
+            trial.hypothesis,
+            cycles=cycles,
+            iterations=iterations,
+            tolerance=2e-5 if trial.chi2 < NEAR else 1e-3,
+            windows_of=windows_of,
+            learned=trial.fit.engine.learned,
+            vector=trial.fit.vector,
         )
 
 
@@ -193,8 +203,8 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
             trial = search.run(
                 hypothesis(model, [*own, start]),
                 cycles=SHORT,
-                iterations=12,
-                tolerance=1e-3,
+                iterations=10,
+                tolerance=3e-3,
                 rounds=1,
                 windows_of=base,
                 worst=0.985 * base.fit.cost if base.excess > CLEAN else 1.01 * base.fit.cost,
@@ -209,16 +219,22 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
 
 def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
     """The most promising trials fitted in earnest on long windows, best first; hopeless ones are left out."""
-    out: list[Trial] = []
+    close: list[Trial] = []
     for trial in trials[:most]:
-        if out and (search.left < 0 or trial.fit.cost > 50 * out[0].fit.cost):
+        if close and (search.left < 0 or trial.fit.cost > 50 * close[0].fit.cost):
             break
-        search.progress(f"fitting {' + '.join(trial.names) or 'the declared law'} closely")
-        out.append(search.polish(trial))
-        search.keep(out[-1], tuple(sorted(out[-1].names)))
-        if min(one.excess for one in out) < CLEAN and len(out) >= 3:
+        search.progress(f"fitting {' + '.join(trial.names)} closely")
+        close.append(search.close(trial))
+        if min(one.excess for one in close) < CLEAN and len(close) >= 3:
             break
-    return sorted(out, key=lambda one: one.bic)
+    close.sort(key=lambda one: one.bic)
+    if close and close[0].excess > CLEAN:
+        close[0] = search.polish(close[0])
+        if close[0].excess > CLEAN and len(close) > 1 and close[1].fit.cost < 3 * close[0].fit.cost:
+            close[1] = search.polish(close[1])
+    for one in close:
+        search.keep(one, tuple(sorted(one.names)))
+    return sorted(close, key=lambda one: one.bic)
 
 
 def decide_single(search: Search) -> list[Trial]:
@@ -248,7 +264,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
         if pairs and search.left < 0.3 * search.budget:
             break
         pairs += polished(search, screen(search, base), most=3)
-        if pairs and min(one.excess for one in pairs) < CLEAN:
+        if any(explained(one, null) for one in pairs):
             break
     pairs = [one for one in pairs if _both_needed(search, one)]
     return sorted([*trials, *pairs], key=lambda one: one.bic)
@@ -257,7 +273,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
 def explained(trial: Trial, null: Trial) -> bool:
     """Is what a trial leaves within the noise, or next to nothing of what there was?"""
     rest, before = trial.chi2 - 1.0, null.chi2 - 1.0
-    return trial.excess < CLEAN or (rest < 0.35 and rest < 1e-3 * before)
+    return trial.excess < CLEAN or (rest < 0.1 and rest < 0.01 * before)
 
 
 def _refitted(search: Search, null: Trial, winner: Trial) -> Trial:
