@@ -22,7 +22,7 @@ Real<T> step_from(const Real<T>& last, const Real<T>& before, const Real<T>& sca
 }
 
 // With effects, what drives a switching function counts too: the friction or its demand, the static limits, the
-// hidden states. Forces are compared as accelerations.
+// belt, the hidden states. Forces are compared as accelerations.
 template <class T>
 Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T>& fx, int k) {
   using R = Real<T>;
@@ -30,7 +30,7 @@ Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T
   R size = magnitude(value(fx.friction[k] * sys.rig.over_a1));
   if (mode.contact == 0) size = largest(size, R(magnitude(value(fx.limit_minus[k] * sys.rig.over_a1))));
   if (has(fx_memory) && mode.contact != 0) size = largest(size, R(magnitude(value(fx.w[k]))));
-  if (has(fx_droop)) size = largest(size, R(magnitude(value(fx.b[k]))));
+  if (has(fx_ripple) || has(fx_droop)) size = largest(size, R(magnitude(value(fx.belt[k]))));
   if (has(fx_lag)) size = largest(size, R(magnitude(value(fx.m[k]))));
   return size;
 }
