@@ -55,7 +55,7 @@ def test_the_readings_are_rotated_against_the_motion(tmp_path: Path) -> None:
 
 def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def search(_case: ss.Case, *, progress: Callable[[str], None], budget: float) -> Found:
-        assert budget > 60
+        assert budget > 40
         progress("trying")
         hand = ss.load_case(found_by_hand.write_case(tmp_path, si=True))
         return found_by_hand.found(hand)
@@ -79,5 +79,5 @@ def test_the_cause_is_found(tmp_path: Path) -> None:
     for cause in story.CAUSE:
         for name, value in cause.parameters.items():
             if name != "phi":
-                assert named[cause.name].parameters[name].value == pytest.approx(value, rel=0.03)
+                assert named[cause.name].parameters[name].value == pytest.approx(value, rel=0.05)
     assert told.found.error.after < 0.35 * told.found.error.before

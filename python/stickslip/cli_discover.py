@@ -13,8 +13,9 @@ from rich.console import Console
 from rich.table import Table
 
 from stickslip.discovery.result import Found
-from stickslip.errors import InputError
+from stickslip.errors import InputError, StickslipError
 from stickslip.files import whole
+from stickslip.findings import FindingKind
 from stickslip.model import Model, load_model
 from stickslip.recording import load_recording
 from stickslip.records import Case, load_case
@@ -59,13 +60,29 @@ def discover(case: Path, out: Path, seed: int) -> None:
 
     loaded = load_case(case)
     with folder(out) as temporary, telling("discovering") as tell:
-        found = search(loaded, progress=tell, seed=seed)
+        for finding in loaded.findings:
+            tell(f"note: {finding}")
+        with unit_doubted(loaded):
+            found = search(loaded, progress=tell, seed=seed)
         tell("drawing the report")
         fill(temporary, found, loaded)
     say(found, loaded, console)
     console.print("written:")
     for path in written(out):
         console.print(f"  {path}", soft_wrap=True, markup=False)
+
+
+@contextmanager
+def unit_doubted(case: Case) -> Iterator[None]:
+    """Where the search fails and readings are of a size that the rig cannot reach, say that instead of its symptom."""
+    try:
+        yield
+    except StickslipError:
+        for run in case.runs:
+            for finding in run.findings:
+                if finding.kind is FindingKind.SIZE:
+                    raise InputError(f"no verdict: {run.name}: {finding}") from None
+        raise
 
 
 def say(found: Found, case: Case, to: Console) -> None:

@@ -67,6 +67,11 @@ def one_run(folder: Path) -> None:
     run(folder, spoilt(folder, second, ""))
 
 
+@bad_input(DISCOVER, "a channel in a wrong unit")
+def wrong_unit(folder: Path) -> None:
+    run(folder, spoilt(folder, 'x1 = { column = "x1", unit = "mm" }', 'x1 = { column = "x1", unit = "m" }'))
+
+
 @bad_input(DISCOVER, "a result folder that is a file")
 def out_is_a_file(folder: Path) -> None:
     (folder / "taken").write_text("", encoding="utf-8")

@@ -178,6 +178,10 @@ def caveats(found: Found) -> list[str]:
             out.append(
                 "The learned curve is one of a reading: report.json has it, model_after.toml does not."
             )
+    if found.effects and not found.residual_after.clean:
+        out.append(
+            "Intervals take the model to be complete; while something is left over they are too narrow."
+        )
     speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
     if speeds:
         out.append(
