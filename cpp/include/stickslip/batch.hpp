@@ -98,7 +98,9 @@ void enter(Batch<W>& b, int i, Member* m) {
   if (m->mode.contact >= 0) copy_branch(b.sys.plus, i, m->sys.plus);
   b.sys.structure.effects = 0;
   b.sys.stick_step.set(i, m->sys.stick_step);
+  b.sys.floor_step.set(i, m->sys.floor_step);
   b.sys.line_step.set(i, m->sys.line_step);
+  b.sys.frequency.set(i, m->sys.frequency);
   for (int k = 0; k < 4; ++k) b.s.z[k].set(i, m->s.z[k]);
   b.s.t.set(i, m->s.t);
   b.limit.set(i, m->limit);

@@ -36,17 +36,10 @@ inline double slope_at(const Strided& c, int order, double h) {
   return s;
 }
 
-// Extremes over [0, h]: the ends, and where the slope changes sign between them.
-inline void widen(Tally& tally, int i, const Strided& c, int order, double h) {
-  const auto take = [&](double x) {
-    if (x < tally.row.state_min[i]) tally.row.state_min[i] = x;
-    if (x > tally.row.state_max[i]) tally.row.state_max[i] = x;
-  };
-  take(c[0]);
-  take(at(c, order, h));
-  double a = 0, b = h, sa = c[1], sb = slope_at(c, order, h);
-  if (!(sa * sb < 0)) return;
-  for (int k = 0; k < 100 && b - a > 1e-9 * h; ++k) {  // an extremum needs half the digits of its place
+// Where the slope, of different signs sa at a and sb at b, is zero.
+inline double turning_point(const Strided& c, int order, double a, double sa, double b, double sb) {
+  const double width = 1e-9 * (b - a);
+  for (int k = 0; k < 100 && b - a > width; ++k) {  // an extremum needs half the digits of its place
     double t = k % 3 == 2 ? 0.5 * (a + b) : a - sa * (b - a) / (sb - sa);
     if (!(t > a && t < b)) t = 0.5 * (a + b);
     const double st = slope_at(c, order, t);
@@ -58,7 +51,26 @@ inline void widen(Tally& tally, int i, const Strided& c, int order, double h) {
       sb = st;
     }
   }
-  take(at(c, order, 0.5 * (a + b)));
+  return 0.5 * (a + b);
+}
+
+// Extremes over [0, h]: the ends, and where the slope changes sign between nodes. The nodes are so close that between two
+// of them there is one extremum at most: a step on which the series converges spans little more than a turn.
+inline void widen(Tally& tally, int i, const Strided& c, int order, double h) {
+  constexpr int parts = 8;
+  const auto take = [&](double x) {
+    if (x < tally.row.state_min[i]) tally.row.state_min[i] = x;
+    if (x > tally.row.state_max[i]) tally.row.state_max[i] = x;
+  };
+  take(c[0]);
+  take(at(c, order, h));
+  double left = 0, slope = c[1];
+  for (int part = 1; part <= parts; ++part) {
+    const double right = h * part / parts, next = slope_at(c, order, right);
+    if (slope * next < 0) take(at(c, order, turning_point(c, order, left, slope, right, next)));
+    left = right;
+    slope = next;
+  }
 }
 
 // Work of friction on the sliding block, integral of T v_w: Gauss points of the series.
