@@ -21,6 +21,7 @@ from stickslip.records import Case, load_case
 from stickslip.rig import BlockOnBelt, Rig, Scales
 from stickslip.simulate import Status, Trajectory, Transitions, simulate
 from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
+from stickslip.sweep import sweep
 
 __version__ = version("stickslip")
 
@@ -66,5 +67,6 @@ __all__ = [
     "signals",
     "simulate",
     "steady_sliding",
+    "sweep",
     "tabulated",
 ]

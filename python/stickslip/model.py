@@ -175,6 +175,10 @@ class Model:
         InputError
             The file cannot be written; nothing half-written is left.
         """
+        write_text(path, self.toml())
+
+    def toml(self) -> str:
+        """Return the text that `save` writes."""
         import tomlkit
 
         tables: dict[str, object] = {"rig": rig_table(self.rig), "friction": friction_table(self.friction)}
@@ -184,7 +188,7 @@ class Model:
             tables["channels"] = {name: dataclasses.asdict(one) for name, one in self.channels.items()}
         if self.noise is not None:
             tables["noise"] = dict(self.noise)
-        write_text(path, _HEADER + "\n" + tomlkit.dumps(tables))
+        return _HEADER + "\n" + tomlkit.dumps(tables)
 
 
 def load_model(path: str | os.PathLike[str]) -> Model:

@@ -154,7 +154,7 @@ def simulate(
     """
     speed = number("belt_speed", belt_speed)
     start, end = _span(t_start, t_end)
-    tolerances = _tolerances(rtol, atol)
+    tolerances = checked_tolerances(rtol, atol)
     lowered = lower(model, speed)
     times = None if t_eval is None else _sample_times(t_eval, start, end)
     names = (sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity)
@@ -165,7 +165,7 @@ def simulate(
     raw = _core.simulate(
         structure=lowered.structure,
         parameters=lowered.parameters,
-        initial=_initial(model, lowered, initial),
+        initial=checked_initial(model, lowered, initial),
         t_start=start,
         t_end=end,
         contact=_CONTACTS[contact],
@@ -189,7 +189,8 @@ def _span(t_start: float, t_end: float) -> tuple[float, float]:
     return start, number("t_end", t_end, above=start, why="the end must come after the start")
 
 
-def _tolerances(rtol: float, atol: float) -> tuple[float, float]:
+def checked_tolerances(rtol: float, atol: float) -> tuple[float, float]:
+    """Return the tolerances, or raise `InputError` for ones that cannot be kept."""
     relative, absolute = number("rtol", rtol, least=0, below=1), number("atol", atol, least=0)
     if relative == 0 and absolute == 0:
         raise InputError("both are zero; give one like 1e-10", key="rtol, atol")
@@ -198,7 +199,8 @@ def _tolerances(rtol: float, atol: float) -> tuple[float, float]:
     return relative, absolute
 
 
-def _initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -> Floats:
+def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -> Floats:
+    """Return the core's initial state, or raise `InputError` for one of the wrong length or not finite."""
     names = model.rig.state_names
     if initial is None:
         return lowered.initial([0.0] * len(names))

@@ -1,0 +1,220 @@
+"""Many trajectories of a model: `sweep`, over any of its numbers, in memory, out of core or on a cluster."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from stickslip import _core
+from stickslip.errors import InputError, number
+from stickslip.lowering import lower
+from stickslip.model import Model
+from stickslip.simulate import checked_initial, checked_tolerances
+from stickslip.sweep_grid import Grid, make_grid
+from stickslip.sweep_observe import DEFAULT, TAKEN, Arrays, chosen
+from stickslip.sweep_request import Block, Request
+from stickslip.sweep_run import run_dask, run_local, telling
+from stickslip.sweep_store import MemorySink, Sink, ZarrSink
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from distributed import Client
+
+
+def sweep(
+    model: Model,
+    over: Mapping[str, object],
+    *,
+    t_end: float,
+    initial: ArrayLike | None = None,
+    belt_speed: float | None = None,
+    rtol: float = 1e-8,
+    atol: float = 1e-8,
+    observe: str | Iterable[str] = DEFAULT,
+    after: float = 0.0,
+    threads: int | None = None,
+    progress: bool = False,
+    client: Client | None = None,
+    out: str | os.PathLike[str] | None = None,
+    points: int = 32,
+    lanes: bool = True,
+    max_transitions: int = 1_000_000,
+) -> xr.Dataset:
+    """Simulate the model for every combination of some of its numbers and keep what is observed on the way.
+
+    Parameters
+    ----------
+    model
+        What to simulate.
+    over
+        What varies: name -> array of values. The name is one of `model.parameters` ("alpha1", "T_s_minus",
+        "block_viscous_damping.c"), "belt_speed" or "initial.x1" ...; it becomes a dimension, and several make their
+        grid. A pair (dimension, array) puts the name on a shared dimension instead:
+        ``{"alpha1": ("member", a), "alpha2": ("member", a / 2)}``.
+    t_end
+        End of every run, in the rig's unit of time; runs start at 0.
+    initial
+        State at the start as for `simulate`; at rest at the origin if absent.
+    belt_speed
+        v_b where it does not vary.
+    rtol, atol
+        Error allowed to each step.
+    observe
+        Names of results, below.
+    after
+        Time from which observables count (not final_state): what is before is left out as a transient.
+    threads
+        Of this machine; all that the process may use if absent. Results do not depend on it.
+    progress
+        Show a progress bar on standard error.
+    client
+        A `dask.distributed` client whose workers compute instead.
+    out
+        Folder of a Zarr store to write chunk by chunk, in little memory. One that is there is gone on with: only
+        what is missing is computed, and the result is the uninterrupted one to the last bit.
+    points
+        Release points kept for each member, the last ones; at most 64.
+    lanes
+        Several members at once in the lanes of the processor; False computes them singly, equal within rounding.
+    max_transitions
+        Transitions and kinks after which a member is given up.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of `over` (..): final_state (.., state), stick_fraction, transitions, releases (stick to
+        slip, and crossings of v_w = 0 that do not stick), slips (stick to slip alone), period and period_spread (mean
+        and standard deviation of the time between releases), periodicity (least number of releases after which their
+        points repeat; 0 if none does), state_min, state_max (.., state), dissipated, points (.., point, state) and
+        point_time (.., point): states and times of the last releases, the last first, NaN where there was none; status
+        (its flags in the attributes; the others are NaN or -1 where it is not "finished"). Attributes say the model,
+        the settings and the build.
+
+    Raises
+    ------
+    InputError
+        A name, value or setting is wrong; said before any work.
+
+    Notes
+    -----
+    An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed".
+    """
+    request = _request(
+        model, over, t_end, initial, belt_speed, (rtol, atol), observe, after, points, lanes, max_transitions
+    )
+    workers = _threads(threads)
+    _fits(request, out)
+    sink: Sink = MemorySink(request) if out is None else ZarrSink(request, Path(out))
+    _compute(request, sink, workers, progress, client)
+    return sink.dataset()
+
+
+def _compute(request: Request, sink: Sink, threads: int, progress: bool, client: Client | None) -> None:
+    computed, there = 0, 0
+    with telling(request.grid.members, progress) as tell:
+
+        def deliver(block: Block, arrays: Arrays) -> None:
+            nonlocal computed
+            sink.put(block, arrays)
+            computed += block.stop - block.start
+            tell(block.stop - block.start)
+
+        def missing() -> Iterable[Block]:
+            nonlocal there
+            reached = 0
+            for block in sink.missing(request.blocks()):
+                tell(block.start - reached)  # those between were there already
+                there += block.start - reached
+                reached = block.stop
+                yield block
+            tell(request.grid.members - reached)
+            there += request.grid.members - reached
+
+        try:
+            if client is None:
+                run_local(request, missing(), threads, deliver)
+            else:
+                run_dask(request, missing(), client, deliver)
+        except KeyboardInterrupt:
+            done = f"{computed + there} of {request.grid.members} members"
+            warnings.warn(f"sweep interrupted: {done} computed, the rest has status -1", stacklevel=3)
+
+
+def _request(
+    model: Model,
+    over: Mapping[str, object],
+    t_end: float,
+    initial: ArrayLike | None,
+    belt_speed: float | None,
+    tolerances: tuple[float, float],
+    observe: str | Iterable[str],
+    after: float,
+    points: int,
+    lanes: bool,
+    max_transitions: int,
+) -> Request:
+    if not isinstance(model, Model):
+        raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
+    speed = 0.0 if belt_speed is None else number("belt_speed", belt_speed)
+    lowered = lower(model, speed)
+    grid = make_grid(over, model, lowered, TAKEN)
+    _belt_speed_is_given_once(grid, belt_speed)
+    end = number("t_end", t_end, above=0)
+    rtol, atol = checked_tolerances(*tolerances)
+    return Request(
+        model=model,
+        grid=grid,
+        belt_speed=speed,
+        initial=tuple(float(x) for x in checked_initial(model, lowered, initial)),
+        t_end=end,
+        after=number("after", after, least=0, below=end, why="it must come before t_end"),
+        rtol=rtol,
+        atol=atol,
+        observe=chosen(observe),
+        points=_whole("points", points, 2, _core.MAX_SWEEP_POINTS),
+        lanes=bool(lanes),
+        max_transitions=_whole("max_transitions", max_transitions, 1, 10**12),
+    )
+
+
+def _belt_speed_is_given_once(grid: Grid, belt_speed: float | None) -> None:
+    varies = any(column.name == "belt_speed" for column in grid.columns)
+    if varies and belt_speed is not None:
+        raise InputError("varies in `over`; leave it out here", key="belt_speed", value=belt_speed)
+    if not varies and belt_speed is None:
+        raise InputError("missing; give a number, or vary it in `over`", key="belt_speed")
+
+
+def _whole(name: str, value: float, least: int, most: int) -> int:
+    result = number(name, value, least=least, most=most)
+    if result != int(result):
+        raise InputError("must be a whole number", key=name, value=value)
+    return int(result)
+
+
+def _threads(threads: int | None) -> int:
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    return _whole("threads", threads, 1, 4096)
+
+
+def _fits(request: Request, out: object) -> None:
+    """Refuse what memory cannot hold, before any of it is touched."""
+    needed = request.grid.members * request.bytes_a_member()
+    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if out is None and needed > free:
+        words = f"{request.grid.members} members need {_size(needed)} of memory, more than is free"
+        raise InputError(f"{words}; give out='result.zarr' to write them chunk by chunk", key="over")
+
+
+def _size(count: float) -> str:
+    for unit in ("B", "KiB", "MiB", "GiB", "TiB"):
+        if count < 1024:
+            return f"{count:.3g} {unit}"
+        count /= 1024
+    return f"{count:.4g} PiB"

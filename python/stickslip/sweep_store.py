@@ -1,0 +1,253 @@
+"""Where the chunks of a sweep go: arrays in memory, or a Zarr store that a later call can go on with.
+
+In a store the status of a chunk is written last and appears whole (Zarr writes beside and renames), so that it
+marks the chunk complete: killed at any moment, the store holds whole chunks and ones to be computed again.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+
+import stickslip
+from stickslip.errors import InputError
+from stickslip.sweep_observe import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
+from stickslip.sweep_request import Block, Request
+
+if TYPE_CHECKING:
+    import xarray as xr
+    import zarr
+    from zarr.core.common import JSON
+
+    JSONTable = dict[str, JSON]
+
+KIND = "stickslip sweep"
+
+
+class Sink(Protocol):
+    """Takes chunks."""
+
+    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+        """Those of the chunks that are not there yet."""
+
+    def put(self, block: Block, arrays: Arrays) -> None:
+        """Keep a chunk."""
+
+    def dataset(self) -> xr.Dataset:
+        """What is there."""
+
+
+def dims(request: Request, name: str) -> tuple[str, ...]:
+    """Dimensions of a result."""
+    return (*request.grid.sizes, *OBSERVABLES[name].dims)
+
+
+def coordinates(request: Request) -> dict[str, tuple[str, object, dict[str, str]]]:
+    """Coordinates: every varied name along its dimension, and the names of the states."""
+    coords: dict[str, tuple[str, object, dict[str, str]]] = {
+        column.name: (column.dim, column.values, {"units": _unit(request, "1")})
+        for column in request.grid.columns
+    }
+    if any("state" in OBSERVABLES[name].dims for name in request.observe):
+        coords["state"] = ("state", np.array(request.model.rig.state_names, dtype=str), {})
+    return coords
+
+
+def variable_attrs(request: Request, name: str) -> dict[str, object]:
+    """Meaning and unit of a result."""
+    one = OBSERVABLES[name]
+    attrs: dict[str, object] = {"long_name": one.meaning, "units": _unit(request, one.unit)}
+    if name == "status":
+        attrs["flag_values"] = list(range(NOT_COMPUTED, len(STATUS_FLAGS) - 1))
+        attrs["flag_meanings"] = " ".join(STATUS_FLAGS)
+    return attrs
+
+
+def _unit(request: Request, unit: str) -> str:
+    """All is nondimensional in (2.1); a block on a belt is in whatever units its numbers are in."""
+    return "1" if unit == "1" or len(request.model.rig.state_names) == 4 else f"{unit}, in the rig's units"
+
+
+def attributes(request: Request) -> dict[str, object]:
+    """Provenance: what was asked, of what model, by which build."""
+    rig = request.model.rig
+    scales = getattr(rig, "scales", None)
+    named = {f"initial.{n}": v for n, v in zip(rig.state_names, request.initial, strict=False)}
+    varied = {column.name for column in request.grid.columns}
+    fixed = {"belt_speed": request.belt_speed, **named}
+    return {
+        "title": KIND,
+        "version": stickslip.__version__,
+        "build_config": json.dumps(stickslip.build_config()),
+        "model": request.model.toml(),
+        "fixed": json.dumps({name: value for name, value in fixed.items() if name not in varied}),
+        "scales": "" if scales is None else repr(scales),
+        "t_end": request.t_end,
+        "after": request.after,
+        "rtol": request.rtol,
+        "atol": request.atol,
+        "lanes": int(request.lanes),
+    }
+
+
+class MemorySink:
+    """Arrays of the whole grid."""
+
+    def __init__(self, request: Request) -> None:
+        self.request = request
+        self.arrays: Arrays = {}
+        for name in request.observe:
+            one = OBSERVABLES[name]
+            shape = (*request.grid.shape, *request.extra(name))
+            self.arrays[name] = np.full(shape, one.fill, dtype=one.dtype)
+
+    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+        """All."""
+        return blocks
+
+    def put(self, block: Block, arrays: Arrays) -> None:
+        """Keep a chunk."""
+        for name, values in arrays.items():
+            self.arrays[name][block.index] = values.reshape(*block.shape, *self.request.extra(name))
+
+    def dataset(self) -> xr.Dataset:
+        """What is there; status -1 where nothing is."""
+        import xarray as xr
+
+        r = self.request
+        data = {
+            name: (dims(r, name), values, variable_attrs(r, name)) for name, values in self.arrays.items()
+        }
+        return xr.Dataset(data, coords=coordinates(r), attrs=attributes(r))
+
+
+class ZarrSink:
+    """A Zarr store, made here or gone on with.
+
+    Raises
+    ------
+    InputError
+        zarr is not installed, the path is something else, or the store is of a sweep with other settings.
+    """
+
+    def __init__(self, request: Request, path: Path) -> None:
+        self.request, self.path = request, path
+        module = _zarr()
+        if path.exists():
+            _same_sweep(module, request, path)
+        else:
+            _make(module, request, path)
+        self.group = module.open_group(str(path), mode="r+")
+
+    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+        """Those whose status was not written."""
+        status = self._array("status")
+        for block in blocks:
+            corner = tuple(one.start for one in block.index)
+            if int(np.asarray(status[corner])) == NOT_COMPUTED:
+                yield block
+
+    def put(self, block: Block, arrays: Arrays) -> None:
+        """Write a chunk, its status last."""
+        for name in sorted(arrays, key=lambda name: name == "status"):
+            values = arrays[name].reshape(*block.shape, *self.request.extra(name))
+            whole = tuple(slice(None) for _ in self.request.extra(name))
+            self._array(name)[(*block.index, *whole)] = values
+
+    def dataset(self) -> xr.Dataset:
+        """The store, opened lazily."""
+        import xarray as xr
+
+        ds = xr.open_dataset(str(self.path), engine="zarr", chunks=None, consolidated=False)
+        states = np.array(self.request.model.rig.state_names, dtype=str)
+        return ds.assign_coords(state=states) if "state" in ds.coords else ds
+
+    def _array(self, name: str) -> zarr.Array[Any]:
+        return cast("zarr.Array[Any]", self.group[name])
+
+
+def _zarr() -> ModuleType:
+    try:
+        import zarr
+    except ImportError:
+        raise InputError("needs zarr; pip install 'stickslip[sweep]'", key="out") from None
+    return zarr
+
+
+def _settings(request: Request) -> dict[str, object]:
+    return cast("dict[str, object]", json.loads(json.dumps(request.settings())))
+
+
+def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
+    try:
+        attrs: Mapping[str, object] = module.open_group(str(path), mode="r").attrs.asdict()
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        attrs = {}
+    if attrs.get("title") != KIND:
+        raise InputError(
+            "exists and is not a store of a sweep; give another path", key="out", value=str(path)
+        )
+    there, now = cast("dict[str, object]", attrs["settings"]), _settings(request)
+    differing = [name for name in now if there.get(name) != now[name]]
+    if not differing:
+        return
+    name = differing[0]
+    detail = "" if name in ("model", "over") else f": there {there.get(name)}, here {now[name]}"
+    raise InputError(
+        f"holds a sweep with another {' and another '.join(differing)}{detail}; give the same or another path",
+        key="out",
+        value=path.name,
+    )
+
+
+def _make(module: ModuleType, request: Request, path: Path) -> None:
+    """Make an empty store beside and rename it, so that there is never half of one."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}."))
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", key="out", value=str(path)) from None
+    try:
+        _fill(module.open_group(str(beside), mode="w", zarr_format=3), request)
+        with warnings.catch_warnings():
+            warnings.simplefilter(
+                "ignore"
+            )  # that the format does not settle it yet; readers look for it and warn
+            module.consolidate_metadata(str(beside))
+        beside.chmod(0o755)
+        beside.rename(path)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _fill(group: zarr.Group, request: Request) -> None:
+    coords = coordinates(request)
+    group.attrs.update(cast("JSONTable", {**attributes(request), "settings": _settings(request)}))
+    outer = [name for name in coords if name not in (*request.grid.sizes, "state")]
+    for name, (dim, values, attrs) in coords.items():
+        data = np.asarray(values)
+        kind = "string" if data.dtype.kind == "U" else data.dtype.name
+        array = group.create_array(
+            name, shape=data.shape, dtype=kind, dimension_names=(dim,), attributes=cast("JSONTable", attrs)
+        )
+        array[:] = data.astype(object) if kind == "string" else data
+    for name in request.observe:
+        one, extra = OBSERVABLES[name], request.extra(name)
+        about = variable_attrs(request, name) | ({"coordinates": " ".join(outer)} if outer else {})
+        group.create_array(
+            name,
+            shape=(*request.grid.shape, *extra),
+            chunks=(*request.block_shape, *extra),
+            dtype=one.dtype,
+            fill_value=one.fill,
+            dimension_names=dims(request, name),
+            attributes=cast("JSONTable", about),
+        )
