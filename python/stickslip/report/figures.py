@@ -56,6 +56,11 @@ def after_name(found: Found) -> str:
     )
 
 
+def before_name(found: Found) -> str:
+    """What the declared model is called where it has a rival, and where it has none."""
+    return "before" if found.effects else "declared model"
+
+
 def shown_runs(found: Found) -> list[RunView]:
     """The runs that figures of motion show: those of the validation."""
     runs = [run for run in found.runs if run.role == "validate"] or list(found.runs)
@@ -187,7 +192,7 @@ def errors(found: Found, axes: Axes) -> Figure:
             label="floor: the noise alone",
             zorder=2,
         )
-        ax.plot([before], [y], "s", color=BEFORE, ms=6, label="before", zorder=3)
+        ax.plot([before], [y], "s", color=BEFORE, ms=6, label=before_name(found), zorder=3)
         if found.effects:
             ax.plot([after], [y], "o", color=AFTER, ms=6, label="after", zorder=4)
     ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
@@ -210,7 +215,7 @@ def parts(found: Found, axes: Axes) -> Figure:
     figure = sheet(7.6, 0.27 * len(names) + 1.3)
     ax = figure.subplots()
     for y, name in enumerate(reversed(names)):
-        _part(ax, before[name], y, BEFORE, "s", "before")
+        _part(ax, before[name], y, BEFORE, "s", before_name(found))
         if name in after and found.effects:
             _part(ax, after[name], y, AFTER, "o", "after")
     ax.axvline(1.0, color="black", lw=1.2, label="noise alone", zorder=0)
