@@ -18,7 +18,7 @@ from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.messages import absurd, remarks
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe, spectrum
-from stickslip.discovery.result import Found, FoundEffect, Interval, Residual, Rival, Verdict
+from stickslip.discovery.result import Evidence, Found, FoundEffect, Interval, Residual, Rival, Verdict
 from stickslip.discovery.trace import (
     LONG,
     MARGIN,
@@ -37,17 +37,21 @@ from stickslip.records import Case
 from stickslip.rig import Rig
 
 BUDGET = 40.0  # seconds for the tracing; the rest of the minute is for the errors and the report
+MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
 @dataclass
 class _Choice:
-    """What was chosen: the declared law, the trial, the curve in it if any, all trials."""
+    """What was chosen: the declared law, the trial, the curve in it if any, all trials, and the likely place of what
+    neither a name nor a curve explains.
+    """
 
     null: Trial
     trial: Trial
     term: unlisted.Term | None
     trials: list[Trial]
+    place: tuple[str, str] | None = None
 
 
 def discover(
@@ -135,10 +139,24 @@ def _choose(search: Search) -> _Choice:
         if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
             curves += unlisted.learn(search, best, search.progress, 3)
     curves.sort(key=lambda one: one[1].bic)
-    if not curves or not _clearly(curves[0][1], best):
-        return _Choice(null, best, None, trials)
-    trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
-    return _Choice(null, curves[0][1], curves[0][0], trials)
+    if curves and _clearly(curves[0][1], best):
+        trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
+        return _Choice(null, curves[0][1], curves[0][0], trials)
+    if best.chi2 - 1 > MOST_LEFT * (
+        null.chi2 - 1
+    ):  # no name and no curve explains it: say so, and guess the place
+        return _Choice(null, null, None, trials, _place(null, best))
+    return _Choice(null, best, None, trials)
+
+
+def _place(null: Trial, best: Trial) -> tuple[str, str]:
+    """Where an effect that nothing here describes most likely acts, and on what it depends."""
+    if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
+        return "angle_body", "t"
+    promised = max(
+        ((unlisted.gain(null, term), term) for term in unlisted.terms(null)), key=lambda one: one[0]
+    )
+    return promised[1].where, promised[1].variable
 
 
 def _clearly(curve: Trial, named: Trial) -> bool:
@@ -192,7 +210,7 @@ def _found(
 
 
 def _verdict(choice: _Choice) -> Verdict:
-    if choice.term is not None:
+    if choice.term is not None or choice.place is not None:
         return Verdict.unlisted_effect
     return Verdict.effect_found if choice.trial.names else Verdict.no_effect
 
@@ -203,7 +221,7 @@ def _final(search: Search, trial: Trial) -> Trial:
     long = search.run(
         trial.hypothesis, cycles=LONG, tolerance=1e-6, learned=learned, vector=trial.fit.vector, anyway=True
     )
-    if long is None or long.excess > max(trial.excess, 0.0) + 3.0:
+    if long is None or long.excess > max(trial.excess, 0.0) + 0.8:
         return trial
     return long
 
@@ -226,6 +244,13 @@ def _law(trial: Trial) -> dict[str, Interval]:
 
 
 def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
+    if choice.place is not None:
+        words = (
+            "no listed effect and no learned curve explains the residual; the place is the likeliest by score"
+        )
+        proof = Evidence(0.0, 0.0, 1.0, 0.0, "", threshold, words)
+        where, variable = choice.place
+        return (FoundEffect("unlisted", where, (variable,), {}, proof, (), "not described"),)
     if not choice.trial.names:
         return ()
     held = ev.held_out(choice.null, choice.trial)

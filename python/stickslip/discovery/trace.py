@@ -266,8 +266,23 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
         pairs += polished(search, screen(search, base), most=3)
         if any(explained(one, null) for one in pairs):
             break
+    pairs.sort(key=lambda one: one.bic)
+    singles = _eliminated(search, pairs[0]) if pairs else []
     pairs = [one for one in pairs if _both_needed(search, one)]
-    return sorted([*trials, *pairs], key=lambda one: one.bic)
+    return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+
+
+def _eliminated(search: Search, pair: Trial) -> list[Trial]:
+    """Each effect of a pair alone, refitted from where the pair is."""
+    out = []
+    for start in starts_of(pair):
+        search.progress(f"fitting {start.term.name} without its partner")
+        h = hypothesis(pair.hypothesis.model, [start])
+        alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, anyway=True)
+        if alone is not None:
+            out.append(alone)
+            search.keep(alone, alone.names)
+    return out
 
 
 def explained(trial: Trial, null: Trial) -> bool:

@@ -115,6 +115,9 @@ class Hypothesis:
         phases = {u.name: tuple(self.values(vector, r)[u.name] for r in range(runs)) for u in self.own}
         known = self.model.parameters  # curves on readings are not the model's
         numbers = {u.name: values[u.name] for u in self.unknowns if u.name in known}
+        for side in ("minus", "plus"):  # a law that does not fall has its floor at its static limit
+            if f"T_min_{side}" in numbers:
+                numbers[f"T_min_{side}"] = min(numbers[f"T_min_{side}"], numbers[f"T_s_{side}"])
         return replace(
             self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases}
         )
