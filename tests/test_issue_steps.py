@@ -15,6 +15,22 @@ def test_fast_ripple_on_a_saturated_branch_moves_the_kink():
     run = ss.simulate(model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], rtol=1e-7, atol=1e-8)
     told = reference.simulate(model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], tol=1e-11)
     assert run.status.ok, run.status.value
-    assert len(run.kinks) == len(told.kinks) > 5
-    np.testing.assert_allclose(run.kinks, told.kinks, atol=1e-5)
-    np.testing.assert_allclose(run.state, told.state, atol=1e-5)
+    assert len(run.kinks) == len(told.kinks) == 5
+    np.testing.assert_allclose(run.kinks, [t for t, _ in told.kinks], atol=1e-7)
+    np.testing.assert_allclose(run.state, told.state, atol=1e-7)
+
+
+def test_a_transition_at_the_end_keeps_the_last_sample():
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    whole = ss.simulate(model, belt_speed=0.2, initial=(1, 0.2), t_end=40, contact="slip-")
+    for t, state in zip(whole.transitions.t, whole.transitions.state, strict=True):
+        run = ss.simulate(model, belt_speed=0.2, initial=(1, 0.2), t_end=t, t_eval=[0, 1, t], contact="slip-")
+        assert run.t[-1] == t
+        np.testing.assert_allclose(run.state[-1], state, atol=1e-9)
+
+
+def test_return_to_the_belt_at_the_other_static_limit_is_no_chatter():
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    v = 0.6419889457495852
+    run = ss.simulate(model, belt_speed=v, initial=(1, v), contact="slip-", t_end=400, rtol=1e-12)
+    assert run.status.ok, run.status.value

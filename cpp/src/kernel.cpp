@@ -32,6 +32,12 @@ struct Writer {
     unpack(z, state_count, seeds, values, derivatives);
     sink.sample(sink.context, t, values, derivatives, contact);
   }
+  // What is left where the run ends on a transition.
+  template <class M>
+  void finish(M& machine) {
+    if (request.t_eval == nullptr || machine.summary.outcome != Outcome::finished) return;
+    for (; next < request.n_eval; ++next) emit(machine.s.z, request.t_eval[next], machine.mode.contact);
+  }
   // Samples at t in [start, start + h); `inclusive` takes the right end too.
   template <class M>
   void step(M& machine, Real<T> h, int order, bool inclusive) {
@@ -91,6 +97,7 @@ void run_as(const Request& q, const Sink& sink, Summary& summary, int first, int
     if (q.t_eval == nullptr) writer.emit(m.s.z, static_cast<double>(value(m.s.t)), m.mode.contact);
   };
   machine.run(observe, changed, stepped, [&] { return sink.interrupted(sink.context); });
+  writer.finish(machine);
   summary = machine.summary;
 }
 
