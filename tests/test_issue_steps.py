@@ -12,8 +12,12 @@ def test_fast_ripple_on_a_saturated_branch_moves_the_kink():
     rig = ss.Rig(alpha1=16.64, alpha2=8.14, beta3=4.1, eta1=0.11, eta12=0.23)
     model = ss.Model(rig, friction=law, effects=[ss.effect("belt_speed_ripple", a=0.1, w=6.956, phi=2.9)])
     start = (0.11, -0.22, -0.09, -0.22)
-    run = ss.simulate(model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], rtol=1e-7, atol=1e-8)
-    told = reference.simulate(model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], tol=1e-11)
+    run = ss.simulate(
+        model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], rtol=1e-7, atol=1e-8
+    )
+    told = reference.simulate(
+        model, belt_speed=0.109, initial=start, t_end=30, t_eval=[10.0, 30.0], tol=1e-11
+    )
     assert run.status.ok, run.status.value
     assert len(run.kinks) == len(told.kinks) == 5
     np.testing.assert_allclose(run.kinks, [t for t, _ in told.kinks], atol=1e-7)

@@ -9,8 +9,10 @@ from stickslip.compare import Comparison, compare
 from stickslip.continuation import continuation
 from stickslip.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
 from stickslip.cycles import LimitCycle, limit_cycle
+from stickslip.discover import Found, discover
 from stickslip.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
 from stickslip.errors import InputError, StickslipError
+from stickslip.forecast import forecast
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.identified import Identified
 from stickslip.identify import identify
@@ -34,6 +36,7 @@ __all__ = [
     "CoulombFriction",
     "CycleSensitivity",
     "Effect",
+    "Found",
     "HyperbolicFriction",
     "Identified",
     "InputError",
@@ -57,7 +60,9 @@ __all__ = [
     "compare",
     "continuation",
     "cycle_sensitivity",
+    "discover",
     "effect",
+    "forecast",
     "identify",
     "limit_cycle",
     "load_case",
