@@ -18,7 +18,10 @@ inline void run_alone(const SweepRequest& q, Member& m) {
     if (now.mode.contact == 0) m.tally.row.stick_time += h;
     Strided z[4];
     for (int k = 0; k < 4; ++k) z[k] = {state_series(now.piece, k), 1};
-    observe_step(m.tally, q.observe, m.sys.rig, z, now.mode.contact, order, h);
+    const bool plain = m.sys.structure.effects == 0;
+    observe_step(m.tally, plain ? q.observe : q.observe & ~ob_dissipated, m.sys.rig, z, now.mode.contact, order, h);
+    if (!plain && (q.observe & ob_dissipated) != 0 && now.mode.contact != 0)
+      m.tally.row.dissipated += work({now.piece.fx.friction, 1}, {now.piece.fx.v, 1}, order - 1, h);
   };
   const auto changed = [&](Machine<double>& now, const Mode& before, bool kink) {
     if (counting && !kink) observe_transition(m.tally, q.points, before.contact, now.mode.contact, now.s.t, now.s.z);

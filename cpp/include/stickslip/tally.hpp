@@ -73,20 +73,29 @@ inline void widen(Tally& tally, int i, const Strided& c, int order, double h) {
   }
 }
 
-// Work of friction on the sliding block, integral of T v_w: Gauss points of the series.
-inline double work(const Rig<double>& r, const Strided* z, int order, double h, double belt) {
+// Integral over [0, h] of what `power` gives at t: Gauss points.
+template <class Power>
+double integral(double h, const Power& power) {
   constexpr double x[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   constexpr double w[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
   double sum = 0;
-  for (int g = 0; g < 8; ++g) {
-    const double t = 0.5 * h * (1 + (g < 4 ? -x[g] : x[g - 4]));
+  for (int g = 0; g < 8; ++g) sum += w[g % 4] * power(0.5 * h * (1 + (g < 4 ? -x[g] : x[g - 4])));
+  return 0.5 * h * sum;
+}
+
+// Work of friction on the sliding contact, integral of T v_w: T is what the motion says, where nothing else acts.
+inline double work(const Rig<double>& r, const Strided* z, int order, double h, double belt) {
+  return integral(h, [&](double t) {
     double v[4];
     for (int i = 0; i < 4; ++i) v[i] = at(z[i], order, t);
-    const double a = slope_at(z[1], order, t);
-    const double friction = -(r.a1 * (a + r.kx * v[0]) + bracket(r, v[1], v[2], v[3]));
-    sum += w[g % 4] * friction * (v[1] - belt);
-  }
-  return 0.5 * h * sum;
+    const double friction = -(r.a1 * (slope_at(z[1], order, t) + r.kx * v[0]) + bracket(r, v[1], v[2], v[3]));
+    return friction * (v[1] - belt);
+  });
+}
+
+// The same of a piece with effects, which has the series of both.
+inline double work(const Strided& friction, const Strided& v_w, int order, double h) {
+  return integral(h, [&](double t) { return at(friction, order, t) * at(v_w, order, t); });
 }
 
 // A step of length h of a piece, seen from `after` on.
