@@ -161,6 +161,8 @@ class Engine:
         n, p, q = len(state), len(self.names), len(window.free)
         full = np.zeros((n, STATES, p + q))
         full[:, :, [*moving, *range(p, p + q)]] = np.asarray(raw["sensitivity"])
+        if not np.isfinite(full).all():
+            return None
         values, slopes = self._chain(vector, window, state, full)
         weight = self.data[window.run].weight[window.start : window.stop]
         D = (slopes * weight[:, :, None]).reshape(-1, p + q)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -12,13 +12,22 @@ import numpy as np
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.data import Data, prepare, refined, without_outliers
-from stickslip.discovery.errors import error_block
+from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.messages import absurd, remarks
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe, spectrum
-from stickslip.discovery.result import Evidence, Found, FoundEffect, Interval, Residual, Rival, Verdict
+from stickslip.discovery.result import (
+    Evidence,
+    Found,
+    FoundEffect,
+    Interval,
+    Residual,
+    Rival,
+    RunView,
+    Verdict,
+)
 from stickslip.discovery.trace import (
     LONG,
     MARGIN,
@@ -185,8 +194,6 @@ def _found(
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)
-    views = [train_view(run, i, before.fit, after.fit) for i, run in enumerate(search.data)]
-    views += [validate_view(run, *forecasts[run.name], case.rig) for run in validate]
     was, now = describe(before.fit), describe(after.fit)
     return Found(
         title=case.title,
@@ -202,11 +209,22 @@ def _found(
         ranking=_ranking(search, choice),
         experiments=next_experiments(search, choice.trial, effects),
         gate=passed,
-        runs=tuple(views),
+        runs=_views(case, before, after, validate, forecasts),
         spectrum=spectrum(before.fit, after.fit),
         messages=remarks(search.data, choice.null, effects, now),
         seconds=time.monotonic() - began,
     )
+
+
+def _views(
+    case: Case,
+    before: Trial,
+    after: Trial,
+    validate: Sequence[Data],
+    forecasts: Mapping[str, tuple[Measured, Measured]],
+) -> tuple[RunView, ...]:
+    train = [train_view(run, i, before.fit, after.fit) for i, run in enumerate(before.fit.engine.data)]
+    return (*train, *(validate_view(run, *forecasts[run.name], case.rig) for run in validate))
 
 
 def _verdict(choice: _Choice) -> Verdict:

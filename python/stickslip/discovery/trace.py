@@ -141,8 +141,12 @@ class Search:
         return best
 
     def close(self, trial: Trial) -> Trial:
-        """The trial fitted on from where it is."""
-        return self._again(trial, SHORT, trial, 25) or trial
+        """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
+        best = self._again(trial, SHORT, trial, 25) or trial
+        if best.excess < CLEAN or not trial.names:
+            return best
+        fresh = self._again(self._declared_law(trial), SHORT, None, 25)
+        return fresh if fresh is not None and fresh.fit.cost < best.fit.cost else best
 
     def _declared_law(self, trial: Trial) -> Trial:
         """The trial with its law back at the declared start: another way into the minimum."""
