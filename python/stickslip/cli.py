@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import stickslip
-from stickslip import cli_discover
+from stickslip import cli_discover, cli_sweep
 from stickslip.compare import Comparison, number
 from stickslip.config import write_text
 from stickslip.errors import InputError, StickslipError
@@ -234,6 +234,7 @@ def demo(out: Path, first_half: bool) -> None:
 
 main.add_command(cli_discover.discover)
 main.add_command(cli_discover.forecast)
+main.add_command(cli_sweep.sweep)
 
 
 def estimates_table(found: Identified) -> Table:

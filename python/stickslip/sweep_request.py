@@ -75,7 +75,8 @@ class Request:
     @property
     def block_shape(self) -> tuple[int, ...]:
         """Shape of a chunk: trailing dimensions whole, one cut, leading ones 1; so it is a run of members."""
-        target, shape = self.batch * BATCHES_A_BLOCK, [1] * len(self.grid.shape)
+        batches = max(1, min(BATCHES_A_BLOCK, self.grid.members // (8 * self.batch)))
+        target, shape = self.batch * batches, [1] * len(self.grid.shape)
         for i in reversed(range(len(shape))):
             shape[i] = min(self.grid.shape[i], target)
             target //= self.grid.shape[i]

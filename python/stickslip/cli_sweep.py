@@ -1,0 +1,138 @@
+"""The command `stickslip sweep`: a TOML file says what varies, a Zarr store holds the result."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import click
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+from rich.console import Console
+
+from stickslip.config import Document, read_toml
+from stickslip.declared import read_effect, read_friction, read_rig
+from stickslip.model import Model, load_model
+from stickslip.sweep import sweep as run_sweep
+from stickslip.sweep_observe import DEFAULT
+
+console = Console(highlight=False)
+INTERRUPTED = 130  # what a shell reports of a program that Ctrl-C ended
+
+
+class Axis(BaseModel):
+    """What a name runs through: `values`, or `start`, `stop` and `count` equal steps; `dim` to share a dimension."""
+
+    model_config = ConfigDict(extra="forbid")
+    values: list[float] | None = None
+    start: float | None = None
+    stop: float | None = None
+    count: Annotated[int, Field(ge=1)] | None = None
+    dim: str | None = None
+
+
+class Settings(BaseModel):
+    """The table [sweep]: the keywords of `stickslip.sweep`."""
+
+    model_config = ConfigDict(extra="forbid")
+    t_end: float
+    after: float = 0.0
+    belt_speed: float | None = None
+    initial: list[float] | None = None
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    observe: list[str] = list(DEFAULT)
+    points: int = 32
+    lanes: bool = True
+    max_transitions: int = 1_000_000
+
+
+class SweepFile(BaseModel):
+    """sweep.toml. The model is a path, or the tables of a model file here."""
+
+    model_config = ConfigDict(extra="forbid")
+    model: str | None = None
+    sweep: Settings
+    over: dict[str, Axis]
+    rig: dict[str, object] | None = None
+    friction: dict[str, object] = {}
+    effect: list[dict[str, object]] = []
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), required=True, help="Zarr store to write or go on with."
+)
+@click.option("--threads", type=int, default=None, help="All that there are if absent.")
+def sweep(file: Path, out: Path, threads: int | None) -> None:
+    r"""Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
+
+    Stopped at any moment and started again with the same line, it computes what is missing.
+
+    \b
+    model = "model.toml"            # or the tables [rig], [friction], [[effect]] here
+    [sweep]
+    t_end = 200
+    after = 100
+    initial = [0.1, 0.1, 0, 0]
+    observe = ["stick_fraction", "period"]
+    [over]
+    belt_speed = { start = 0.02, stop = 0.3, count = 64 }
+    alpha1 = { values = [8, 16, 40] }
+
+    \b
+    Example:
+      stickslip sweep sweep.toml --out result.zarr
+    """
+    document = read_toml(file)
+    asked = document.validated(SweepFile)
+    model = _model(document, asked)
+    over = {name: _values(document, name, axis) for name, axis in asked.over.items()}
+    with warnings.catch_warnings(record=True) as interrupts, document.at("sweep"):
+        warnings.simplefilter("always")
+        ds = run_sweep(
+            model, over, **asked.sweep.model_dump(), out=out, threads=threads, progress=console.is_terminal
+        )
+    if any("interrupted" in str(one.message) for one in interrupts):
+        console.print(f"stopped; the same command goes on with {out}", markup=False)
+        sys.exit(INTERRUPTED)
+    _say(ds["status"].values, ds["status"].attrs)
+    console.print(f"written:\n  {out}", soft_wrap=True, markup=False)
+
+
+def _model(document: Document, asked: SweepFile) -> Model:
+    if asked.model is not None:
+        if asked.rig is not None or asked.friction or asked.effect:
+            raise document.error("a file is given, and tables of a model beside it; leave one out", "model")
+        return load_model(document.path.parent / asked.model)
+    if asked.rig is None:
+        raise document.error('lacks its model: give model = "model.toml", or a table [rig]')
+    effects = [read_effect(document, "effect", i, table=one) for i, one in enumerate(asked.effect)]
+    rig = read_rig(document, "rig", table=asked.rig)
+    law = read_friction(document, "friction", table=asked.friction)
+    with document.at():
+        return Model(rig, friction=law, effects=tuple(effects))
+
+
+def _values(document: Document, name: str, axis: Axis) -> object:
+    given = axis.values is not None, axis.start is not None, axis.stop is not None, axis.count is not None
+    if given == (True, False, False, False):
+        values: object = axis.values
+    elif axis.start is not None and axis.stop is not None and axis.count is not None and not given[0]:
+        values = np.linspace(axis.start, axis.stop, axis.count)
+    else:
+        raise document.error("give values = [...], or start, stop and count", "over", name)
+    return values if axis.dim is None else (axis.dim, values)
+
+
+def _say(status: np.ndarray[tuple[int, ...], np.dtype[np.int8]], attrs: Mapping[str, object]) -> None:
+    """Print how many members ended how."""
+    flags = np.asarray(attrs["flag_values"]).tolist()
+    meanings = dict(zip(flags, str(attrs["flag_meanings"]).split(), strict=True))
+    kinds, counts = np.unique(status, return_counts=True)
+    told = ", ".join(f"{count} {meanings[int(kind)]}" for kind, count in zip(kinds, counts, strict=True))
+    console.print(f"{status.size} members: {told.replace('_', ' ')}")

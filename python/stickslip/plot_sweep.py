@@ -1,0 +1,247 @@
+"""Figures of a sweep: bifurcation diagram, map of two parameters, basins of attraction; one call each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, did_you_mean
+from stickslip.plot import GREY, MEASURED, STYLE, label
+from stickslip.sweep_observe import OBSERVABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+ATTRACTORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
+SYMBOLS = {
+    "belt_speed": "$v_b$",
+    "stick_fraction": "stick fraction",
+    "period": "mean time between releases",
+    "periodicity": "periodicity",
+    **{
+        f"{head}{x}{k}": f"${x}_{k}{tail}$"
+        for x in "xy"
+        for k in "12"
+        for head, tail in (("", ""), ("initial.", "(0)"))
+    },
+    **{name: rf"$\{name[:-1]}_{{{name[-1]}}}$" for name in ("alpha1", "alpha2", "beta3", "eta1")},
+    "eta12": r"$\eta_{12}$",
+}
+
+
+def bifurcation_diagram(
+    ds: xr.Dataset, state: str = "x1", *, parameter: str | None = None, select: str | None = None
+) -> Figure:
+    """Draw a state at the last releases over a parameter.
+
+    Parameters
+    ----------
+    ds
+        From `sweep` over one dimension (others are drawn over each other), with "points" observed.
+    state
+        Which state.
+    parameter
+        Coordinate along the abscissa; that of the first dimension if absent.
+    select
+        Another variable to colour the points by, such as "stick_fraction".
+
+    Raises
+    ------
+    InputError
+        The dataset lacks the points, the state, the parameter or the variable.
+    """
+    points = _variable(ds, "points")
+    states = [str(name) for name in ds["state"].values]
+    if state not in states:
+        raise InputError(f"unknown state; {did_you_mean(state, states)}", key="state", value=state)
+    dims = [str(dim) for dim in points.dims if dim not in ("point", "state")]
+    along = _coordinate(ds, parameter, dims[0])
+    x, y = np.broadcast_arrays(
+        ds[along].broadcast_like(points.isel(state=0)).transpose(*dims, "point").values,
+        points.isel(state=states.index(state)).transpose(*dims, "point").values,
+    )
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.2, 4.2), layout="constrained")
+        ax = figure.subplots()
+        size = 4.0 if x.size < 20000 else 1.0
+        if select is None:
+            ax.scatter(x, y, s=size, color=MEASURED, lw=0, rasterized=x.size > 5000)
+        else:
+            shade = (
+                _variable(ds, select).broadcast_like(points.isel(state=0)).transpose(*dims, "point").values
+            )
+            drawn = ax.scatter(x, y, s=size, c=shade, cmap="viridis", lw=0, rasterized=x.size > 5000)
+            figure.colorbar(drawn, ax=ax, label=_label(ds, select))
+        ax.set_xlabel(_label(ds, along))
+        ax.set_ylabel(f"{SYMBOLS.get(state, state)} at releases")
+    return figure
+
+
+def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: str | None = None) -> Figure:
+    """Draw a result over two parameters, as colour; whole numbers such as the periodicity in a colour each.
+
+    Parameters
+    ----------
+    ds
+        From `sweep` over two dimensions.
+    variable
+        Which result.
+    state
+        Which state, of one that has them.
+
+    Raises
+    ------
+    InputError
+        The dataset has not two dimensions, or lacks the variable or the state.
+    """
+    values = _variable(ds, variable)
+    if "state" in values.dims:
+        states = [str(name) for name in ds["state"].values]
+        if state not in states:
+            raise InputError(f"give one of {', '.join(states)}", key="state", value=state)
+        values = values.isel(state=states.index(state))
+    down, across = _two(ds, [str(dim) for dim in values.dims])
+    done = (ds["status"] == 0).transpose(*values.dims).values
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.0, 4.6), layout="constrained")
+        ax = figure.subplots()
+        whole = OBSERVABLES[variable].dtype.startswith("int") if variable in OBSERVABLES else False
+        shown = np.where(done, values.values, np.nan) if variable != "status" else values.values.astype(float)
+        name = _label(ds, variable) + (f" of {SYMBOLS.get(state, state)}" if state else "")
+        _mesh(figure, ax, ds, (down, across), shown, name, whole=whole)
+    return figure
+
+
+def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
+    """Draw which attractor each start leads to, from a sweep over two initial values.
+
+    Attractors are told apart by the ranges of the states after the transient: members whose `state_min` and
+    `state_max` agree are on the same one. So observe these, and count from `after` a transient.
+
+    Parameters
+    ----------
+    ds
+        From `sweep` over two dimensions, with "state_min" and "state_max" observed.
+    tolerance
+        Difference allowed, as a share of the largest displacement or velocity.
+
+    Raises
+    ------
+    InputError
+        The dataset has not two dimensions or lacks these results.
+    """
+    low, high = _variable(ds, "state_min"), _variable(ds, "state_max")
+    down, across = _two(ds, [str(dim) for dim in low.dims if dim != "state"])
+    features = np.concatenate([low.values, high.values], axis=-1)
+    flat = features.reshape(-1, features.shape[-1])
+    flat = np.where((ds["status"].values.ravel() == 0)[:, None], flat, np.nan)
+    which, kinds = attractors(flat, tolerance)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.0, 4.6), layout="constrained")
+        ax = figure.subplots()
+        colours = ListedColormap([ATTRACTORS[i % len(ATTRACTORS)] for i in range(max(1, len(kinds)))])
+        x, y = ds[across].values, ds[down].values
+        limits: dict[str, Any] = {"vmin": -0.5, "vmax": max(1, len(kinds)) - 0.5}
+        ax.pcolormesh(
+            x, y, which.reshape(low.shape[:2]), cmap=colours, shading="nearest", rasterized=True, **limits
+        )
+        d = low.shape[-1]
+        for i, one in enumerate(kinds):
+            name = _described(one[:d], one[d:], int((which == i).sum()) / len(flat))
+            ax.scatter([], [], marker="s", color=colours(i), s=40, label=name)
+        ax.set_xlabel(_label(ds, across))
+        ax.set_ylabel(_label(ds, down))
+        figure.legend(loc="outside upper center", ncols=min(2, max(1, len(kinds))))
+    return figure
+
+
+def attractors(features: Floats, tolerance: float = 1e-3, most: int = 8) -> tuple[Floats, list[Floats]]:
+    """Group rows that agree: (n,) group of each, NaN where there is none, and a row for each, the commonest first.
+
+    Rows are within `tolerance` of the first of their group, as a share of the largest number there is. Groups
+    beyond `most` are one: that of what has not settled.
+    """
+    which = np.full(len(features), np.nan)
+    left = np.isfinite(features).all(axis=1)
+    if not left.any():
+        return which, []
+    scale = float(np.abs(features[left]).max()) or 1.0
+    groups: list[NDArray[np.bool_]] = []
+    while left.any() and len(groups) < most:
+        first = features[np.argmax(left)]
+        same = left & (np.abs(features - first).max(axis=1) <= tolerance * scale)
+        groups.append(same)
+        left &= ~same
+    if left.any():
+        groups[-1] |= left
+    groups.sort(key=lambda same: -int(same.sum()))
+    for i, same in enumerate(groups):
+        which[same] = i
+    return which, [features[np.argmax(same)] for same in groups]
+
+
+def _described(low: Floats, high: Floats, share: float) -> str:
+    size = high[0] - low[0]
+    what = f"rest at $x_1$ = {low[0]:.3g}" if size < 1e-3 else f"cycle, $x_1$ {low[0]:.3g} .. {high[0]:.3g}"
+    return f"{what} ({100 * share:.0f} %)"
+
+
+def _mesh(
+    figure: Figure, ax: Axes, ds: xr.Dataset, axes: tuple[str, str], values: Floats, name: str, *, whole: bool
+) -> None:
+    down, across = axes
+    settings: dict[str, Any] = {"cmap": "viridis"}
+    there = np.unique(values[np.isfinite(values)])
+    if whole and 0 < len(there) <= 20:
+        edges = np.append(there - 0.5, there[-1] + 0.5)
+        settings = {
+            "cmap": mpl.colormaps["viridis"].resampled(len(there)),
+            "norm": BoundaryNorm(edges, len(there)),
+        }
+    drawn = ax.pcolormesh(
+        ds[across].values, ds[down].values, values, shading="nearest", rasterized=True, **settings
+    )
+    bar = figure.colorbar(drawn, ax=ax, label=name)
+    if "norm" in settings:
+        bar.set_ticks(0.5 * (edges[1:] + edges[:-1]), labels=[f"{v:.0f}" for v in there])
+    ax.set_facecolor("#dddddd")  # what failed or was not computed
+    ax.set_xlabel(_label(ds, across))
+    ax.set_ylabel(_label(ds, down))
+    ax.tick_params(color=GREY)
+
+
+def _variable(ds: xr.Dataset, name: str) -> xr.DataArray:
+    if name not in ds:
+        raise InputError(f"not in the dataset; sweep with observe=('{name}', ...)", key=name)
+    return ds[name]
+
+
+def _two(ds: xr.Dataset, dims: list[str]) -> tuple[str, str]:
+    """Names of the ordinate and the abscissa."""
+    if len(dims) != 2:
+        raise InputError(
+            f"needs two dimensions, has {', '.join(dims)}; choose with .isel or .sel", key="dataset"
+        )
+    return _coordinate(ds, None, dims[0]), _coordinate(ds, None, dims[1])
+
+
+def _coordinate(ds: xr.Dataset, name: str | None, dim: str) -> str:
+    """Name of a coordinate along `dim`; of a shared dimension the first."""
+    names = [str(one) for one, values in ds.coords.items() if values.ndim == 1 and one != "state"]
+    if name is None:
+        return next(one for one in names if ds[one].dims == (dim,))
+    if name not in names:
+        raise InputError(f"unknown parameter; {did_you_mean(name, names)}", key="parameter", value=name)
+    return name
+
+
+def _label(ds: xr.Dataset, name: str) -> str:
+    unit = str(ds[name].attrs.get("units", "1"))
+    return label(SYMBOLS.get(name, name.replace("_", " ")), "1" if "rig's units" in unit else unit)

@@ -1,0 +1,62 @@
+"""Figures of sweeps: drawn from what was observed, and refused with a sentence where that lacks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip import plot, plot_sweep
+
+MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+LAW = ss.HyperbolicFriction(scale=0.5, decay=3, constant=0.5, quadratic=0.1)
+BISTABLE = ss.Model(ss.BlockOnBelt(damping=0.0), friction=LAW)
+
+
+def test_bifurcation_diagram_draws_every_point(tmp_path: Path) -> None:
+    ds = ss.sweep(
+        MODEL,
+        {"belt_speed": np.linspace(0.1, 0.3, 6)},
+        t_end=200,
+        after=100,
+        initial=(0.1, 0.1, 0, 0),
+        observe=("points", "period"),
+    )
+    figure = plot_sweep.bifurcation_diagram(ds, "y1", select="period")
+    drawn = figure.axes[0].collections[0].get_offsets()
+    assert np.ma.count(drawn[:, 1]) == int(np.isfinite(ds.points[..., 2]).sum())
+    assert "v_b" in figure.axes[0].get_xlabel()
+    assert all(path.stat().st_size > 5000 for path in plot.save_figure(figure, tmp_path / "b"))
+    with pytest.raises(ss.InputError, match="did you mean 'y1'"):
+        plot_sweep.bifurcation_diagram(ds, "y11")
+
+
+def test_parameter_map_has_the_values_in_place() -> None:
+    a = np.linspace(8, 40, 5)
+    over = {"belt_speed": np.linspace(0.1, 0.3, 4), "alpha1": ("a", a), "alpha2": ("a", a / 2)}
+    ds = ss.sweep(MODEL, over, t_end=100, initial=(0.1, 0.1, 0, 0), observe=("stick_fraction", "releases"))
+    for name in ("stick_fraction", "releases"):
+        figure = plot_sweep.parameter_map(ds, name)
+        drawn = figure.axes[0].collections[0].get_array()
+        assert drawn is not None
+        assert np.array_equal(np.asarray(drawn).ravel(), ds[name].values.astype(float).ravel())
+        assert "alpha" in figure.axes[0].get_xlabel()
+
+
+def test_basin_tells_sliding_from_stick_slip() -> None:
+    over = {"initial.x2": np.linspace(-0.5, 2.0, 20), "initial.x1": np.linspace(-0.5, 2.0, 22)}
+    ds = ss.sweep(BISTABLE, over, belt_speed=0.85, t_end=600, after=550, observe=("state_min", "state_max"))
+    figure = plot_sweep.basin(ds, tolerance=0.05)
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert len(told) == 2
+    assert any("cycle" in one for one in told)
+
+
+def test_attractors_of_made_up_rows() -> None:
+    rows = np.array([[0.0, 1], [0, 1.0001], [5, 6], [np.nan, 1], [0, 1], [5.0001, 6]])
+    which, kinds = plot_sweep.attractors(rows)
+    assert np.array_equal(which, [0, 0, 1, np.nan, 0, 1], equal_nan=True)
+    assert len(kinds) == 2
+    assert plot_sweep.attractors(np.full((3, 2), np.nan))[1] == []
