@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from effects_page import PAGE, page
+
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])
 
@@ -33,3 +35,7 @@ def test_the_tests_named_by_the_readings_exist() -> None:
     }
     assert named >= {"test_the_filter_looks_back"}
     assert named <= defined
+
+
+def test_the_page_of_effects_is_the_catalogue() -> None:
+    assert PAGE.read_text() == page(), "stale: run `python tests/effects_page.py`"

@@ -1,0 +1,51 @@
+"""The catalogue as a page: `python tests/effects_page.py` writes docs/effects.md, a test holds it to the code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stickslip import CATALOGUE
+
+PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
+
+HEAD = """# Effects: what a model may have beyond (2.1) and its friction law
+
+Made from the code by `python tests/effects_page.py`. Declare one with `ss.effect(name, **parameters)`; `stickslip
+discover` tries them all. Forces are in the bracket's units of (2.1): block terms are divided by alpha1, angle-body
+terms by alpha2. v is v_w, u = |v|, R the kinetic magnitude; all parameters are nondimensional. A phase `phi` differs
+from run to run.
+
+| name | where | what it adds | depends on | parameters |
+|---|---|---|---|---|
+"""
+
+TAIL = """
+What has no name is a `tabulated` term, a smooth curve of one variable on block, angle body or contact:
+`ss.tabulated(where, depends_on, knots, values)`.
+
+## Friction laws
+
+| law | R(u), u = \\|v_w\\| | at rest |
+|---|---|---|
+| `PaperFriction` | (4.1) and (4.2) of the paper, see [model.md](model.md) | T_s_minus, T_s_plus |
+| `CoulombFriction` | kinetic | static |
+| `HyperbolicFriction` | scale/(1 + decay u) + constant + quadratic u^2 | R(0) = scale + constant |
+
+`..._plus` parameters are those of slip with v_w > 0; left out, both directions share a number.
+"""
+
+
+def page() -> str:
+    """Return the page as the code says it."""
+    rows = []
+    for kind in CATALOGUE.values():
+        parameters = "; ".join(f"`{info.name}` {info.meaning}" for info in kind.parameters)
+        formula = kind.formula.replace("|", "\\|")
+        rows.append(
+            f"| `{kind.name}` | {kind.where} | {formula} | {', '.join(kind.depends_on)} | {parameters} |"
+        )
+    return HEAD + "\n".join(rows) + "\n" + TAIL
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())
