@@ -17,7 +17,7 @@ from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.ripple import ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.solve import Fit, fit
+from stickslip.discovery.solve import Fit, fit, relax
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.windows import cut, with_hidden
 from stickslip.effects import CATALOGUE, Effect
@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
 CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
+ALMOST = 1.5  # and below which it is worth two more turns
+TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -125,20 +127,42 @@ class Search:
     def polish(self, trial: Trial, turns: int = 2) -> Trial:
         """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
         best = self.close(trial)
-        for _ in range(turns):
-            if best.excess < CLEAN or best.chi2 > NEAR or self.left < 0:
+        for turn in range(turns + 2):
+            if best.excess < CLEAN or best.chi2 > (NEAR if turn < turns else ALMOST) or self.left < 0:
                 break
             before = best.fit.cost
-            long = self._again(best, LONG, None)
+            for _ in range(3):
+                last, best = best, self._trimmed(best)
+                if best is last or best.fit.cost > 0.99 * last.fit.cost:
+                    break
+            if best.excess < CLEAN:
+                break
+            long = self._again(best, LONG + turn, None)
             for origin in (long, self._declared_law(best)):
                 if best.excess < CLEAN:
                     break
                 short = None if origin is None else self._again(origin, SHORT, None)
                 if short is not None and short.fit.cost < best.fit.cost:
                     best = short
-            if best.fit.cost > 0.98 * before:
+            if best.fit.cost > 0.998 * before and turn >= turns:
                 break
         return best
+
+    def _trimmed(self, trial: Trial) -> Trial:
+        """The trial fitted without the few windows on the wrong side of a transition, which then follow; or itself."""
+        engine, windows = trial.fit.engine, trial.fit.windows
+        good = [float(b.r @ b.r) < TRIM * len(b.r) for b in trial.fit.blocks]
+        if not 0.6 * len(good) <= sum(good) < len(good):
+            return trial
+        part = fit(engine, trial.fit.vector, [w for w, g in zip(windows, good, strict=True) if g], rounds=0)
+        if part is None:
+            return trial
+        kept = iter(part.windows)
+        every = [
+            next(kept) if g else relax(engine, part.vector, w) for w, g in zip(windows, good, strict=True)
+        ]
+        again = fit(engine, part.vector, every, iterations=20, rounds=1)
+        return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
 
     def close(self, trial: Trial) -> Trial:
         """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
