@@ -51,10 +51,13 @@ def folder(tmp_path_factory):
     return at
 
 
-@pytest.mark.parametrize("command", ["simulate", "identify", "compare", "demo"])
+@pytest.mark.parametrize(
+    "command", ["simulate", "identify", "compare", "discover", "forecast", "sweep", "demo"]
+)
 def test_every_help_shows_an_example(command):
     result = stickslip(command, "--help")
     assert result.exit_code == 0
+    assert r"\b" not in result.output
     assert f"Example:\n    stickslip {command}" in result.output
 
 
@@ -90,6 +93,7 @@ def test_identify_then_compare(folder, tmp_path):
     assert saved["estimates"]["T_s_minus"]["value"] == pytest.approx(TRUE.T_s_minus, abs=0.05)
     model = ss.load_model(tmp_path / "found" / "model.toml")
     assert model.friction.T_s_minus == saved["estimates"]["T_s_minus"]["value"]
+    assert model.channels == ss.load_case(folder).channels
     result = stickslip(
         "compare", tmp_path / "found" / "model.toml", folder, "--run", "b", "--out", tmp_path / "compared"
     )

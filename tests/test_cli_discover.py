@@ -99,6 +99,62 @@ def test_forecast_meets_what_happened(tmp_path: Path, si: bool) -> None:
     assert np.std(truth) > 100 * noise
 
 
+def test_forecast_by_the_model_that_identify_wrote(tmp_path: Path) -> None:
+    """Readings in mm and s: the forecast goes on where the run stops."""
+    path = found_by_hand.write_case(tmp_path, si=True)
+    case = ss.load_case(path)
+    result = invoke("identify", path, "--out", tmp_path / "found")
+    assert result.exit_code == 0, result.output
+    model = ss.load_model(tmp_path / "found" / "model.toml")
+    assert model.channels == case.channels
+    assert model.noise == case.noise
+    whole = pd.read_csv(tmp_path / "run_03.csv")
+    whole[:1000].to_csv(tmp_path / "past.csv", index=False)
+    speed = case.run("run_03").belt_speed * case.rig.scales.velocity
+    result = invoke(
+        "forecast", tmp_path / "found" / "model.toml", tmp_path / "past.csv", "--belt-speed", speed,
+        "--horizon", 1.0, "--out", tmp_path / "next.csv",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    ahead = pd.read_csv(tmp_path / "next.csv")
+    assert ahead["t"][0] == pytest.approx(whole["t"][1000], rel=1e-5)
+    step = 5 * whole[["x1", "y1"]].diff().abs().max()
+    assert (abs(ahead[["x1", "y1"]].iloc[0] - whole[["x1", "y1"]].iloc[1000]) < step).all()
+
+
+def test_forecast_refuses_an_si_rig_whose_readings_have_no_units(tmp_path: Path) -> None:
+    case = ss.load_case(found_by_hand.write_case(tmp_path, si=True))
+    ss.Model(case.rig, friction=case.friction).save(tmp_path / "model.toml")
+    out = tmp_path / "next.csv"
+    result = invoke(
+        "forecast", tmp_path / "model.toml", tmp_path / "run_03.csv", "--belt-speed", 0.01, "--horizon", 1,
+        "--out", out,
+    )  # fmt: skip
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "stickslip: model.toml: the rig is in SI and the units of the readings are not given; "
+        "add [channels], as in rig.toml\n"
+    )
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("command", ["identify", "compare"])
+def test_findings_are_printed(tmp_path: Path, command: str) -> None:
+    """Millimetres declared as metres."""
+    path = found_by_hand.write_case(tmp_path, si=True)
+    case = ss.load_case(path)
+    case.model().save(tmp_path / "model.toml")
+    for name in ("x1", "y1"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace(f'"{name}", unit = "mm"', f'"{name}", unit = "m"'), encoding="utf-8")
+    first = [tmp_path / "model.toml"] if command == "compare" else []
+    result = invoke(command, *first, path, "--out", tmp_path / "out")
+    findings = ss.load_case(path).findings
+    assert any("is the unit right?" in one for one in findings)
+    for one in findings:
+        assert one in result.stdout or (command == "compare" and not one.startswith("run_03"))
+
+
 def test_forecast_writes_nothing_on_bad_input(tmp_path: Path) -> None:
     case = ss.load_case(found_by_hand.write_case(tmp_path))
     case.model().save(tmp_path / "model.toml")

@@ -157,6 +157,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
       stickslip identify CASE/rig.toml --out identified
     """
     loaded = stickslip.load_case(case)
+    _say_findings(loaded.findings)
     with progress("identifying") as tell:
         found = stickslip.identify(loaded, belt_speed=belt, progress=tell)
     written = _save_identified(found, out)
@@ -186,6 +187,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     law, loaded = stickslip.load_model(model), stickslip.load_case(case)
     first = next((r for r in loaded.runs if r.role == "validate"), loaded.runs[0])
     recording = first if name is None else loaded.run(name)
+    _say_findings(tuple(f"{recording.name}: {finding}" for finding in recording.findings))
     with progress("comparing") as tell:
         result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
     written = _save_comparison(result, out)
@@ -287,6 +289,14 @@ def _save_comparison(c: Comparison, out: Path) -> list[Path]:
     written += plot.save_figure(plot.phase_portrait(c), out / "phase_portrait")
     written += plot.save_figure(plot.time_series(c), out / "time_series")
     return written
+
+
+def _say_findings(findings: tuple[str, ...]) -> None:
+    """What is odd about the readings, before anything is made of them."""
+    if findings:
+        console.print("What the check of the recordings says:")
+    for finding in findings:
+        console.print(f"- {finding}", soft_wrap=True, markup=False)
 
 
 def _say_written(paths: list[Path]) -> None:

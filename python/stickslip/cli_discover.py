@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from stickslip.discovery.result import Found
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, Place, StickslipError
 from stickslip.files import whole
 from stickslip.findings import FindingKind
 from stickslip.model import Model, load_model
@@ -21,6 +21,7 @@ from stickslip.recording import load_recording
 from stickslip.records import Case, load_case
 from stickslip.report import words
 from stickslip.report.si import to_si
+from stickslip.rig import Rig
 from stickslip.tables import column_names
 from stickslip.units import Channel, default_speed_unit, factor, speed
 
@@ -46,7 +47,7 @@ def telling(title: str) -> Iterator[Callable[[str], None]]:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap's random numbers.")
 def discover(case: Path, out: Path, seed: int) -> None:
-    r"""Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
+    """Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
 
     Writes report.html, report.json, model_before.toml, model_after.toml and the figures. The exit status is 0 with
     any verdict, "no_effect" included.
@@ -148,7 +149,7 @@ def errors_table(found: Found) -> Table:
     "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
 )
 def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path) -> None:
-    r"""Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
+    """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
     Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
 
@@ -161,6 +162,9 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path)
     loaded = load_model(model)
     if not np.isfinite(horizon) or horizon <= 0:
         raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
+    if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
+        words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"
+        raise InputError(words, place=Place(model.name))
     v_b = _model_speed(loaded, belt_speed)
     past = load_recording(
         run, loaded.rig, channels=_channels(loaded, run), belt_speed=belt_speed, noise=loaded.noise

@@ -69,7 +69,7 @@ class SweepFile(BaseModel):
 )
 @click.option("--threads", type=int, default=None, help="All that there are if absent.")
 def sweep(file: Path, out: Path, threads: int | None) -> None:
-    r"""Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
+    """Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
 
     Stopped at any moment and started again with the same line, it computes what is missing.
 

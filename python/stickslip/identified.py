@@ -15,6 +15,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.model import Model
 from stickslip.rig import AnyRig
 from stickslip.shooting import Array
+from stickslip.units import Channel
 
 Status = Literal["identified", "weak", "unidentified"]
 Branch = Literal["minus", "plus"]
@@ -94,6 +95,8 @@ class Identified:
     diagnostics : mapping of str to float
     messages : tuple of str
         Sentences a person should read.
+    channels, reading_noise : mapping or None
+        Columns and units of the readings, and the noise declared in these units, where a case says so.
     """
 
     rig: AnyRig
@@ -108,11 +111,13 @@ class Identified:
     events: Events | None = None
     diagnostics: Mapping[str, float] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
+    channels: Mapping[str, Channel] | None = None
+    reading_noise: Mapping[str, float] | None = None
 
     @property
     def model(self) -> Model:
-        """The rig under the identified law."""
-        return Model(self.rig, friction=self.law)
+        """The rig under the identified law; it knows columns and noise where a case declared them."""
+        return Model(self.rig, friction=self.law, channels=self.channels, noise=self.reading_noise)
 
     @property
     def unidentified(self) -> tuple[str, ...]:

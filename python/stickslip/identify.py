@@ -176,6 +176,8 @@ def identify(
     found = replace(
         found, force=_force(runs, rig), messages=(*found.messages, *_plateau_messages(runs, belt_speed))
     )
+    if isinstance(source, Case) and rig == source.rig:
+        found = replace(found, channels=dict(source.channels), reading_noise=dict(source.noise) or None)
     tell("done", 1.0)
     return found
 
