@@ -1,6 +1,9 @@
 """Steps that were too long for what they could not see: one test a symptom."""
 
 import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 import stickslip as ss
 from stickslip import reference
@@ -38,3 +41,34 @@ def test_return_to_the_belt_at_the_other_static_limit_is_no_chatter():
     v = 0.6419889457495852
     run = ss.simulate(model, belt_speed=v, initial=(1, v), contact="slip-", t_end=400, rtol=1e-12)
     assert run.status.ok, run.status.value
+
+
+def test_a_periodic_table_is_a_periodic_spline():
+    knots, values = [0, 1, 2.5, 3, 4], [0, 2, 1, 0.5, 0]
+    term = ss.tabulated("block", "t", knots, values, period=4.0)
+    free = ss.CoulombFriction(static=0, kinetic=0)
+    model = ss.Model(ss.BlockOnBelt(), friction=free, effects=[term])
+    times = np.array([0.3, 3.9, 9.0])
+    run = ss.simulate(model, belt_speed=0, initial=(0, 1.0), t_end=9, t_eval=times)
+    force = CubicSpline(knots, values, bc_type="periodic")
+    told = solve_ivp(
+        lambda t, z: [z[1], -z[0] + force(t)],
+        (0, 9),
+        [0, 1],
+        t_eval=times,
+        rtol=1e-11,
+        atol=1e-11,
+        max_step=0.02,
+    )
+    np.testing.assert_allclose(run.state, told.y.T, atol=1e-8)
+
+
+def test_a_gap_of_no_width_is_refused():
+    with pytest.raises(ss.InputError, match="above 0"):
+        ss.effect("spring_gap_k3", k=20.0, d=0.0)
+
+
+def test_a_slip_that_contradicts_its_state_is_refused():
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction())
+    with pytest.raises(ss.InputError, match="slips the other way"):
+        ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.5), t_end=1, contact="slip-")

@@ -99,7 +99,7 @@ _KINDS = (
         "spring_gap_k3",
         "angle_body",
         "-k (y1 -+ d) beyond |y1| > d",
-        (_not_negative("k", "stiffness of the stop"), _not_negative("d", "half width of the gap")),
+        (_not_negative("k", "stiffness of the stop"), _positive("d", "half width of the gap")),
         ("y1",),
         two_degree=True,
     ),
@@ -117,7 +117,9 @@ _KINDS = (
         "-f sgn(y2), sticks at y2 = 0; with a creep speed v_c: -f tanh(y2/v_c)",
         (
             _not_negative("f", "friction force"),
-            ParameterInfo("v_c", "creep speed that rounds the sign; 0: sharp", (0.0, math.inf), optional=True),
+            ParameterInfo(
+                "v_c", "creep speed that rounds the sign; 0: sharp", (0.0, math.inf), optional=True
+            ),
         ),
         ("y2",),
         two_degree=True,

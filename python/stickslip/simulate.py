@@ -130,11 +130,13 @@ def simulate(
     t_eval
         Increasing times at which to return the state, within the span; the integrator's steps if absent.
     rtol, atol
-        Error allowed to each step, relative and absolute; not both zero.
+        Error allowed to each step, relative and absolute; not both zero. `atol` is in the rig's own units: for a
+        block in SI units that moves by micrometres choose it far below that.
     sensitivity
         Names of parameters (as in `model.parameters`, "belt_speed", "initial.x1", ...) to differentiate by.
     contact
-        Mode to start in; found from the state by "auto".
+        Mode to start in; found from the state by "auto". "stick" sets the block on the belt (x2 becomes the belt's
+        speed); a slip whose sign v_w contradicts is refused.
     locator
         "henon", or "bracket" for plain bisection on the same series.
     max_transitions
@@ -152,6 +154,8 @@ def simulate(
         A number is out of its bounds or not finite, `t_eval` not increasing or outside the span, a name
         unknown.
     """
+    if not isinstance(model, Model):
+        raise InputError("must be a Model, as Model(rig, friction=law) or load_model(file) give", key="model")
     speed = number("belt_speed", belt_speed)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
@@ -165,7 +169,7 @@ def simulate(
     raw = _core.simulate(
         structure=lowered.structure,
         parameters=lowered.parameters,
-        initial=checked_initial(model, lowered, initial),
+        initial=_started(model, lowered, initial, contact, speed),
         t_start=start,
         t_end=end,
         contact=_CONTACTS[contact],
@@ -219,6 +223,18 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
         bad = [*names, *HIDDEN][int(np.flatnonzero(~np.isfinite(given))[0])]
         raise InputError(f"{bad} is not finite", key="initial", value=given.tolist())
     return lowered.initial(given)
+
+
+def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact: str, speed: float) -> Floats:
+    """Return the full initial state, refusing a slip that goes the other way than `contact` says."""
+    state = checked_initial(model, lowered, initial)
+    v = state[1] - speed
+    moving = any(term.name in ("belt_speed_ripple", "belt_load_droop") for term in model.effects)
+    if not moving and contact in ("slip-", "slip+") and v * _CONTACTS[contact] < -1e-12 * abs(speed):
+        raise InputError(
+            f"x2 = {state[1]:g} on a belt of {speed:g} slips the other way", key="contact", value=contact
+        )
+    return state
 
 
 def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
