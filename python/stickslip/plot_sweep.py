@@ -189,7 +189,7 @@ def attractors(features: Floats, tolerance: float = 1e-3, most: int = 8) -> tupl
 
 def _described(low: Floats, high: Floats, share: float) -> str:
     size = high[0] - low[0]
-    what = f"rest at $x_1$ = {low[0]:.3g}" if size < 1e-3 else f"cycle, $x_1$ {low[0]:.3g} .. {high[0]:.3g}"
+    what = f"steady at $x_1$ = {low[0]:.3g}" if size < 1e-3 else f"cycle, $x_1$ {low[0]:.3g} .. {high[0]:.3g}"
     return f"{what} ({100 * share:.0f} %)"
 
 

@@ -70,7 +70,7 @@ class Request:
         fixed batches, each by one thread, make every way of computing equal to the last bit.
         """
         by_length = int(BATCH * min(1.0, TYPICAL / self.t_end))
-        return max(32, min(by_length, math.ceil(self.grid.members / 16)))
+        return max(64, min(by_length, math.ceil(self.grid.members / 16)))
 
     @property
     def block_shape(self) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ import shutil
 import tempfile
 import warnings
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -19,6 +20,7 @@ import numpy as np
 
 import stickslip
 from stickslip.errors import InputError
+from stickslip.model import Model
 from stickslip.sweep_observe import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
 from stickslip.sweep_request import Block, Request
 
@@ -87,7 +89,7 @@ def attributes(request: Request) -> dict[str, object]:
         "title": KIND,
         "version": stickslip.__version__,
         "build_config": json.dumps(stickslip.build_config()),
-        "model": request.model.toml(),
+        "model": _toml(request.model),
         "fixed": json.dumps({name: value for name, value in fixed.items() if name not in varied}),
         "scales": "" if scales is None else repr(scales),
         "t_end": request.t_end,
@@ -96,6 +98,12 @@ def attributes(request: Request) -> dict[str, object]:
         "atol": request.atol,
         "lanes": int(request.lanes),
     }
+
+
+@lru_cache(maxsize=16)
+def _toml(model: Model) -> str:
+    """The model's text; small sweeps are often repeated."""
+    return model.toml()
 
 
 class MemorySink:
