@@ -2,10 +2,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstring>
 #include <limits>
-#include <memory>
+#include <mutex>
 #include <new>
 #include <thread>
 
@@ -20,7 +21,9 @@ using namespace stickslip_abi;
 struct Shared {
   std::atomic<long> next{0};
   std::atomic<bool> stop{false};
-  std::atomic<int> running{0};
+  std::mutex mutex;
+  std::condition_variable finished;
+  int running = 0;
   long members;
   int points;
   SweepResult* out;
@@ -52,7 +55,9 @@ void work(SweepRequest request, Shared& shared) {
   void* workspace = ::operator new(dispatch::sweep_workspace(), line);
   dispatch::sweep(request, workspace);
   ::operator delete(workspace, line);
-  shared.running.fetch_sub(1);
+  const std::lock_guard lock(shared.mutex);
+  --shared.running;
+  shared.finished.notify_one();
 }
 
 }  // namespace
@@ -72,10 +77,13 @@ SweepResult sweep(SweepRequest request, long members, int threads, bool (*interr
   shared.running = threads;
   std::vector<std::thread> pool;
   for (int i = 0; i < threads; ++i) pool.emplace_back([&] { work(request, shared); });
-  for (auto pause = std::chrono::microseconds(50); shared.running.load() > 0;
-       pause = std::min(pause * 2, std::chrono::microseconds(20000))) {
-    std::this_thread::sleep_for(pause);
-    if (!shared.stop.load() && interrupted()) shared.stop = out.interrupted = true;
+  {
+    std::unique_lock lock(shared.mutex);
+    while (!shared.finished.wait_for(lock, std::chrono::milliseconds(20), [&] { return shared.running == 0; })) {
+      lock.unlock();
+      if (!shared.stop.load() && interrupted()) shared.stop = out.interrupted = true;
+      lock.lock();
+    }
   }
   for (std::thread& thread : pool) thread.join();
   return out;
