@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -28,10 +29,14 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     def use(verdict: str) -> None:
         def search(case: ss.Case, *, progress: Callable[[str], None], seed: int) -> Found:
             assert seed == 3
-            progress("trying sensor_lag")
+            for what in ("sensor_lag", "belt_seam", "sensor_lag + belt_seam", "sensor_lag + sensor_delay"):
+                progress(f"trying {what}")
+            progress("scoring a curve: block against x1")
+            progress("scoring a curve: block against x2")
             return found_by_hand.found(case, verdict=verdict)
 
-        monkeypatch.setattr("stickslip.discover.discover", search)
+        module = import_module("stickslip.discover")  # the package has a function of that name
+        monkeypatch.setattr(module, "discover", search)
         monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
 
     return use
@@ -44,7 +49,10 @@ def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None]
     result = invoke("discover", path, "--out", tmp_path / "out", "--seed", "3")
     assert result.exit_code == 0, result.output
     assert json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))["verdict"] == verdict
-    assert "trying sensor_lag" in result.stderr
+    stages = [line.partition("] ")[2] for line in result.stderr.splitlines()]
+    assert [one for one in stages if not one.startswith("note: ")] == [
+        "trying each effect", "trying sensor_lag + each other effect", "scoring curves", "drawing the report"
+    ]  # fmt: skip
     for name in ("report.html", "report.json", "model_before.toml", "model_after.toml"):
         assert str(tmp_path / "out" / name) in result.stdout
         assert (tmp_path / "out" / name).is_file()

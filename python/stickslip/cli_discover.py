@@ -30,16 +30,31 @@ console = Console(highlight=False)
 
 @contextmanager
 def telling(title: str) -> Iterator[Callable[[str], None]]:
-    """Say what is being tried: one line that changes on a terminal, a line each where the output is not one."""
+    """Say what is being tried: one line that changes on a terminal, a line for each stage where it is none."""
     err = Console(stderr=True, highlight=False)
     began = time.monotonic()
     if not err.is_terminal:
-        yield lambda what: err.print(
-            f"[{time.monotonic() - began:5.1f} s] {what}", markup=False, soft_wrap=True
-        )
+        last = ""
+
+        def tell(what: str) -> None:
+            nonlocal last
+            if (now := stage(what)) != last:
+                err.print(f"[{time.monotonic() - began:5.1f} s] {now}", markup=False, soft_wrap=True)
+            last = now
+
+        yield tell
         return
     with err.status(title) as status:
         yield lambda what: status.update(f"{title}: {what} [dim]({time.monotonic() - began:.0f} s)[/dim]")
+
+
+def stage(what: str) -> str:
+    """The stage of the search that a message belongs to: all of "trying a + b", "trying a + c" are one."""
+    if what.startswith("trying "):
+        base, plus, _ = what.removeprefix("trying ").rpartition(" + ")
+        return f"trying {base} + each other effect" if plus else "trying each effect"
+    head, curve, _ = what.partition(" a curve: ")
+    return f"{head} curves" if curve else what
 
 
 @click.command()
