@@ -3,8 +3,8 @@
 Usage: python bench/bench_sweep.py [--peers DIR] [--repeats 7] [--large 1000000] [--out FILE] [--require R]
 
 P2 is 4096 members (64 belt speeds x 64 alpha1, alpha2 = alpha1/2) to t = 200 at tolerance 1e-8; P2eq 64 of them on
-one thread, 16 times over, each program at the loosest of 1e-8, 1e-9, .. that leaves a median error of the final state
-of at most 1e-8.
+one thread, 16 times over, the rival at the loosest tolerance that leaves a median error of the final state of at most
+1e-8, ours at the loosest that leaves no more than the rival's.
 The rival, with --peers, is the jitted DOP853 mode machine `ensemble` of DIR/peer_numba.py, timed in turn with ours.
 Every answer is held to the truth (tests/data/truth_p2.json) before a time is taken. Measure on a quiet machine.
 """
@@ -35,7 +35,7 @@ MODEL = stickslip.Model(
 START, T_END = (0.1, 0.1, 0.0, 0.0), 200.0
 SPEEDS, ALPHAS = np.linspace(0.02, 0.3, 64), np.linspace(8, 40, 64)
 BAR = 1e-8
-TOLERANCES = (1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+TOLERANCES = (1e-8, 5e-9, 2e-9, 1e-9, 1e-10, 1e-11, 1e-12)
 
 
 def members(index: np.ndarray) -> dict[str, Any]:
@@ -80,11 +80,11 @@ def ratio(times: dict[str, list[float]], fast: str, slow: str) -> float:
     return statistics.median(b / a for a, b in zip(times[fast], times[slow], strict=True))
 
 
-def loosest(run: Callable[[float], np.ndarray], index: np.ndarray) -> tuple[float, float]:
+def loosest(run: Callable[[float], np.ndarray], index: np.ndarray, bar: float = BAR) -> tuple[float, float]:
     """Tolerance and error of the loosest run that is good enough."""
     for tolerance in TOLERANCES:
         e = error(run(tolerance), index)
-        if e <= BAR:
+        if e <= bar:
             break
     return tolerance, e
 
@@ -105,8 +105,8 @@ def against_rivals(folder: Path, repeats: int) -> dict[str, object]:
         return out[:, :4]
 
     few, every = np.array(sorted(TRUTH["index"])), np.arange(4096)
-    ours = loosest(lambda tolerance: sweep(few, tolerance).final_state.values, few)
     theirs = loosest(lambda tolerance: rival(few, tolerance), few)
+    ours = loosest(lambda tolerance: sweep(few, tolerance).final_state.values, few, theirs[1])
     often = np.tile(few, 16)  # so that what a call costs beside its trajectories does not count
     equal = in_turn(
         {"stickslip": lambda: sweep(often, ours[0]), "jitted DOP853": lambda: rival(often, theirs[0])},
