@@ -264,11 +264,15 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     unit = 2 * np.pi * flow.natural_time
     if flow.belt_speed == 0:
         raise NoLimitCycleError("the belt stands still and nothing moves the rig: it comes to rest")
-    tail = np.asarray(lasting + _even(3 * LOOK_BACK * unit, 3 * LOOK_BACK * SAMPLES + 1), dtype=np.float64)
-    run = flow.run(z, tail)
-    x2, x1 = run.state[:, 1], run.state[:, 0]
-    down = np.flatnonzero((x2[:-1] > 0) & (x2[1:] <= 0))
-    if len(down) < 3 or np.ptp(x1) < 1e-7:
+    for stretch in (1, 8, 64):  # a slow belt takes many natural periods to load the spring
+        seen = _even(3 * LOOK_BACK * unit * stretch, 3 * LOOK_BACK * SAMPLES * stretch + 1)
+        tail = np.asarray(lasting * stretch + seen, dtype=np.float64)
+        run = flow.run(z, tail)
+        x2, x1 = run.state[:, 1], run.state[:, 0]
+        down = np.flatnonzero((x2[:-1] > 0) & (x2[1:] <= 0))
+        if len(down) >= 3 or not (run.mode == 0).any():
+            break
+    if len(down) < 3 or np.ptp(x1) < 1e-7 * np.abs(x1).max():
         _no_cycle(flow, flow.full(run).mean(axis=0))
     down = down[-LOOK_BACK:]
     times = tail[down] + x2[down] / (x2[down] - x2[down + 1]) * unit / SAMPLES

@@ -72,3 +72,11 @@ def test_a_slip_that_contradicts_its_state_is_refused():
     model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction())
     with pytest.raises(ss.InputError, match="slips the other way"):
         ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.5), t_end=1, contact="slip-")
+
+
+@pytest.mark.parametrize("v", [0.2, 0.005, 0.002, 0.001])
+def test_a_slow_belt_still_has_its_cycle(v):
+    """Loading the spring may take hundreds of natural periods."""
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
+    period = 2 * (np.pi - np.arctan(0.5 / v)) + 1 / v
+    assert abs(ss.limit_cycle(model, belt_speed=v).period - period) < 1e-9 * period
