@@ -97,8 +97,8 @@ template <class T>
 void set_modes(const System<T>& sys, State<T>& s, Mode& mode, Side* on, int contact, Piece<T>& piece) {
   const auto real = [](const T& x) { return static_cast<double>(value(x)); };
   mode.contact = 0;
-  set_effect_modes(sys, s, mode, on, piece);
   piece.fx.b[0] = s.z[hidden_b];
+  set_effect_modes(sys, s, mode, on, piece);
   piece.fx.belt[0] = sys.rig.v_b;
   if (sys.structure.effects != 0) belt_next(sys, piece.fx, s.t, 0);
   const T belt = piece.fx.belt[0];
