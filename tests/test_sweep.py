@@ -127,7 +127,9 @@ def test_dissipated_is_the_integral_of_the_friction_power(kind: str) -> None:
 def test_lanes_are_the_scalar_kernel_within_rounding(kind: str) -> None:
     lanes, scalar = swept(kind), swept(kind, lanes=False)
     for name in ALL:
-        assert np.allclose(lanes[name], scalar[name], rtol=1e-9, atol=1e-7, equal_nan=True), name
+        # the spread is the root of a difference of squares: of rounding, sqrt(1e-16) of the period is left
+        atol = 1e-6 if name == "period_spread" else 1e-7
+        assert np.allclose(lanes[name], scalar[name], rtol=1e-9, atol=atol, equal_nan=True), name
 
 
 def many(**settings: Any) -> xr.Dataset:
