@@ -46,3 +46,10 @@ def test_a_narrower_instruction_set_can_be_asked_for_and_agrees() -> None:
     for times in told.values():
         assert len(times) == len(told["baseline"]) > 4
         assert max(abs(times - told["baseline"])) < 1e-8
+
+
+def test_a_command_starts_without_what_is_slow_to_import() -> None:
+    slow = ("matplotlib", "pandas", "xarray", "scipy.signal", "scipy.stats", "scipy.optimize", "pint", "dask")
+    code = f"import sys, stickslip.cli; print([name for name in {slow} if name in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"

@@ -1,7 +1,5 @@
 """Stick-slip friction rigs: simulate them, identify them from recordings, find what the model lacks."""
 
-from importlib.metadata import version
-
 from stickslip import signals
 from stickslip._core import build_config
 from stickslip.branch import Branch, SpecialPoint
@@ -25,7 +23,14 @@ from stickslip.simulate import Status, Trajectory, Transitions, simulate
 from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
 from stickslip.sweep import sweep
 
-__version__ = version("stickslip")
+
+def __getattr__(name: str) -> str:
+    if name == "__version__":
+        from importlib.metadata import version  # slow to import, and seldom asked for
+
+        return version("stickslip")
+    raise AttributeError(f"module 'stickslip' has no attribute '{name}'")
+
 
 __all__ = [
     "CATALOGUE",

@@ -11,7 +11,6 @@ from typing import Literal
 
 import click
 import numpy as np
-import pandas as pd
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
@@ -42,7 +41,7 @@ class OneLine(click.Group):
 
 
 @click.group(cls=OneLine, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(stickslip.__version__, prog_name="stickslip")
+@click.version_option(package_name="stickslip", prog_name="stickslip")
 def main() -> None:
     """Stick-slip friction rigs: simulate, identify from recordings, compare, find what the model lacks.
 
@@ -103,6 +102,8 @@ def simulate(
     Example:
       stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
     """
+    import pandas as pd  # slow to import
+
     loaded = stickslip.load_model(model)
     if not np.isfinite(t_end) or t_end <= 0:
         raise InputError("must be positive", key="--t-end", value=t_end)

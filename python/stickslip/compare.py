@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from stickslip import segments
 from stickslip.errors import InputError, StickslipError
@@ -346,7 +346,7 @@ def portrait_distance(a: Array, b: Array, size: Array) -> float:
     that the portraits lie one hundredth of their size apart.
     """
     a, b = a / size, b / size
-    there, back = (np.mean(cKDTree(p).query(q)[0]) for p, q in ((b, a), (a, b)))
+    there, back = (np.mean(scipy.spatial.cKDTree(p).query(q)[0]) for p, q in ((b, a), (a, b)))
     return float(0.5 * (there + back))
 
 

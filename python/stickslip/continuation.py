@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from stickslip.branch import (
     Branch,
@@ -305,7 +305,7 @@ class Walk:
         for width in (0.01, 0.05, 0.2):
             reach = width * (self.span[1] - self.span[0])
             try:
-                at = float(brentq(leading, a.value - reach, a.value + reach, xtol=1e-13))
+                at = float(scipy.optimize.brentq(leading, a.value - reach, a.value + reach, xtol=1e-13))
             except (StickslipError, ValueError):
                 continue
             return [SpecialPoint("hopf", at, self.problem.cycle(a), index)]
@@ -325,7 +325,7 @@ class Walk:
             return test(point)
 
         try:
-            share = float(brentq(value, 0.0, 1.0, xtol=self.problem.tol, rtol=1e-12))
+            share = float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=self.problem.tol, rtol=1e-12))
         except (StickslipError, ValueError):
             return None
         return self._chord(a, b, share)

@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from stickslip.catalogue import CATALOGUE, EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
@@ -136,7 +136,9 @@ class Tabulated:
         else:
             at = knots[0] + np.mod(at - knots[0], self.period)
         ends: Literal["natural", "periodic"] = "natural" if self.period is None else "periodic"
-        return np.asarray(CubicSpline(knots, np.array(self.values), bc_type=ends)(at), dtype=np.float64)
+        return np.asarray(
+            scipy.interpolate.CubicSpline(knots, np.array(self.values), bc_type=ends)(at), dtype=np.float64
+        )
 
 
 def tabulated(

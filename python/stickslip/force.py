@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import savgol_filter
+import scipy
 
 from stickslip.identified import ForcePoints
 from stickslip.rig import AnyRig, BlockOnBelt, Rig
@@ -67,8 +67,8 @@ def force_points(
     y = None
     if isinstance(rig, Rig):
         y = (
-            savgol_filter(readings[:, 1], width, 3),
-            savgol_filter(readings[:, 1], width, 3, deriv=1, delta=dt),
+            scipy.signal.savgol_filter(readings[:, 1], width, 3),
+            scipy.signal.savgol_filter(readings[:, 1], width, 3, deriv=1, delta=dt),
         )
     inertia, stiffness = (rig.alpha1, rig.alpha1) if isinstance(rig, Rig) else (rig.mass, rig.stiffness)
     index, blocks = [], []
@@ -79,7 +79,7 @@ def force_points(
             continue
         t, x = track.t[part], readings[part, 0]
         if s.mode:
-            block = np.array([savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3)])
+            block = np.array([scipy.signal.savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3)])
             std = noise[0] * _gain(len(part), width, dt, inertia, stiffness)
         else:
             block = np.array([track.x[part], np.full(len(t), track.belt_speed), np.zeros(len(t))])

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from stickslip.discovery.data import prepare
 from stickslip.discovery.predict import Forecaster
 from stickslip.errors import InputError, number
 from stickslip.model import Model
 from stickslip.records import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SLACK = 1e-9  # of a sampling interval
 
@@ -47,6 +50,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     StickslipError
         The model's run stops before the horizon.
     """
+    import pandas as pd  # slow to import
+
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
     run = prepare([replace(recording, belt_speed=speed)])[0]
     dt = float(np.median(np.diff(recording.t)))

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from stickslip.errors import InputError, number
 
@@ -140,7 +140,7 @@ class PaperFriction(_TwoBranches):
             high *= 2
             if high > 1e6:  # amplitudes so small that no speed of this world saturates the branch
                 return None
-        return float(brentq(above, 0.0, high, xtol=1e-16, rtol=4 * np.finfo(float).eps))
+        return float(scipy.optimize.brentq(above, 0.0, high, xtol=1e-16, rtol=4 * np.finfo(float).eps))
 
 
 @dataclass(frozen=True, kw_only=True)

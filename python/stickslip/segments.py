@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import savgol_filter
+import scipy
 
 from stickslip.errors import InputError
 from stickslip.shooting import Array, Window
@@ -152,8 +152,8 @@ def track(
         raise InputError(f"{len(t)} samples are too few: {3 * n} are needed to tell stick from slip")
     good = np.isfinite(x)
     filled = np.interp(t, t[good], x[good])
-    smooth = savgol_filter(filled, n, 2)
-    v = savgol_filter(filled, n, 2, deriv=1, delta=dt)
+    smooth = scipy.signal.savgol_filter(filled, n, 2)
+    v = scipy.signal.savgol_filter(filled, n, 2, deriv=1, delta=dt)
     threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * abs(belt_speed))
     stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
     mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import find_peaks, savgol_filter
 
 from stickslip import signals
 from stickslip.errors import InputError
@@ -134,7 +134,7 @@ def _velocity(t: Floats, x: Floats, noise: float, belt_speed: float) -> Floats:
     while width * dt < 1.0 and 4 * noise * math.sqrt(12 / width**3) / dt > 0.2 * abs(belt_speed):
         width += 2
     width = min(width, (len(grid) - 1) // 2 * 2 - 1)
-    return np.asarray(np.interp(t, grid, savgol_filter(resampled, width, 2, deriv=1, delta=dt)))
+    return np.asarray(np.interp(t, grid, scipy.signal.savgol_filter(resampled, width, 2, deriv=1, delta=dt)))
 
 
 def _slips(t: Floats, v: Floats, belt_speed: float) -> tuple[NDArray[np.int64], float]:
@@ -142,7 +142,9 @@ def _slips(t: Floats, v: Floats, belt_speed: float) -> tuple[NDArray[np.int64], 
     speed = np.abs(v - belt_speed)
     top = float(np.quantile(speed, 0.98))
     dt = float(np.median(np.diff(t)))
-    peaks, _ = find_peaks(speed, height=0.5 * top, prominence=0.3 * top, distance=max(3, int(2.0 / dt)))
+    peaks, _ = scipy.signal.find_peaks(
+        speed, height=0.5 * top, prominence=0.3 * top, distance=max(3, int(2.0 / dt))
+    )
     inner = peaks[(peaks > 5) & (peaks < len(t) - 6)]
     if len(inner) < 3 or top < 0.3 * abs(belt_speed):
         cycle = 2 * math.pi

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
@@ -104,7 +104,7 @@ def _portrait(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> 
     measured = np.stack([run.readings[samples, 0], run.v[samples]], 1)
     predicted = np.stack([prediction.readings[:, 0], prediction.state[:, 1]], 1)
     size = np.maximum(measured.std(axis=0), 1e-12)
-    distance, _ = cKDTree(predicted / size).query(measured / size)
+    distance, _ = scipy.spatial.cKDTree(predicted / size).query(measured / size)
     return float(np.mean(distance))
 
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 Floats = NDArray[np.float64]
 B, M = 6, 7  # hidden states in the core's order
@@ -37,7 +37,7 @@ class Learned:
     def basis(self, x: Floats, derivative: int = 0) -> Floats:
         """Value of each knot's cardinal spline, (n, k); held constant outside."""
         knots = np.array(self.knots)
-        spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
+        spline = scipy.interpolate.CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
         inside = np.clip(x, knots[0], knots[-1])
         out = np.asarray(spline(inside, derivative))
         return out if derivative == 0 else np.where((x == inside)[:, None], out, 0.0)

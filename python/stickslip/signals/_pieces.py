@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import PPoly
 
 from stickslip.signals._input import Floats
 
@@ -33,7 +33,9 @@ def _polynomials(intervals: int) -> Floats:
     knots = np.concatenate([np.zeros(DEGREE), np.arange(intervals + 1.0), np.full(DEGREE, float(intervals))])
     out = np.empty((intervals, TERMS, TERMS))
     for b, unit in enumerate(np.eye(intervals + DEGREE)):
-        powers = PPoly.from_spline((knots, unit, DEGREE)).c[::-1, DEGREE : DEGREE + intervals]
+        powers = scipy.interpolate.PPoly.from_spline((knots, unit, DEGREE)).c[
+            ::-1, DEGREE : DEGREE + intervals
+        ]
         for i in range(max(0, b - DEGREE), min(intervals, b + 1)):
             out[i, b - i] = powers[:, i]
     return out

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from stickslip.signals._input import Booleans, Floats
 from stickslip.signals._pieces import Integers, Layout, System
@@ -127,7 +127,7 @@ def best_jerk(record: Record, layout: Layout, start: float | None = None) -> flo
     """Density of the third derivative with the greatest evidence."""
     top = np.log(record.sigma**2 / record.dt**5)
     bounds = (top - 40.0, top + 5.0) if start is None else (np.log(start) - 3.0, np.log(start) + 3.0)
-    found = minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         lambda q: fit(record, layout, float(np.exp(q))).evidence,
         bounds=bounds,
         method="bounded",

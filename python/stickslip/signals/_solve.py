@@ -7,7 +7,7 @@ white noise of density `jerk`; levels of sticks are free.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
+import scipy
 
 from stickslip.signals._input import Floats
 from stickslip.signals._pieces import TERMS, Integers, System
@@ -161,7 +161,7 @@ def solve(system: System, t: Floats, x: Floats, sigma: float, jerk: float) -> So
         node[1][:, 1, 1] += (sigma / system.creep) ** 2
     matrix = _banded(system.size, [*parts, node])
     factor = _factor(matrix)
-    unknowns = cho_solve_banded((factor, True), right + stick_right, check_finite=False)
+    unknowns = scipy.linalg.cho_solve_banded((factor, True), right + stick_right, check_finite=False)
 
     curve = np.einsum("cw,cw->c", system.weight, unknowns[system.unknown])
     curve = curve[system.local[:, None] + np.arange(TERMS)]
@@ -182,10 +182,10 @@ def solve(system: System, t: Floats, x: Floats, sigma: float, jerk: float) -> So
 def _factor(matrix: Floats) -> Floats:
     """Cholesky factor; a prior so stiff that rounding hides the data is leant a little to the mean."""
     try:
-        return np.asarray(cholesky_banded(matrix, lower=True, check_finite=False))
-    except LinAlgError:
+        return np.asarray(scipy.linalg.cholesky_banded(matrix, lower=True, check_finite=False))
+    except scipy.linalg.LinAlgError:
         matrix[0] *= 1.0 + 1e-9
-        return np.asarray(cholesky_banded(matrix, lower=True, check_finite=False))
+        return np.asarray(scipy.linalg.cholesky_banded(matrix, lower=True, check_finite=False))
 
 
 def _nearest_slip(system: System, t: Floats) -> Integers:

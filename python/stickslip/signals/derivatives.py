@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from stickslip.errors import InputError
 from stickslip.signals._input import Booleans, Floats, finite_vector
@@ -138,4 +138,4 @@ def _advance(y: Floats, samples: float) -> Floats:
     n = np.arange(y.size, dtype=np.float64)
     if y.size < 4:
         return np.interp(n + samples, n, y)
-    return np.asarray(CubicSpline(n, y)(np.minimum(n + samples, n[-1])))
+    return np.asarray(scipy.interpolate.CubicSpline(n, y)(np.minimum(n + samples, n[-1])))

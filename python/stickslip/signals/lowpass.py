@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import signal
 
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, first_bad, positive, real_array
@@ -85,16 +85,18 @@ def lowpass(
         raise InputError(
             f"needs order >= 1 and 0 < ripple < attenuation, not {order}, {ripple}, {attenuation}"
         )
-    sos = np.asarray(signal.ellip(order, ripple, attenuation, cutoff, fs=1.0 / dt, output="sos"))
+    sos = np.asarray(scipy.signal.ellip(order, ripple, attenuation, cutoff, fs=1.0 / dt, output="sos"))
     at_rest = np.prod(sos[:, :3].sum(axis=1) / sos[:, 3:].sum(axis=1))
     sos[0, :3] /= at_rest  # even orders pass a constant with -ripple dB: slopes would be wrong by that
     if not zero_phase:
-        start = signal.sosfilt_zi(sos).reshape(sos.shape[0], 2, *[1] * (values.ndim - 1)) * values[0]
-        return Lowpassed(signal.sosfilt(sos, values, axis=0, zi=start)[0], _delay(sos) * dt, cutoff, sos)
+        start = scipy.signal.sosfilt_zi(sos).reshape(sos.shape[0], 2, *[1] * (values.ndim - 1)) * values[0]
+        return Lowpassed(
+            scipy.signal.sosfilt(sos, values, axis=0, zi=start)[0], _delay(sos) * dt, cutoff, sos
+        )
     ends = 3 * (2 * sos.shape[0] + 1)
     if values.shape[0] <= ends:
         raise InputError(f"x has {values.shape[0]} samples; forth and back needs more than {ends}")
-    return Lowpassed(signal.sosfiltfilt(sos, values, axis=0), 0.0, cutoff, sos)
+    return Lowpassed(scipy.signal.sosfiltfilt(sos, values, axis=0), 0.0, cutoff, sos)
 
 
 def _delay(sos: Floats) -> float:

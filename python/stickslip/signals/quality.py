@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import median_filter
-from scipy.stats import norm
 
 from stickslip.errors import InputError
 from stickslip.signals._input import Booleans, Floats, finite_vector, positive, real_array
@@ -18,7 +17,8 @@ _WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
 
 def _trimmed_std(values: Floats, cut: float) -> float:
     """Scale of a normal sample of mean 0, deaf to what lies beyond `cut` standard deviations."""
-    kept = math.sqrt(1.0 - 2.0 * cut * norm.pdf(cut) / (2.0 * norm.cdf(cut) - 1.0))  # std of a cut normal
+    density = math.exp(-0.5 * cut**2) / math.sqrt(2.0 * math.pi)
+    kept = math.sqrt(1.0 - 2.0 * cut * density / (2.0 * scipy.special.ndtr(cut) - 1.0))  # std of a cut normal
     scale = 1.4826 * float(np.median(np.abs(values))) or float(np.mean(np.abs(values)))
     for _ in range(20):
         inside = values[np.abs(values) <= cut * scale]
@@ -156,8 +156,8 @@ def _deviation(x: Floats) -> Floats:
 def _threshold(x: Floats, deviation: Floats, false_alarms: float, noise: float | None) -> Floats:
     sigma = max(noise_std(x) if noise is None else noise, quantisation(x).noise)
     usual = _CUBIC_STD * sigma + 16.0 * np.finfo(np.float64).eps * float(np.abs(x).max())
-    local = 1.4826 * median_filter(np.abs(deviation), size=min(_WINDOW, x.size), mode="nearest")
-    return np.asarray(norm.isf(0.5 * false_alarms) * np.where(local > 1.5 * usual, local, usual))
+    local = 1.4826 * scipy.ndimage.median_filter(np.abs(deviation), size=min(_WINDOW, x.size), mode="nearest")
+    return np.asarray(-scipy.special.ndtri(0.5 * false_alarms) * np.where(local > 1.5 * usual, local, usual))
 
 
 def remove_glitches(x: ArrayLike, glitches: Glitches) -> Floats:

@@ -1,11 +1,12 @@
 """Displacement, velocity and acceleration by a smoother that knows of stick and slip."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
-from scipy.stats import norm
 
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, finite_vector, positive
@@ -76,7 +77,7 @@ class Smoothed:
     jerk: float
     min_dwell: float
     _solution: Solution = field(repr=False)
-    _belt: "_Belt" = field(repr=False)
+    _belt: _Belt = field(repr=False)
 
     def evaluate(self, t: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """Displacement, velocity and acceleration at any times within the record.
@@ -108,7 +109,7 @@ class _Belt:
 
     start: float
     speed: float
-    measured: CubicSpline | None = None
+    measured: scipy.interpolate.CubicSpline | None = None
     std: Floats | None = None
 
     def at(self, t: Floats) -> tuple[Floats, Floats, Floats]:
@@ -221,7 +222,7 @@ def _belt(
 ) -> tuple[_Belt, bool]:
     if belt is not None:
         quiet = smooth(t, belt, outliers=outliers)
-        return _Belt(kept[0], 0.0, CubicSpline(quiet.t, quiet.x), quiet.x_std), True
+        return _Belt(kept[0], 0.0, scipy.interpolate.CubicSpline(quiet.t, quiet.x), quiet.x_std), True
     if belt_speed is None:
         return _Belt(kept[0], 0.0), False
     if not np.isfinite(belt_speed):
@@ -296,7 +297,7 @@ def _blur(
     for instant, doubt, change in zip(instants, std, jump, strict=True):
         near = slice(*np.searchsorted(record.t, [instant - 4.0 * doubt, instant + 4.0 * doubt]))
         off = (record.t[near] - instant) / doubt
-        late = norm.cdf(off)
+        late = scipy.special.ndtr(off)
         spread[2][near] = np.hypot(spread[2][near], np.abs(change) * np.sqrt(late * (1.0 - late)))
         spread[1][near] = np.hypot(spread[1][near], np.abs(change) * doubt * np.exp(-0.25 * off**2))
 
