@@ -23,6 +23,11 @@ TAIL = """
 What has no name is a `tabulated` term, a smooth curve of one variable on block, angle body or contact:
 `ss.tabulated(where, depends_on, knots, values)`.
 
+Numbers may be such that friction turns negative: a `friction_drift` beyond 1 + r t = 0, a `stribeck_peak` or
+`static_aging` that takes more than there is, a curve below -1 at the contact. The model is then simulated as declared,
+with friction that drives the block, and `simulate` gives a `ModelWarning` that says from where on (the command prints
+it). `normal_force_feedback` alone stops at zero: a contact does not pull.
+
 ## Friction laws
 
 | law | R(u), u = \\|v_w\\| | at rest |

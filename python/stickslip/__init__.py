@@ -9,7 +9,7 @@ from stickslip.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
 from stickslip.cycles import LimitCycle, limit_cycle
 from stickslip.discover import Found, discover
 from stickslip.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, ModelWarning, StickslipError
 from stickslip.forecast import forecast
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.identified import Identified
@@ -48,6 +48,7 @@ __all__ = [
     "LimitCycle",
     "LyapunovSpectrum",
     "Model",
+    "ModelWarning",
     "NoLimitCycleError",
     "PaperFriction",
     "Recording",

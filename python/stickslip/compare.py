@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from stickslip import segments
+from stickslip.arguments import explained, must_be
 from stickslip.errors import InputError, StickslipError
 from stickslip.identify import BeltSpeed, Measured, columns, measured, natural_period
 from stickslip.model import Model
@@ -108,6 +109,7 @@ def number(value: float | None) -> str:
     return "-" if value is None or not np.isfinite(value) else f"{value:.4g}"
 
 
+@explained
 def compare(
     model: Model,
     recording: Recording,
@@ -137,6 +139,8 @@ def compare(
     InputError
         If the model does not belong to the recording's rig, or cannot be simulated from the estimated start.
     """
+    must_be("model", model, Model, "load_model(file) or identify(case).model give one")
+    must_be("recording", recording, Recording, "one of a case's runs, like case.validate[0]")
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
     run = _from_a_stick(measured(recording, model.rig, belt=belt_speed), model)

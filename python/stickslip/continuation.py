@@ -19,6 +19,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.branch import (
     Branch,
     Kind,
@@ -131,6 +132,7 @@ class Problem:
         return cycle_of(point.flow, point.arc, 0, self.turns, self.contact)
 
 
+@explained
 def continuation(
     model: Model,
     belt_speed: float | None = None,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.arguments import explained, must_be, texts
 from stickslip.continuation import Problem
 from stickslip.cycles import LimitCycle
 from stickslip.flow import Floats, Flow
@@ -31,6 +32,7 @@ class CycleSensitivity:
     state: Floats
 
 
+@explained
 def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivity:
     """Differentiate the period and the state of a cycle by parameters.
 
@@ -50,7 +52,8 @@ def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivi
     numpy.linalg.LinAlgError
         The cycle is at a fold.
     """
-    chosen = (names,) if isinstance(names, str) else tuple(names)
+    must_be("cycle", cycle, LimitCycle, "limit_cycle(model, belt_speed) gives one")
+    chosen = texts("names", names, "parameter names")
     flow = Flow(cycle.model, cycle.belt_speed)
     d = len(cycle.state)
     columns = np.empty((d + 1, len(chosen)))

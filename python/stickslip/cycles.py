@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.errors import StickslipError, number
 from stickslip.flow import Arc, Contact, Floats, Flow
 from stickslip.model import Model
@@ -90,6 +91,7 @@ class LimitCycle:
         return flow.run(self.state, _even(self.period, samples), contact=self.contact)
 
 
+@explained
 def limit_cycle(
     model: Model,
     belt_speed: float,

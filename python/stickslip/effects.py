@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained, listed
 from stickslip.catalogue import CATALOGUE, EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 
@@ -52,6 +53,7 @@ class Effect:
         return effect(self.name, **{**self.parameters, **parameters})
 
 
+@explained
 def effect(name: str, **parameters: float) -> Effect:
     """Declare an effect of the catalogue.
 
@@ -141,6 +143,7 @@ class Tabulated:
         )
 
 
+@explained
 def tabulated(
     where: str,
     depends_on: str,
@@ -172,8 +175,8 @@ def tabulated(
     """
     place = _member("where", where, get_args(TabulatedPlace))
     variable = _member("depends_on", depends_on, get_args(TabulatedVariable))
-    at = tuple(number(f"knots[{i}]", x) for i, x in enumerate(knots))
-    curve = tuple(number(f"values[{i}]", x) for i, x in enumerate(values))
+    at = tuple(number(f"knots[{i}]", x) for i, x in enumerate(listed("knots", knots, "numbers")))
+    curve = tuple(number(f"values[{i}]", x) for i, x in enumerate(listed("values", values, "numbers")))
     if len(at) != len(curve):
         raise InputError(f"{len(at)} knots but {len(curve)} values; give one value a knot", key="values")
     if not 2 <= len(at) <= 24:

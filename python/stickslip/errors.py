@@ -76,6 +76,14 @@ class InputError(StickslipError):
         return _rebuilt, (type(self), self.what, self.key, self.value, self.place)
 
 
+class ModelWarning(UserWarning):
+    """What is computed is what was declared, but it can hardly be meant."""
+
+
+class CallError(InputError, TypeError):
+    """A call with a name that is unknown, missing or given twice; Python's own TypeError, with what would be right."""
+
+
 def _rebuilt(
     kind: type[InputError], what: str, key: str | None, value: object, place: Place | None
 ) -> InputError:
@@ -88,6 +96,9 @@ def _short(value: object) -> str:
         value = value.item()
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 40 else text[:37] + "..."
+
+
+MANY = 16  # names that are still worth listing in one line
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
@@ -104,7 +115,16 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     guess = nearest(name, names)
     if guess is not None:
         return f"did you mean '{guess}'?"
+    holding = [one for one in names if len(name) > 2 and _part(name.lower(), one.lower())]
+    if holding:
+        return f"did you mean {' or '.join(repr(one) for one in holding[:3])}?"
+    if len(names) > MANY:
+        return f"none of the {len(names)} known is like it: {', '.join(names[:4])}, ..."
     return f"it must be one of {', '.join(names)}" if names else "none is known here"
+
+
+def _part(name: str, whole: str) -> bool:
+    return name in whole.split("_") or whole.startswith(f"{name}_")
 
 
 def unknown(what: str, name: str, known: Iterable[str]) -> InputError:

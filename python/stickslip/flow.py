@@ -11,6 +11,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import must_be, vector
 from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.lowering import HIDDEN, READING_EFFECTS
@@ -68,6 +69,9 @@ class Flow:
     belt_speed: float
     tolerance: float = 1e-13
 
+    def __post_init__(self) -> None:
+        must_be("model", self.model, Model, "Model(rig, friction=law) or load_model(file) give one")
+
     @cached_property
     def plain(self) -> Model:
         """The model without its reading effects."""
@@ -116,7 +120,7 @@ class Flow:
         d, visible = len(self.states), len(self.model.rig.state_names)
         if given is None:
             return np.zeros(d)
-        z = np.asarray(given, dtype=np.float64).ravel()
+        z = vector(key, given, f"{visible} numbers ({', '.join(self.states)})")
         if z.size not in (d, visible) or not np.isfinite(z).all():
             raise InputError(f"must be {visible} finite numbers ({', '.join(self.states)})", key=key)
         return np.append(z, np.zeros(d - z.size))

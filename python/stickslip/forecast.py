@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.arguments import explained, must_be
 from stickslip.discovery.data import prepare
 from stickslip.discovery.predict import Forecaster
 from stickslip.errors import InputError, number
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 SLACK = 1e-9  # of a sampling interval
 
 
+@explained
 def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
     """Predict the readings that follow a recording.
 
@@ -52,6 +54,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     """
     import pandas as pd  # slow to import
 
+    must_be("model", model, Model, "load_model(file) gives one")
+    must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
     run = prepare([replace(recording, belt_speed=speed)])[0]
     dt = float(np.median(np.diff(recording.t)))

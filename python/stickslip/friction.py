@@ -7,15 +7,16 @@ supply -static_plus to static_minus.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError, number
 
 Floats = NDArray[np.float64]
@@ -52,6 +53,7 @@ class _TwoBranches:
         return np.sign(v) * self.magnitude(v)
 
 
+@explained
 @dataclass(frozen=True, kw_only=True)
 class PaperFriction(_TwoBranches):
     """The two measured branches (4.1), (4.2) with the numbers of Table 1.
@@ -143,6 +145,7 @@ class PaperFriction(_TwoBranches):
         return float(scipy.optimize.brentq(above, 0.0, high, xtol=1e-16, rtol=4 * np.finfo(float).eps))
 
 
+@explained
 @dataclass(frozen=True, kw_only=True)
 class CoulombFriction(_TwoBranches):
     """Coulomb friction: one kinetic magnitude below a static limit.
@@ -198,6 +201,7 @@ class CoulombFriction(_TwoBranches):
         return np.full_like(u, self.kinetic_limits[1])
 
 
+@explained
 @dataclass(frozen=True, kw_only=True)
 class HyperbolicFriction(_TwoBranches):
     """R(u) = scale/(1 + decay u) + constant + quadratic u^2, static limit R(0).
@@ -232,9 +236,9 @@ class HyperbolicFriction(_TwoBranches):
         not_negative = ("scale", "decay", "scale_plus", "decay_plus")
         _check_numbers(self, {f.name: {"least": 0} if f.name in not_negative else {} for f in fields(self)})
         for side, numbers in zip(("v_w < 0", "v_w > 0"), (self.minus, self.plus), strict=True):
-            u = _negative_at(*numbers)
+            u = _negative_from(*numbers)
             if u is not None:
-                where = f"for {side} near u = {u:.3g}"
+                where = f"for {side} " + (f"from u = {u:.3g} on" if u else "at u = 0 already")
                 raise InputError(f"R turns negative {where}; friction must oppose sliding")
 
     @property
@@ -276,17 +280,21 @@ def _hyperbola(u: Floats, scale: float, decay: float, constant: float, quadratic
     return np.asarray(scale / (1 + decay * u) + constant + quadratic * u * u)
 
 
-def _negative_at(scale: float, decay: float, constant: float, quadratic: float) -> float | None:
-    """Return a speed at which R < 0, or None: R is looked at where it is least."""
-    if quadratic < 0:
-        return math.sqrt((scale + abs(constant)) / -quadratic) + 1e-9
-    places = [0.0, 1e9]
-    if quadratic > 0 and scale * decay > 0:  # R' = 0: 2 q u (1 + d u)^2 = scale d
-        roots = np.roots([2 * quadratic * decay**2, 4 * quadratic * decay, 2 * quadratic, -scale * decay])
-        places += [float(root.real) for root in roots if abs(root.imag) < 1e-9 * abs(root) and root.real > 0]
-    values = _hyperbola(np.array(places), scale, decay, constant, quadratic)
-    worst = int(np.argmin(values))
-    return places[worst] if values[worst] < 0 else None
+def _negative_from(scale: float, decay: float, constant: float, quadratic: float) -> float | None:
+    """Return the speed from which R < 0, or None.
+
+    There (1 + d u) R = q d u^3 + q u^2 + c d u + scale + c, which has the sign of R, passes through 0.
+    """
+    coefficients = np.array([quadratic * decay, quadratic, constant * decay, scale + constant])
+    size = scale + abs(constant)
+    roots = np.roots(coefficients)
+    crossings = sorted(float(r.real) for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0)
+    edges = [0.0, *crossings]
+    between = [0.5 * (a + b) for a, b in pairwise(edges)] + [2 * edges[-1] + 1]
+    for start, inside in zip(edges, between, strict=True):
+        if np.polyval(coefficients, inside) < -1e-12 * size * (1 + decay * inside):
+            return start
+    return 0.0 if scale + constant < 0 else None
 
 
 def _check_numbers(law: FrictionLaw, bounds: dict[str, dict[str, float]]) -> None:

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from stickslip import force, segments, signals
+from stickslip.arguments import explained, must_be
 from stickslip.errors import InputError
 from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
 from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
@@ -115,6 +116,7 @@ def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
     return {"minus": minus, "plus": plus or minus}
 
 
+@explained
 def identify(
     source: Case | Recording | Sequence[Recording],
     *,
@@ -157,6 +159,9 @@ def identify(
     InputError
         If a channel is missing, a record too short, or no slip is found.
     """
+    if not isinstance(source, Case | Recording):
+        for one in source if isinstance(source, (list, tuple)) else [source]:
+            must_be("source", one, (Case, Recording), "load_case(path) gives a case")
     if scatter is None:
         scatter = friction is None and isinstance(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt

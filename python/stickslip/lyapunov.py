@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError, number
 from stickslip.flow import Contact, Floats, Flow
 from stickslip.model import Model
@@ -69,6 +70,7 @@ class LyapunovSpectrum:
         )
 
 
+@explained
 def lyapunov(
     model: Model,
     *,

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
+from stickslip.arguments import explained, listed, must_be
+from stickslip.arguments import path as as_path
 from stickslip.config import read_toml, write_text
 from stickslip.declared import (
     effect_table,
@@ -34,6 +36,7 @@ _HEADER = """\
 """
 
 
+@explained
 @dataclass(frozen=True)
 class Model:
     """A rig, its friction law and its effects.
@@ -65,13 +68,13 @@ class Model:
     noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
 
     def __post_init__(self) -> None:
-        _must_be("rig", self.rig, (Rig, BlockOnBelt))
-        _must_be("friction", self.friction, tuple(LAWS.values()))
+        must_be("rig", self.rig, (Rig, BlockOnBelt))
+        must_be("friction", self.friction, tuple(LAWS.values()))
         if isinstance(self.effects, (Effect, Tabulated, str)):
             raise InputError("must be a list of effects; put it in [ ]", key="effects")
-        object.__setattr__(self, "effects", tuple(self.effects))
+        object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))
         for one in self.effects:
-            _must_be("effects", one, (Effect, Tabulated))
+            must_be("effects", one, (Effect, Tabulated), "effect(name, ...) makes one")
         names = [one.name for one in self.effects]
         for name in names:
             if names.count(name) > 1:
@@ -80,7 +83,11 @@ class Model:
             for one in self.effects:
                 if _needs_angle_body(one):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
+        if self.channels is not None:
+            for channel in must_be("channels", self.channels, Mapping).values():
+                must_be("channels", channel, Channel)
         if self.noise is not None:
+            must_be("noise", self.noise, Mapping)
             checked = {name: number(name, value, above=0) for name, value in self.noise.items()}
             object.__setattr__(self, "noise", checked)
 
@@ -139,6 +146,8 @@ class Model:
         InputError
             Unknown name (with the nearest known one) or a value out of bounds.
         """
+        if values is not None:
+            must_be("values", values, Mapping, "like {'belt_seam.L': 2.0}")
         rig: dict[str, float] = {}
         law: dict[str, float] = {}
         effects: dict[str, dict[str, float]] = {}
@@ -165,7 +174,7 @@ class Model:
 
     def with_effects(self, effects: Iterable[AnyEffect]) -> Self:
         """Return the model with these effects instead of its own."""
-        return dataclasses.replace(self, effects=tuple(effects))
+        return dataclasses.replace(self, effects=effects)  # type: ignore[arg-type]  # made a tuple there
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model as TOML; `load_model` reads it back equal, to the last bit.
@@ -175,7 +184,7 @@ class Model:
         InputError
             The file cannot be written; nothing half-written is left.
         """
-        write_text(path, self.toml())
+        write_text(as_path("path", path), self.toml())
 
     def toml(self) -> str:
         """Return the text that `save` writes."""
@@ -204,7 +213,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     InputError
         No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
     """
-    document = read_toml(path)
+    document = read_toml(as_path("path", path))
     tables = document.tables
     if "run" in tables:
         raise document.error("this is a case with its runs, not a model; read it with load_case", "run", 0)
@@ -252,9 +261,3 @@ def _needs_angle_body(one: AnyEffect) -> bool:
     if isinstance(one, Effect):
         return one.kind.two_degree
     return one.where == "angle_body" or one.variable in ("y1", "y2")
-
-
-def _must_be(key: str, value: object, kinds: tuple[type, ...]) -> None:
-    if not isinstance(value, kinds):
-        names = " or ".join(kind.__name__ for kind in kinds)
-        raise InputError(f"must be a {names}, not {type(value).__name__}", key=key)

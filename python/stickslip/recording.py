@@ -11,10 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained, must_be
+from stickslip.arguments import path as as_path
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.findings import Finding, belt_findings, channel_findings, size_findings, time_findings
 from stickslip.friction import FrictionLaw
-from stickslip.rig import AnyRig, BlockOnBelt
+from stickslip.rig import AnyRig, BlockOnBelt, Rig
 from stickslip.tables import Columns, column_names, read_columns
 from stickslip.units import Channel, default_speed_unit, factor, speed
 
@@ -154,6 +156,7 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
         raise InputError(words, key=bare)
 
 
+@explained
 def load_recording(
     path: str | os.PathLike[str],
     rig: AnyRig,
@@ -197,6 +200,8 @@ def load_recording(
         The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
         do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
     """
+    must_be("rig", rig, (Rig, BlockOnBelt))
+    as_path("path", path)
     declared = dict(channels) if channels is not None else _bare_channels(path, rig)
     check_channels(declared, rig)
     columns = read_columns(path, [channel.column for channel in declared.values()])

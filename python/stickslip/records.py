@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from stickslip.arguments import explained
+from stickslip.arguments import path as as_path
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_channel, read_friction, read_rig
 from stickslip.effects import AnyEffect
@@ -128,6 +130,7 @@ class Case:
         return runs
 
 
+@explained
 def load_case(path: str | os.PathLike[str]) -> Case:
     """Read a case: its declared rig and all its runs.
 
@@ -142,7 +145,7 @@ def load_case(path: str | os.PathLike[str]) -> Case:
         A key is misspelt, missing or wrong (with its line), a file is missing or holds what is not a run
         (with line and column), a run is there twice, or a window of one overlaps another of another role.
     """
-    file = Path(path)
+    file = as_path("path", path)
     if file.is_dir():
         file = file / "rig.toml"
     document = read_toml(file)

@@ -6,11 +6,13 @@ import math
 from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, Self, get_args
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError, did_you_mean, number
 
 Coupling = Literal["reciprocal", "as_printed"]
 
 
+@explained
 @dataclass(frozen=True)
 class Scales:
     """What is 1 in (2.1), in SI: every reading and every number of a model is turned with these.
@@ -52,6 +54,7 @@ class Scales:
         return self.k2 * self.length
 
 
+@explained
 @dataclass(frozen=True, kw_only=True)
 class Rig:
     """Block on a belt, coupled to an angle body, nondimensional as in (2.1).
@@ -110,6 +113,7 @@ class Rig:
             raise InputError("must be a Scales or None", key="scales", value=self.scales)
 
     @classmethod
+    @explained
     def from_si(
         cls,
         *,
@@ -150,6 +154,9 @@ class Rig:
         c1 = number("c1", c1, least=0, why="negative damping creates energy")
         c2 = number("c2", c2, least=0, why="negative damping creates energy")
         omega = math.sqrt((k1 + k2) / m)
+        if not (r * r * k2 > 0 and math.isfinite(omega * omega * J / (r * r * k2))):
+            words = "too small beside J: alpha2 = omega^2 J/(r^2 k2) would be infinite"
+            raise InputError(words, key="r", value=r)
         return cls(
             alpha1=1 + k1 / k2,
             alpha2=omega * omega * J / (r * r * k2),
@@ -184,6 +191,7 @@ class Rig:
         }
 
 
+@explained
 @dataclass(frozen=True, kw_only=True)
 class BlockOnBelt:
     """A block on a spring on a belt: mass x1'' = -stiffness x1 - damping x1' - T(v_w).

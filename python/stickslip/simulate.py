@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -12,7 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
-from stickslip.errors import InputError, number
+from stickslip.arguments import explained, must_be, texts, vector, whole_number
+from stickslip.effects import Effect
+from stickslip.errors import InputError, ModelWarning, number
+from stickslip.friction_sign import driving_friction
 from stickslip.lowering import HIDDEN, Lowered, lower
 from stickslip.model import Model
 
@@ -93,6 +97,7 @@ class Trajectory:
     sensitivity_names: tuple[str, ...]
 
 
+@explained
 def simulate(
     model: Model,
     *,
@@ -153,16 +158,24 @@ def simulate(
     InputError
         A number is out of its bounds or not finite, `t_eval` not increasing or outside the span, a name
         unknown.
+
+    Warns
+    -----
+    ModelWarning
+        An effect turns the sign of friction within the run (a `friction_drift` that goes on too long, a curve below
+        -1 at the contact): it is simulated as declared, with friction that drives.
     """
-    if not isinstance(model, Model):
-        raise InputError("must be a Model, as Model(rig, friction=law) or load_model(file) give", key="model")
+    must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
     speed = number("belt_speed", belt_speed)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
+    if model.effects:
+        for said in driving_friction(model, start, end):
+            warnings.warn(said, ModelWarning, stacklevel=3)
     lowered = lower(model, speed)
     times = None if t_eval is None else _sample_times(t_eval, start, end)
-    names = (sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity)
-    if contact not in _CONTACTS:
+    names = texts("sensitivity", sensitivity, "parameter names")
+    if contact not in tuple(_CONTACTS):  # a list, which cannot be looked up, is none either
         raise InputError(f"must be one of {', '.join(_CONTACTS)}", key="contact", value=contact)
     if locator not in ("henon", "bracket"):
         raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
@@ -178,8 +191,8 @@ def simulate(
         atol=tolerances[1],
         locator=_core.Locator[locator],
         seeds=lowered.seeds(names),
-        max_transitions=int(number("max_transitions", max_transitions, least=1)),
-        order=0 if order is None else int(number("order", order, least=2, most=30)),
+        max_transitions=whole_number("max_transitions", max_transitions),
+        order=0 if order is None else whole_number("order", order, least=2, most=30),
         fixed_step=0.0 if step is None else number("step", step, above=0),
     )
     return _trajectory(raw, lowered.dimension, names)
@@ -208,11 +221,9 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
     names = model.rig.state_names
     if initial is None:
         return lowered.initial([0.0] * len(names))
-    try:
-        given = np.asarray(initial, dtype=np.float64).ravel()
-    except (TypeError, ValueError) as error:
-        raise InputError(f"not numbers; give {', '.join(names)}", key="initial", value=initial) from error
+    given = vector("initial", initial, f"one start ({', '.join(names)})")
     most = len(names) + len(HIDDEN)
+    owned = {name for term in model.effects if isinstance(term, Effect) for name in term.kind.hidden}
     if not len(names) <= given.size <= most:
         raise InputError(
             f"has {given.size} numbers; give {len(names)} ({', '.join(names)}), or up to {most} with the "
@@ -222,6 +233,9 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
     if not np.isfinite(given).all():
         bad = [*names, *HIDDEN][int(np.flatnonzero(~np.isfinite(given))[0])]
         raise InputError(f"{bad} is not finite", key="initial", value=given.tolist())
+    for name, value in zip(HIDDEN, given[len(names) :], strict=False):
+        if value and name not in owned:
+            raise InputError(f"{name} = {value:g}, but no effect of the model has that state", key="initial")
     return lowered.initial(given)
 
 
@@ -238,9 +252,11 @@ def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact:
 
 
 def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
-    times = np.ascontiguousarray(t_eval, dtype=np.float64)
-    if times.ndim != 1 or times.size == 0:
-        raise InputError(f"must be a list of times, has shape {times.shape}", key="t_eval")
+    times = vector("t_eval", t_eval, "a list of times")
+    if times.size == 0:
+        raise InputError(
+            "empty; give at least one time, or leave it out for the integrator's steps", key="t_eval"
+        )
     if not np.isfinite(times).all():
         raise InputError(f"entry {int(np.flatnonzero(~np.isfinite(times))[0])} is not finite", key="t_eval")
     falls = np.flatnonzero(np.diff(times) <= 0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError, StickslipError, number
 from stickslip.flow import Contact, Floats, Flow
 from stickslip.model import Model
@@ -43,6 +44,7 @@ class NoLimitCycleError(StickslipError):
         super().__init__(what)
 
 
+@explained
 def steady_sliding(model: Model, belt_speed: float, guess: ArrayLike | None = None) -> SteadySliding:
     """Find the equilibrium with the belt sliding under the block, and its eigenvalues.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip.arguments import explained
 from stickslip.errors import InputError, number
 from stickslip.lowering import lower
 from stickslip.model import Model
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
+@explained
 def sweep(
     model: Model,
     over: Mapping[str, object],
@@ -104,6 +106,8 @@ def sweep(
     -----
     An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed".
     """
+    if client is not None and not hasattr(client, "scatter"):
+        raise InputError(f"must be a dask.distributed.Client, not {type(client).__name__}", key="client")
     request = _request(
         model, over, t_end, initial, belt_speed, (rtol, atol), observe, after, points, lanes, max_transitions
     )

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.arguments import must_be
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError, number
 from stickslip.lowering import Lowered
@@ -84,6 +85,7 @@ def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str
         empty, not one-dimensional or not finite; lengths of a shared dimension that differ; a value that the
         model does not allow.
     """
+    must_be("over", over, Mapping, "give names and their values, like {'belt_speed': array}")
     if not isinstance(over, Mapping) or not over:
         raise InputError(
             "empty; give at least one name and its values, like {'belt_speed': array}", key="over"

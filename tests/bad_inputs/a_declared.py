@@ -57,6 +57,8 @@ for name, changed in (
     ("negative damping", {"c2": -0.1}),
     ("zero length", {"length": 0.0}),
     ("a mass that is text", {"m": "40 kg"}),
+    ("a leg too short for a number", {"r": 1e-300}),
+    ("a constant it has not", {"k4": 1.0}),
 ):
     bad_input(RIG, f"SI rig, {name}")(lambda _folder, changed=changed: Rig.from_si(**{**SI, **changed}))
 for name, changed in (
@@ -76,6 +78,21 @@ for name, changed in (
     ("negative damping", {"damping": -1}),
 ):
     bad_input(RIG, f"block on a belt, {name}")(lambda _folder, changed=changed: BlockOnBelt(**changed))
+
+
+@bad_input(RIG, "rig of (2.1), a misspelt number")
+def misspelt_number(_folder: Path) -> None:
+    Rig(alfa1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)  # type: ignore[call-arg]
+
+
+@bad_input(RIG, "rig of (2.1), a number left out")
+def number_left_out(_folder: Path) -> None:
+    Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1)  # type: ignore[call-arg]
+
+
+@bad_input(RIG, "rig of (2.1), numbers without their names")
+def nameless(_folder: Path) -> None:
+    Rig(16, 8, 4, 0.1, 0.2)  # type: ignore[misc, call-arg]
 
 
 @bad_input(RIG, "SI constants of a nondimensional rig")
@@ -104,14 +121,37 @@ def kinetic_above_static_plus(_folder: Path) -> None:
     CoulombFriction(static=1.0, kinetic=0.8, static_plus=0.7)
 
 
-@bad_input(LAW, "hyperbolic, R turns negative")
-def negative_hyperbola(_folder: Path) -> None:
-    HyperbolicFriction(scale=1.0, decay=3.0, constant=-0.2)
+@bad_input(LAW, "paper, half a name")
+def half_a_name(_folder: Path) -> None:
+    PaperFriction(T_s=5.0)  # type: ignore[call-arg]
+
+
+for name, changed in (
+    ("R turns negative", {"constant": -0.2}),
+    ("R turns negative at high speed", {"quadratic": -0.01}),
+    ("R negative at rest", {"constant": -2.0}),
+):
+    bad_input(LAW, f"hyperbolic, {name}")(lambda _folder, changed=changed: HyperbolicFriction(**changed))
 
 
 @bad_input(EFFECT, "unknown effect")
 def unknown_effect(_folder: Path) -> None:
     effect("belt_seem", a=0.1, L=2.0)
+
+
+@bad_input(EFFECT, "a word of an effect's name")
+def word_of_a_name(_folder: Path) -> None:
+    effect("ripple", a=0.1, w=6.0)
+
+
+@bad_input(EFFECT, "an effect like none")
+def like_none(_folder: Path) -> None:
+    effect("foo")
+
+
+@bad_input(EFFECT, "a parameter without its name")
+def nameless_parameter(_folder: Path) -> None:
+    effect("sensor_lag", 0.1)  # type: ignore[call-arg]
 
 
 @bad_input(EFFECT, "unknown parameter")
@@ -134,9 +174,37 @@ def knots_fall(_folder: Path) -> None:
     tabulated("contact", "v_w", [0, 0.2, 0.1], [0, 1, 2])
 
 
+@bad_input(EFFECT, "tabulated, knots that are one number")
+def one_knot(_folder: Path) -> None:
+    tabulated("contact", "v_w", 0.1, [0, 1])  # type: ignore[arg-type]
+
+
 @bad_input(EFFECT, "tabulated, a place that is none")
 def no_such_place(_folder: Path) -> None:
     tabulated("blok", "v_w", [0, 0.2], [0, 1])
+
+
+for name, changed in (
+    ("a misspelt argument", {"efects": []}),
+    ("effects that are None", {"effects": None}),
+    ("an effect by its mere name", {"effects": ["sensor_lag"]}),
+    ("an effect without its brackets", {"effects": effect("sensor_lag", tau=0.1)}),
+    ("noise that is a number", {"noise": 1e-3}),
+    ("channels that are a number", {"channels": 3}),
+    ("a law that is a class", {"friction": PaperFriction}),
+):
+    given = {"rig": Rig(**ND), "friction": PaperFriction(), **changed}  # type: ignore[dict-item]
+    bad_input(MODEL, name)(lambda _folder, given=given: Model(**given))
+
+
+@bad_input(MODEL, "no friction law")
+def no_law(_folder: Path) -> None:
+    Model(Rig(**ND))  # type: ignore[call-arg]
+
+
+@bad_input(MODEL, "None for a file")
+def no_path(_folder: Path) -> None:
+    load_model(None)  # type: ignore[arg-type]
 
 
 @bad_input(MODEL, "unknown parameter")

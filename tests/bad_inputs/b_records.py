@@ -157,6 +157,16 @@ for tried, change in (
     bad_input(RUN, tried)(lambda folder, change=change: run(folder, change))
 
 
+@bad_input(CASE, "a number for a path")
+def number_for_a_path(_folder: Path) -> None:
+    load_case(3)  # type: ignore[arg-type]
+
+
+@bad_input(RUN, "a rig that is None")
+def no_rig(folder: Path) -> None:
+    load_recording(folder / "run_1.csv", None)  # type: ignore[arg-type]
+
+
 @bad_input(RUN, "not text")
 def not_text(folder: Path) -> None:
     (folder / "run_1.csv").write_bytes("t,x1,y1\n0,1,2\n".encode("utf-16"))

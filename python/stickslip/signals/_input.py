@@ -40,8 +40,8 @@ def finite_vector(values: ArrayLike, name: str, *, at_least: int = 0) -> Floats:
     return array
 
 
-def positive(value: float, name: str) -> float:
+def positive(value: object, name: str) -> float:
     """`value` as a finite float > 0."""
-    if not (np.isfinite(value) and value > 0):
-        raise InputError(f"{name} must be a positive number, not {value}")
+    if not isinstance(value, (int, float, np.integer, np.floating)) or not (np.isfinite(value) and value > 0):
+        raise InputError(f"{name} must be a positive number, not {value!r}")
     return float(value)

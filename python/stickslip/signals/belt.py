@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, finite_vector, positive
 from stickslip.signals.quality import noise_std
@@ -31,6 +32,7 @@ class BeltSpeed:
     share: float
 
 
+@explained
 def find_belt_speed(
     t: ArrayLike, x: ArrayLike, set_point: float, *, within: float = 0.3, noise: float | None = None
 ) -> BeltSpeed:

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Booleans, Floats, finite_vector
 from stickslip.signals.quality import Glitches, remove_glitches
@@ -46,6 +47,7 @@ class Derivatives:
     differentiator: Differentiator
 
 
+@explained
 def derivatives(
     x: ArrayLike,
     dt: float,

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, first_bad, positive, real_array
 
@@ -32,6 +33,7 @@ class Lowpassed:
     sos: Floats
 
 
+@explained
 def lowpass(
     x: ArrayLike,
     dt: float,

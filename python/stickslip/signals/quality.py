@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Booleans, Floats, finite_vector, positive, real_array
 
@@ -29,6 +30,7 @@ def _trimmed_std(values: Floats, cut: float) -> float:
     return scale
 
 
+@explained
 def noise_std(x: ArrayLike, *, t: ArrayLike | None = None, cut: float = 3.5) -> float:
     """Estimate the standard deviation of the white noise on a channel.
 
@@ -94,6 +96,7 @@ class Glitches:
         return np.flatnonzero(self.mask)
 
 
+@explained
 def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | None = None) -> Glitches:
     """Mark samples that their neighbours on both sides contradict.
 
@@ -160,6 +163,7 @@ def _threshold(x: Floats, deviation: Floats, false_alarms: float, noise: float |
     return np.asarray(-scipy.special.ndtri(0.5 * false_alarms) * np.where(local > 1.5 * usual, local, usual))
 
 
+@explained
 def remove_glitches(x: ArrayLike, glitches: Glitches) -> Floats:
     """`x` with the marked samples, and no others, replaced.
 
@@ -213,6 +217,7 @@ class Quantisation:
         return self.step / math.sqrt(12.0)
 
 
+@explained
 def quantisation(x: ArrayLike) -> Quantisation:
     """Find the grid the values of a channel lie on, from the spacings of the values that occur.
 
@@ -264,6 +269,7 @@ class Clipping:
     mask: Booleans
 
 
+@explained
 def find_clipping(x: ArrayLike) -> Clipping:
     """Find limits at which a channel rests unnaturally often.
 

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, first_bad, positive, real_array
 
 Rule = Literal["tustin", "backward-euler", "ramp-invariant"]
 
 
+@explained
 def first_order(x: ArrayLike, a: float, k0: float, k1: float) -> Floats:
     """Run ``y[n] = a y[n-1] + k0 x[n] + k1 x[n-1]`` along the first axis, (3.1).
 
@@ -135,6 +137,7 @@ class Differentiator:
         return max(1, math.ceil(math.log(fraction) / math.log(abs(self.a))))
 
 
+@explained
 def differentiator(dt: float, tau: float, rule: Rule = "tustin") -> Differentiator:
     """Constants of (3.1) for the real differentiator ``s/(1 + tau s)``.
 
@@ -188,6 +191,7 @@ def differentiator(dt: float, tau: float, rule: Rule = "tustin") -> Differentiat
     return Differentiator(a=a, k0=k0, k1=-k0, dt=h, tau=float(tau), rule=rule)
 
 
+@explained
 def differentiate(x: ArrayLike, dt: float, tau: float, rule: Rule = "tustin") -> Floats:
     """First derivative by (3.1), the real differentiator ``s/(1 + tau s)``.
 

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, finite_vector, positive
 from stickslip.signals._pieces import Layout
@@ -122,6 +123,7 @@ class _Belt:
 _ROUNDS = 8
 
 
+@explained
 def smooth(
     t: ArrayLike,
     x: ArrayLike,

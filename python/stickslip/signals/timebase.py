@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, finite_vector, positive
 
@@ -82,6 +83,7 @@ def _count(where: Indices) -> str:
     return f"sample {where[0]}" if where.size == 1 else f"{where.size} samples, the first {where[0]}"
 
 
+@explained
 def check_time_base(t: ArrayLike, *, tolerance: float = 0.01) -> TimeBase:
     """Look for gaps, repeated, backward and irregular times.
 
