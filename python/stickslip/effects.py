@@ -26,7 +26,7 @@ __all__ = [
     "tabulated",
 ]
 
-TabulatedPlace = Literal["block", "angle_body", "contact"]
+TabulatedPlace = Literal["block", "angle_body", "contact", "x1 channel", "y1 channel"]
 TabulatedVariable = Literal["x1", "x2", "y1", "y2", "v_w", "t"]
 
 
@@ -95,7 +95,8 @@ class Tabulated:
     """A smooth curve g of one variable, for what has no name; made by `tabulated`.
 
     On `block` and `angle_body` it adds the force +g in the bracket's units; at the `contact` friction, static
-    limits included, is multiplied by 1 + g. Between knots g is the natural cubic spline (with a `period`, the
+    limits included, is multiplied by 1 + g; on `x1 channel` and `y1 channel` g is added to the reading, and the
+    motion does not feel it. Between knots g is the natural cubic spline (with a `period`, the
     periodic one); beyond the outer knots it keeps their values.
     """
 
@@ -107,8 +108,15 @@ class Tabulated:
 
     @property
     def name(self) -> str:
-        """`tabulated_<where>_<variable>`."""
+        """`tabulated_<where>_<variable>`; of a channel `learned_<channel>_<variable>`."""
+        if self.of_reading:
+            return f"learned_{self.where[:2]}_{self.variable}"
         return f"tabulated_{self.where}_{self.variable}"
+
+    @property
+    def of_reading(self) -> bool:
+        """Is the curve one of a sensor, added to its readings?"""
+        return self.where.endswith(" channel")
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -157,7 +165,8 @@ def tabulated(
     Parameters
     ----------
     where
-        "block", "angle_body" (adds a force) or "contact" (friction times 1 + g).
+        "block", "angle_body" (adds a force), "contact" (friction times 1 + g), "x1 channel" or "y1 channel" (adds
+        to the reading).
     depends_on
         "x1", "x2", "y1", "y2", "v_w" or "t".
     knots
@@ -175,6 +184,9 @@ def tabulated(
     """
     place = _member("where", where, get_args(TabulatedPlace))
     variable = _member("depends_on", depends_on, get_args(TabulatedVariable))
+    if place.endswith("channel") and (variable == "v_w" or period is not None):
+        words = "a curve of a reading depends on x1, x2, y1, y2 or t, without a period"
+        raise InputError(words, key="where", value=where)
     at = tuple(number(f"knots[{i}]", x) for i, x in enumerate(listed("knots", knots, "numbers")))
     curve = tuple(number(f"values[{i}]", x) for i, x in enumerate(listed("values", values, "numbers")))
     if len(at) != len(curve):

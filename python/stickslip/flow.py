@@ -202,7 +202,7 @@ def forcing_period(model: Model, belt_speed: float) -> float | None:
     found: dict[str, float] = {}
     for one in model.effects:
         if isinstance(one, Tabulated):
-            if one.variable == "t":
+            if one.variable == "t" and not one.of_reading:
                 if one.period is None:
                     raise InputError("changes with time without a period; no motion repeats", key=one.name)
                 found[one.name] = one.period

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.arguments import explained, must_be
 from stickslip.discovery.data import prepare
 from stickslip.discovery.predict import Forecaster
+from stickslip.discovery.readings import curves_of
 from stickslip.errors import InputError, number
 from stickslip.model import Model
 from stickslip.records import Recording
@@ -64,7 +65,7 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     with ThreadPoolExecutor(2) as pool:
-        prediction = Forecaster(model, run, pool).forecast(len(run.t), future)
+        prediction = Forecaster(model, run, pool, curves_of(model)).forecast(len(run.t), future)
     columns = {"t": future + float(recording.t[0])}
     columns |= {"x1": prediction.readings[:, 0], "y1": prediction.readings[:, 1]}
     return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})

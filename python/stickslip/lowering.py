@@ -126,6 +126,8 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
     bits, table = 0, None
     for term in model.effects:
         if isinstance(term, Tabulated):
+            if term.of_reading:  # acts on the reading, not on the motion
+                continue
             table = term
             bits |= 1 << _core.EFFECTS.index("tabulated")
             for i, value in enumerate(term.values):

@@ -74,7 +74,7 @@ class System:
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
         self.names = names + [h for h, effect in hidden if effect in self.e]
         self.d = len(names)
-        curves = [x for x in model.effects if isinstance(x, Tabulated)]
+        curves = [x for x in model.effects if isinstance(x, Tabulated) and not x.of_reading]
         if len(curves) > 1:
             raise TypeError(f"the reference takes one tabulated term, the model has {len(curves)}")
         self.curve = curves[0] if curves else None

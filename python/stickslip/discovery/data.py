@@ -96,6 +96,8 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     readings = np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
     weight = np.where(np.isfinite(readings), 1.0 / noise, 0.0)
     readings = np.where(np.isfinite(readings), readings, 0.0)
+    for c in range(readings.shape[1]):  # a reading at the end of its range says only that it is beyond
+        weight[signals.find_clipping(readings[:, c]).mask, c] = 0.0
     t = run.t - run.t[0]
     for c in range(readings.shape[1]):
         _bridge(t, readings[:, c], weight[:, c])

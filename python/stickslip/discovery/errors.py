@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
-from stickslip.discovery.readings import Learned
+from stickslip.discovery.readings import curves_of
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import StickslipError
 from stickslip.model import Model
@@ -38,9 +38,9 @@ class Measured:
     samples: NDArray[np.int64]
 
 
-def measure(model: Model, run: Data, pool: ThreadPoolExecutor, learned: tuple[Learned, ...] = ()) -> Measured:
+def measure(model: Model, run: Data, pool: ThreadPoolExecutor) -> Measured:
     """Forecast a run one and two cycles ahead and compare with its readings."""
-    forecaster = Forecaster(model, run, pool, learned)
+    forecaster = Forecaster(model, run, pool, curves_of(model))
     prediction, samples = stitched(forecaster, 1.0)
     rmse = _rmse(prediction, run, samples)
     try:
@@ -114,17 +114,16 @@ def error_block(
     runs: Sequence[Data],
     recordings: Sequence[Recording],
     pool: ThreadPoolExecutor,
-    learned: tuple[Learned, ...] = (),
     seed: int = 0,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """`error` of the report on the validate runs, and the forecasts it rests on."""
     table, kept = [], {}
-    same = before == after and not learned
+    same = before == after
     for run, recording in zip(runs, recordings, strict=True):
         was = measure(before, run, pool)
-        now = was if same else measure(after, run, pool, learned)
+        now = was if same else measure(after, run, pool)
         try:
-            floor = measure(after, free_run(Forecaster(after, run, pool, learned), seed), pool, learned)
+            floor = measure(after, free_run(Forecaster(after, run, pool, curves_of(after)), seed), pool)
         except StickslipError:
             floor = now
         kept[run.name] = (was, now)

@@ -11,12 +11,15 @@ import numpy as np
 
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
-from stickslip.discovery.data import Data, prepare, refined, without_outliers
+from stickslip.discovery.cleaning import cleaned
+from stickslip.discovery.data import Data, prepare
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.messages import absurd, remarks
 from stickslip.discovery.next_experiment import next_experiments
+from stickslip.discovery.plausible import plausible
+from stickslip.discovery.readings import as_terms
 from stickslip.discovery.residual import describe, spectrum
 from stickslip.discovery.result import (
     Evidence,
@@ -103,34 +106,17 @@ def discover(
         raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
+    plausible(case, data)
     with ThreadPoolExecutor(threads) as pool:
         count = len(case.train)
         model = Model(case.rig, friction=case.friction)
         search = Search(data[:count], model, pool, tell, budget)
         tell("fitting the declared law")
-        data = _cleaned(case, data, search)
+        first = declared(search)
+        data, corrected = cleaned(data, None if first is None else first.fit, case.noise)
         search = Search(data[:count], model, pool, tell, budget)
         choice = _choose(search)
-        return _found(case, choice, search, data[count:], tell, seed, began)
-
-
-def _cleaned(case: Case, data: list[Data], search: Search) -> list[Data]:
-    """The runs with single outliers masked, and noise that is not given corrected, both by a first fit's residual."""
-    first = declared(search)
-    if first is None:
-        return data
-    channels = search.data[0].channels
-    residuals = [np.full(run.readings.shape, np.nan) for run in search.data]
-    for w, b in zip(first.fit.windows, first.fit.blocks, strict=True):
-        residuals[w.run][w.start : w.stop] = b.r.reshape(-1, len(channels))
-    factor = np.ones(len(channels))
-    for c, channel in enumerate(channels):
-        if channel not in case.noise:
-            steps = np.concatenate([np.diff(r[:, c]) for r in residuals])
-            steps = steps[np.isfinite(steps) & (steps != 0)]
-            factor[c] = 1.4826 * float(np.median(np.abs(steps))) / np.sqrt(2.0)
-    kept = without_outliers(search.data, [r / factor for r in residuals])
-    return refined([*kept, *data[len(kept) :]], factor)
+        return _found(case, choice, search, data[count:], tell, seed, began, corrected)
 
 
 def _choose(search: Search) -> _Choice:
@@ -181,14 +167,12 @@ def _found(
     tell: Callable[[str], None],
     seed: int,
     began: float,
+    notes: tuple[str, ...] = (),
 ) -> Found:
     before, after = _final(search, choice.null), _final(search, choice.trial)
     before_model, after_model = _model(case, before), _model(case, after)
-    learned = after.fit.engine.learned
     tell("forecasting the validate runs")
-    error, forecasts = error_block(
-        before_model, after_model, validate, case.validate, search.pool, learned, seed
-    )
+    error, forecasts = error_block(before_model, after_model, validate, case.validate, search.pool, seed)
     singles = [t for t in search.tried.values() if len(t.names) == 1]
     drop = max((choice.null.fit.cost - t.fit.cost for t in singles), default=0.0)
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
@@ -211,7 +195,7 @@ def _found(
         gate=passed,
         runs=_views(case, before, after, validate, forecasts),
         spectrum=spectrum(before.fit, after.fit),
-        messages=remarks(search.data, choice.null, effects, now),
+        messages=(*notes, *remarks(search.data, choice.null, effects, now, error)),
         seconds=time.monotonic() - began,
     )
 
@@ -254,7 +238,9 @@ def _model(case: Case, trial: Trial) -> Model:
             turned = phi + (np.pi if a < 0 else 0.0)
             one = one.replace(a=abs(a), phi=float(np.mod(turned, 2 * np.pi)))
         terms.append(one)
-    return replace(found, effects=tuple(terms), channels=own.channels, noise=own.noise)
+    fit = trial.fit
+    curves = as_terms(fit.engine.learned, fit.engine.hypothesis.values(fit.vector, 0))
+    return replace(found, effects=(*terms, *curves), channels=own.channels, noise=own.noise)
 
 
 def _law(trial: Trial) -> dict[str, Interval]:

@@ -7,10 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.result import FoundEffect, Residual
+from stickslip.discovery.plausible import body_ratio
+from stickslip.discovery.result import ErrorBlock, FoundEffect, Residual
 from stickslip.discovery.trace import Trial
 from stickslip.errors import InputError
+from stickslip.rig import Rig
 
+WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud
+FAR = 2.0  # error after over its floor, the same
 ABSURD = 0.5  # of a reading's own spread left over in windows of one cycle: the declared rig is not this one
 
 
@@ -20,7 +24,7 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
     Raises
     ------
     InputError
-        With the channel whose size is least like such a rig's, and what may be wrong with it.
+        With what may be wrong with it.
     """
     off, spread, noise = np.zeros(2), np.zeros(2), np.zeros(2)
     for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
@@ -32,20 +36,34 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
         noise += len(r) * run.noise[:2] ** 2
     if not np.any((off > ABSURD**2 * spread) & (off > 100 * noise)):
         return
-    model = null.hypothesis.model
-    typical = model.friction.static_limits[0] / model.parameters["alpha1"]
-    size = np.array([np.std(np.concatenate([run.readings[:, c] for run in data])) for c in range(2)])
-    suspect = int(np.argmax(np.abs(np.log(np.maximum(size, 1e-300) / typical))))
     share = 100 * float(np.max(np.sqrt(off / spread)))
     raise InputError(
         f"the declared model leaves {share:.0f} % of the readings unexplained even over single cycles, more than any "
-        f"effect does; channel {('x1', 'y1')[suspect]} spreads by {size[suspect]:.3g} in model units where such a rig "
-        f"moves by about {typical:.2g}: check its unit and column, and the rig's numbers"
+        f"effect does; {_where(null, data)}"
+    )
+
+
+def _where(null: Trial, data: Sequence[Data]) -> str:
+    """Which part of a declared rig to doubt."""
+    rig = null.hypothesis.model.rig
+    assert isinstance(rig, Rig)
+    if body_ratio(data, rig).right:
+        return (
+            "x1, y1 and t agree with each other by the angle body's equation in (2.1): check alpha1 (m, k1, k2), the "
+            "coupling, [friction] and belt_speed"
+        )
+    return (
+        "x1 and y1 do not meet the angle body's equation in (2.1), which friction does not enter: check their columns "
+        "and units, that of t, and alpha2, beta3, eta12 (J, r, k2, k3, c1, c2)"
     )
 
 
 def remarks(
-    data: Sequence[Data], null: Trial, effects: Sequence[FoundEffect], after: Residual
+    data: Sequence[Data],
+    null: Trial,
+    effects: Sequence[FoundEffect],
+    after: Residual,
+    error: ErrorBlock,
 ) -> tuple[str, ...]:
     """What to know about this case's data and verdict."""
     out = []
@@ -72,7 +90,25 @@ def remarks(
             out.append(f"these runs do not tell {one.name} from {', '.join(tied)}")
     if not after.clean:
         out.append(f"something is left over: {after.sentence}")
+    out += _of_forecasts(error, after.clean)
     return tuple(out)
+
+
+def _of_forecasts(error: ErrorBlock, clean: bool) -> list[str]:
+    """What the runs never fitted say against the model that was chosen on the others."""
+    out = []
+    if error.after > WORSE * error.before:
+        out.append(
+            f"with what was found the runs never fitted are forecast WORSE ({error.after:.3g}) than by the declared "
+            f"model alone ({error.before:.3g}): do not trust it beyond the train runs"
+        )
+    if clean and error.after > FAR * error.floor:
+        out.append(
+            f"nothing is left over on the train runs, yet the runs never fitted are forecast with an error of "
+            f"{error.after:.3g} where noise alone leaves {error.floor:.3g}: they show something that the train runs "
+            "do not; train on runs like them too"
+        )
+    return out
 
 
 def _one_way(null: Trial) -> bool:

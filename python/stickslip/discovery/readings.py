@@ -7,12 +7,15 @@ y1 reading: y1 at t - delay. belt reading: the belt's own speed V. Learned curve
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
+
+from stickslip.effects import Tabulated, tabulated
+from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 B, M = 6, 7  # hidden states in the core's order
@@ -41,6 +44,25 @@ class Learned:
         inside = np.clip(x, knots[0], knots[-1])
         out = np.asarray(spline(inside, derivative))
         return out if derivative == 0 else np.where((x == inside)[:, None], out, 0.0)
+
+
+def curves_of(model: Model) -> tuple[Learned, ...]:
+    """The curves that a model adds to its readings; their values are among its parameters."""
+    terms = [one for one in model.effects if isinstance(one, Tabulated) and one.of_reading]
+    return tuple(Learned(one.where[:2], one.variable, one.knots) for one in terms)
+
+
+def as_terms(learned: Sequence[Learned], values: Mapping[str, float]) -> tuple[Tabulated, ...]:
+    """Curves on readings as a model holds them; `values` by name, `learned_x1_y1.value_0` and so on."""
+    return tuple(
+        tabulated(
+            f"{one.channel} channel",
+            one.variable,
+            one.knots,
+            [values[f"{one.name}.value_{i}"] for i in range(len(one.knots))],
+        )
+        for one in learned
+    )
 
 
 @dataclass

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip import signals
 from stickslip.discovery.result import RunView
-from stickslip.effects import Effect
+from stickslip.effects import Effect, Tabulated
 from stickslip.errors import StickslipError
 from stickslip.force import friction_force
 from stickslip.model import Model
@@ -61,11 +61,17 @@ def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:
     state : (n, 4) x1, x2, y1, y2.
     reading : (n,) predicted x1 reading.
     """
-    x1, x2, _, y2 = state.T
+    x1, x2, y1, y2 = state.T
     known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-    rate = known.get("sensor_drift", {}).get("r", 0.0)
+    rate: float | Floats = known.get("sensor_drift", {}).get("r", 0.0)
+    along = {"x1": (x1, x2), "y1": (y1, y2)}
+    for one in model.effects:
+        if isinstance(one, Tabulated) and one.where == "x1 channel" and one.variable in along:
+            x, v = along[one.variable]
+            step = 1e-5 * (one.knots[-1] - one.knots[0])
+            rate = rate + v * (one.curve(x + step) - one.curve(x - step)) / (2 * step)
     if "sensor_lag" in known:
-        return np.asarray((_unlagged(x1, state[:, 2], known) - reading) / known["sensor_lag"]["tau"] + rate)
+        return np.asarray((_unlagged(x1, y1, known) - reading) / known["sensor_lag"]["tau"] + rate)
     c = known.get("sensor_crosstalk", {}).get("c", 0.0)
     q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
     return np.asarray(x2 * (1.0 + 2.0 * q * x1) + c * y2 + rate)

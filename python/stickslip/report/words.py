@@ -174,10 +174,6 @@ def caveats(found: Found) -> list[str]:
                 f"The learned curve holds for {effect.curve.variable} from {low:.3g} to {high:.3g} (model units); "
                 "beyond, it is held constant and nothing is known."
             )
-        if effect.curve is not None and effect.curve.where.endswith("channel"):
-            out.append(
-                "The learned curve is one of a reading: report.json has it, model_after.toml does not."
-            )
     if found.effects and not found.residual_after.clean:
         out.append(
             "Intervals take the model to be complete; while something is left over they are too narrow."

@@ -1,0 +1,71 @@
+"""What a first fit's residual says of the readings themselves: single outliers, and the size of their noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.data import Data, refined, without_outliers
+from stickslip.discovery.solve import Fit
+
+Floats = NDArray[np.float64]
+LOW, HIGH = 3, 5  # orders of difference from which the noise is read
+AGREE = 0.1  # by which the two may differ: a misfit shows in them very unequally, white noise alike
+OFF = 0.2  # in the logarithm, from which a declared noise is not believed
+
+
+def cleaned(
+    data: Sequence[Data], first: Fit | None, declared: Mapping[str, float]
+) -> tuple[list[Data], tuple[str, ...]]:
+    """The runs with single outliers masked and their noise corrected, and what was corrected in words.
+
+    Parameters
+    ----------
+    data : all runs, those of the fit first.
+    first : the declared law's fit; None: nothing is known.
+    declared : noise by channel that the case gives. It is corrected only where the readings contradict it clearly.
+    """
+    if first is None:
+        return list(data), ()
+    fitted = first.engine.data
+    channels = fitted[0].channels
+    residuals = [np.full(run.readings.shape, np.nan) for run in fitted]
+    for w, b in zip(first.windows, first.blocks, strict=True):
+        unused = fitted[w.run].weight[w.start : w.stop] == 0
+        residuals[w.run][w.start : w.stop] = np.where(unused, np.nan, b.r.reshape(-1, len(channels)))
+    factor, said = np.ones(len(channels)), []
+    for c, channel in enumerate(channels):
+        size, sure = noise_size([r[:, c] for r in residuals])
+        if channel not in declared:
+            factor[c] = size
+        elif sure and abs(np.log(size)) > OFF:
+            factor[c] = size
+            said.append(
+                f"[noise] declares {declared[channel]:.3g} for {channel}, but its readings scatter by {size:.2g} times "
+                "that from sample to sample; taken as they scatter"
+            )
+    kept = without_outliers(fitted, [r / factor for r in residuals])
+    return refined([*kept, *data[len(kept) :]], factor), tuple(said)
+
+
+def noise_size(series: Sequence[Floats]) -> tuple[float, bool]:
+    """Standard deviation of the white part of residuals (n,) of several runs, and whether that is beyond doubt.
+
+    High differences take a smooth misfit out. Two orders of them agree on white noise alone: where the sampling is so
+    coarse that a misfit is left in them, they do not.
+    """
+    low, high = (_scatter(series, order) for order in (LOW, HIGH))
+    if low is None or high is None:
+        return 1.0, False
+    return min(low, high), abs(float(np.log(low / high))) < AGREE
+
+
+def _scatter(series: Sequence[Floats], order: int) -> float | None:
+    steps = np.concatenate([np.diff(one, order) for one in series])
+    steps = np.abs(steps[np.isfinite(steps) & (steps != 0)])
+    if len(steps) < 100:
+        return None
+    return float(1.4826 * np.median(steps) / np.sqrt(comb(2 * order, order)))
