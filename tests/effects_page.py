@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip import CATALOGUE
+from stickslip.catalogue import CATALOGUE, CONSTANTS, EffectKind
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 
@@ -17,6 +17,15 @@ from run to run.
 
 | name | where | what it adds | depends on | parameters |
 |---|---|---|---|---|
+"""
+
+CONSTANTS_HEAD = """
+## Declared numbers that are wrong
+
+For a block on a belt, whose declared constants are taken at their word unless the runs speak against them:
+
+| name | where | what is true instead | parameters |
+|---|---|---|---|
 """
 
 TAIL = """
@@ -40,16 +49,22 @@ it). `normal_force_feedback` alone stops at zero: a contact does not pull.
 """
 
 
+def row(kind: EffectKind) -> str:
+    """Return one line of the catalogue's table."""
+    formula = kind.formula.replace("|", "\\|")
+    return f"| `{kind.name}` | {kind.where} | {formula} | {', '.join(kind.depends_on)} | {numbers(kind)} |"
+
+
+def numbers(kind: EffectKind) -> str:
+    """Return the parameters of an effect with their meanings."""
+    return "; ".join(f"`{info.name}` {info.meaning}" for info in kind.parameters)
+
+
 def page() -> str:
     """Return the page as the code says it."""
-    rows = []
-    for kind in CATALOGUE.values():
-        parameters = "; ".join(f"`{info.name}` {info.meaning}" for info in kind.parameters)
-        formula = kind.formula.replace("|", "\\|")
-        rows.append(
-            f"| `{kind.name}` | {kind.where} | {formula} | {', '.join(kind.depends_on)} | {parameters} |"
-        )
-    return HEAD + "\n".join(rows) + "\n" + TAIL
+    rows = [row(kind) for kind in CATALOGUE.values()]
+    wrong = [f"| `{k.name}` | {k.where} | {k.formula} | {numbers(k)} |" for k in CONSTANTS.values()]
+    return HEAD + "\n".join(rows) + "\n" + CONSTANTS_HEAD + "\n".join(wrong) + "\n" + TAIL
 
 
 if __name__ == "__main__":

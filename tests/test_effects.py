@@ -5,9 +5,13 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip.catalogue import CATALOGUE
+from stickslip.catalogue import CATALOGUE, CONSTANTS
 from stickslip.effects import Effect, effect, tabulated
 from stickslip.errors import InputError
+from stickslip.friction import CoulombFriction
+from stickslip.model import Model
+from stickslip.rig import BlockOnBelt, Rig
+from stickslip.simulate import simulate
 
 NAMES = [
     "block_viscous_damping",
@@ -66,6 +70,25 @@ def test_every_effect_can_be_declared_changed_and_pickled(name: str) -> None:
     assert changed != one
     assert pickle.loads(pickle.dumps(one)) == one
     assert hash(one) == hash(effect(name, **one.parameters))
+
+
+@pytest.mark.parametrize("name", CONSTANTS)
+def test_wrong_constants_are_for_a_block_on_a_belt(name: str) -> None:
+    one = effect(name, e=0.25)
+    rig = BlockOnBelt(mass=2.0, stiffness=3.0)
+    model = Model(rig, friction=CoulombFriction(), effects=[one])
+    expected = {"rig_mass": (2.5, 3.0), "rig_stiffness": (2.0, 3.75), "sensor_gain": (2.0, 3.0)}[name]
+    true = Model(BlockOnBelt(mass=expected[0], stiffness=expected[1]), friction=CoulombFriction())
+    start = {"belt_speed": 0.2, "initial": (0.0, 0.2), "t_end": 20.0}
+    np.testing.assert_allclose(
+        simulate(model, **start).state[-1], simulate(true, **start).state[-1], rtol=1e-9
+    )
+    with pytest.raises(InputError, match=f"'{name}' is for a BlockOnBelt"):
+        Model(
+            Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=CoulombFriction(), effects=[one]
+        )
+    with pytest.raises(InputError, match="above -1"):
+        effect(name, e=-1.0)
 
 
 def test_tabulated_curve_is_smooth_and_held_outside() -> None:

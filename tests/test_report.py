@@ -15,8 +15,8 @@ import pytest
 
 import found_by_hand
 import stickslip as ss
+from stickslip.catalogue import KINDS
 from stickslip.discovery.result import Found
-from stickslip.effects import CATALOGUE
 from stickslip.report import motion, words
 from stickslip.report.contents import contents
 from stickslip.report.page import page
@@ -83,7 +83,7 @@ def test_si_values_are_the_scaled_ones(tmp_path: Path) -> None:
 
 
 def test_every_parameter_of_the_catalogue_has_its_dimension() -> None:
-    names = {f"{k.name}.{p.name}" for k in CATALOGUE.values() for p in k.parameters if p.name != "phi"}
+    names = {f"{k.name}.{p.name}" for k in KINDS.values() for p in k.parameters if p.name != "phi"}
     assert names <= set(EFFECTS)
 
 
@@ -180,7 +180,7 @@ def test_a_title_cannot_break_the_page(tmp_path: Path) -> None:
 
 
 def test_headlines() -> None:
-    assert set(words.PLAIN) == {*CATALOGUE, "unlisted"}
+    assert set(words.PLAIN) == {*KINDS, "unlisted"}
 
 
 def test_nothing_half_written_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

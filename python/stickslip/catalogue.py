@@ -216,3 +216,15 @@ _KINDS = (
 )
 
 CATALOGUE: Mapping[str, EffectKind] = {kind.name: kind for kind in _KINDS}
+
+_ERROR = ParameterInfo("e", "relative error", (-1.0, math.inf), open_below=True)
+
+# a block on a belt may have been declared with a wrong number; a spring's force read off its deflection tells of both
+_CONSTANTS = (
+    EffectKind("rig_mass", "block", "the mass is (1 + e) times the declared one", (_ERROR,), ()),
+    EffectKind("rig_stiffness", "block", "the spring is (1 + e) times as stiff as declared", (_ERROR,), ()),
+    EffectKind("sensor_gain", "x1 channel", "reads (1 + e) times what it should", (_ERROR,), ("x1",)),
+)
+
+CONSTANTS: Mapping[str, EffectKind] = {kind.name: kind for kind in _CONSTANTS}
+KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **CONSTANTS}

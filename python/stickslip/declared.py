@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
+from stickslip.catalogue import KINDS
 from stickslip.config import Document, Key, Table
-from stickslip.effects import CATALOGUE, AnyEffect, Tabulated, effect, tabulated
+from stickslip.effects import AnyEffect, Tabulated, effect, tabulated
 from stickslip.errors import InputError, did_you_mean
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, Scales
@@ -60,12 +61,12 @@ def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
     name = given.pop("name", None)
     if name == "tabulated":
         return _made(document, keys, tabulated, given)
-    if not isinstance(name, str) or name not in CATALOGUE:
-        hint = did_you_mean(str(name), [*CATALOGUE, "tabulated"]) if name is not None else "missing"
+    if not isinstance(name, str) or name not in KINDS:
+        hint = did_you_mean(str(name), [*KINDS, "tabulated"]) if name is not None else "missing"
         raise document.error(hint if name is None else f"unknown effect; {hint}", *keys, "name", value=name)
     for key in given:
-        if key not in CATALOGUE[name].parameter_names:
-            hint = did_you_mean(key, CATALOGUE[name].parameter_names)
+        if key not in KINDS[name].parameter_names:
+            hint = did_you_mean(key, KINDS[name].parameter_names)
             raise document.error(f"unknown; {hint}", *keys, key)
     with document.at(*keys):
         return effect(name, **given)  # type: ignore[arg-type]  # `effect` checks every number

@@ -12,11 +12,12 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained, listed
-from stickslip.catalogue import CATALOGUE, EffectKind, ParameterInfo
+from stickslip.catalogue import CATALOGUE, CONSTANTS, KINDS, EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 
 __all__ = [
     "CATALOGUE",
+    "CONSTANTS",
     "AnyEffect",
     "Effect",
     "EffectKind",
@@ -41,7 +42,7 @@ class Effect:
     @property
     def kind(self) -> EffectKind:
         """Entry of the catalogue."""
-        return CATALOGUE[self.name]
+        return KINDS[self.name]
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -60,7 +61,7 @@ def effect(name: str, **parameters: float) -> Effect:
     Parameters
     ----------
     name
-        A name of `CATALOGUE`.
+        A name of `CATALOGUE` or `CONSTANTS`.
     **parameters
         Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
 
@@ -69,9 +70,9 @@ def effect(name: str, **parameters: float) -> Effect:
     InputError
         Unknown effect or parameter (with the nearest known one), a missing parameter, or one out of bounds.
     """
-    if name not in CATALOGUE:
-        raise unknown("effect", str(name), CATALOGUE)
-    kind = CATALOGUE[name]
+    if name not in KINDS:
+        raise unknown("effect", str(name), KINDS)
+    kind = KINDS[name]
     for given in parameters:
         kind.parameter(given)
     values: dict[str, float] = {}

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.effects import Effect, Tabulated
+from stickslip.effects import CONSTANTS, Effect, Tabulated
 from stickslip.errors import InputError, unknown
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.model import Model
@@ -135,6 +135,9 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                 parameters[place] = value
                 slots[f"{term.name}.value_{i}"] = (place,)
             continue
+        if term.name in CONSTANTS:
+            _correct(term, parameters)
+            continue
         bits |= _lower_effect(term, put)
     structure = _core.Structure(
         rig=rig_kind,
@@ -191,6 +194,13 @@ def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _
             put(name, value, f"{name}_minus")
             put(f"{name}_plus", other)
     return kind
+
+
+def _correct(term: Effect, parameters: Floats) -> None:
+    """Put the true constant of the rig in the place of the declared one; a sensor's gain moves nothing."""
+    slot = {"rig_mass": "alpha1", "rig_stiffness": "stiffness"}.get(term.name)
+    if slot is not None:
+        parameters[SLOTS[slot]] *= 1 + term.parameters["e"]
 
 
 def _lower_effect(term: Effect, put: _Put) -> int:

@@ -20,7 +20,7 @@ from stickslip.declared import (
     read_rig,
     rig_table,
 )
-from stickslip.effects import AnyEffect, Effect, Tabulated
+from stickslip.effects import CONSTANTS, AnyEffect, Effect, Tabulated
 from stickslip.errors import InputError, did_you_mean, number, unknown
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.rig import AnyRig, BlockOnBelt, Rig
@@ -83,6 +83,10 @@ class Model:
             for one in self.effects:
                 if _needs_angle_body(one):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
+        elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
+            raise InputError(
+                f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
+            )
         if self.channels is not None:
             for channel in must_be("channels", self.channels, Mapping).values():
                 must_be("channels", channel, Channel)

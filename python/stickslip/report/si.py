@@ -61,6 +61,9 @@ EFFECTS: Mapping[str, Dimension] = {
     "sensor_crosstalk.c": NUMBER,
     "sensor_nonlinearity.q": (-1, 0, 0),
     "sensor_drift.r": SPEED,
+    "rig_mass.e": NUMBER,
+    "rig_stiffness.e": NUMBER,
+    "sensor_gain.e": NUMBER,
 }
 LAW: Mapping[str, Dimension] = {
     "T_s_minus": FORCE,

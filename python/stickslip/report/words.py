@@ -31,6 +31,9 @@ PLAIN: Mapping[str, str] = {
     "sensor_crosstalk": "crosstalk: the x1 sensor also reads y1",
     "sensor_nonlinearity": "a nonlinear x1 sensor",
     "sensor_drift": "a drift of the x1 sensor within each run",
+    "rig_mass": "a mass other than the declared one",
+    "rig_stiffness": "a spring stiffness other than the declared one",
+    "sensor_gain": "a sensor gain other than the declared one",
     "unlisted": "something that has no name in the catalogue",
 }
 PLACE: Mapping[str, str] = {
