@@ -13,7 +13,7 @@ from typing import Literal
 
 from stickslip.errors import InputError, did_you_mean
 
-Place = Literal["block", "angle_body", "both", "contact", "belt", "x1 channel", "y1 channel"]
+Place = Literal["block", "angle_body", "both", "contact", "belt", "drive", "x1 channel", "y1 channel"]
 Physics = Literal["dynamics", "reading"]
 
 
@@ -227,4 +227,73 @@ _CONSTANTS = (
 )
 
 CONSTANTS: Mapping[str, EffectKind] = {kind.name: kind for kind in _CONSTANTS}
-KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **CONSTANTS}
+
+_L = ParameterInfo("L", "wavelength of the position", (0.0, math.inf), open_below=True)
+_RATE = _free("r", "relative rate per unit of time")
+
+# a driven slider has no belt and no spring; what acts on it, SI throughout: T is its friction, F its drive
+_DRIVEN = (
+    EffectKind(
+        "viscous_asymmetry",
+        "contact",
+        "-c abs(x2)",
+        (_free("c", "half the difference of the dampings"),),
+        ("x2",),
+    ),
+    EffectKind(
+        "viscous_saturation",
+        "contact",
+        "T plus dT (1 - exp(-u/v_s)): friction that rises at low speed and levels off",
+        (_free("dT", "rise"), _positive("v_s", "speed of the rise")),
+        ("v_w",),
+    ),
+    EffectKind("position_load", "block", "-k x1", (_free("k", "stiffness"),), ("x1",)),
+    EffectKind(
+        "position_friction",
+        "contact",
+        "friction times 1 + r x1",
+        (_free("r", "relative rate per unit of x1"),),
+        ("x1",),
+    ),
+    EffectKind("load_drift", "block", "+r t", (_free("r", "rate"),), ("t",)),
+    EffectKind(
+        "position_ripple", "block", "+a sin(2 pi x1/L + phi)", (_free("a", "amplitude"), _L, _PHI), ("x1",)
+    ),
+    EffectKind(
+        "friction_ripple", "contact", "friction times 1 + a sin(2 pi x1/L + phi)", (_A, _L, _PHI), ("x1",)
+    ),
+    EffectKind("drive_ripple", "drive", "drive times 1 + a sin(2 pi x1/L + phi)", (_A, _L, _PHI), ("x1",)),
+    EffectKind("drive_gain_drift", "drive", "drive times 1 + r t", (_RATE,), ("t",)),
+    EffectKind(
+        "drive_nonlinearity",
+        "drive",
+        "drive times 1 + q abs(F)",
+        (_free("q", "relative rate per unit of force"),),
+        ("F",),
+    ),
+    EffectKind(
+        "drive_lag",
+        "drive",
+        "tau f' = F - f, f the force that acts",
+        (_positive("tau", "time constant"),),
+        ("F",),
+        hidden=("f",),
+    ),
+    EffectKind(
+        "drive_delay", "drive", "the drive acts late", (_free("delay", "delay, negative if early"),), ("F",)
+    ),
+)
+_SHARED = (
+    "block_quadratic_damping",
+    "stribeck_peak",
+    "contact_compliance",
+    "friction_drift",
+    "harmonic_forcing",
+)
+
+DRIVEN: Mapping[str, EffectKind] = {
+    **{name: CATALOGUE[name] for name in _SHARED},
+    "rig_mass": CONSTANTS["rig_mass"],
+    **{kind.name: kind for kind in _DRIVEN},
+}
+KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **CONSTANTS, **DRIVEN}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import fields
 from typing import Any, TypeVar
 
@@ -12,12 +13,12 @@ from stickslip.config import Document, Key, Table
 from stickslip.effects import AnyEffect, Tabulated, effect, tabulated
 from stickslip.errors import InputError, did_you_mean
 from stickslip.friction import LAWS, FrictionLaw
-from stickslip.rig import AnyRig, BlockOnBelt, Rig, Scales
+from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.units import Channel
 
 T = TypeVar("T")
 
-RIG_KINDS = ("two_degree", "block_on_belt")
+RIG_KINDS = ("two_degree", "block_on_belt", "driven_slider")
 NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")
 SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
 
@@ -33,6 +34,9 @@ def read_rig(document: Document, *keys: Key, table: Table) -> AnyRig:
         if given.keys() & short.keys():
             return _made(document, keys, _block_on_belt, given)
         return _made(document, keys, BlockOnBelt, given, required=("mass", "stiffness"))
+    if kind == "driven_slider":
+        bare = given.keys() & {"mass", "damping"}
+        return _made(document, keys, DrivenSlider if bare else _driven_slider, given)
     if given.keys() & {"m", "J", "k1", "k2", "length"}:
         mixed = [name for name in NONDIMENSIONAL if name in given]
         if mixed:
@@ -83,7 +87,8 @@ def read_channel(document: Document, *keys: Key, table: Table) -> Channel:
 
 def rig_table(rig: AnyRig) -> dict[str, object]:
     """Return the table that `read_rig` makes `rig` of, to the last bit."""
-    table: dict[str, object] = {"kind": "two_degree" if isinstance(rig, Rig) else "block_on_belt"}
+    kinds = {Rig: "two_degree", BlockOnBelt: "block_on_belt", DrivenSlider: "driven_slider"}
+    table: dict[str, object] = {"kind": kinds[type(rig)]}
     table |= {field.name: getattr(rig, field.name) for field in fields(rig)}
     scales = table.pop("scales", None)
     if isinstance(scales, Scales):
@@ -108,13 +113,23 @@ def effect_table(one: AnyEffect) -> dict[str, object]:
 
 def _block_on_belt(*, m: float, k: float, c: float = 0.0) -> BlockOnBelt:
     """Make the block m x1'' = -k x1 - c x1' - T, its numbers in SI."""
-    for key, value in {"m": m, "k": k, "c": c}.items():
-        name = {"m": "mass", "k": "stiffness", "c": "damping"}[key]
-        try:
-            BlockOnBelt(**{name: value})
-        except InputError as error:
-            raise InputError(error.what, key=key, value=error.value) from None
-    return BlockOnBelt(mass=m, stiffness=k, damping=c)
+    with _short({"mass": "m", "stiffness": "k", "damping": "c"}):
+        return BlockOnBelt(mass=m, stiffness=k, damping=c)
+
+
+def _driven_slider(*, m: float, c: float = 0.0) -> DrivenSlider:
+    """Make the slider m x1'' = drive - c x1' - T, its numbers in SI."""
+    with _short({"mass": "m", "damping": "c"}):
+        return DrivenSlider(mass=m, damping=c)
+
+
+@contextmanager
+def _short(names: Mapping[str, str]) -> Iterator[None]:
+    """Say of an error under which short key the number was declared."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.what, key=names.get(error.key or "", error.key), value=error.value) from None
 
 
 def _made(

@@ -12,12 +12,13 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained, listed
-from stickslip.catalogue import CATALOGUE, CONSTANTS, KINDS, EffectKind, ParameterInfo
+from stickslip.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS, EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 
 __all__ = [
     "CATALOGUE",
     "CONSTANTS",
+    "DRIVEN",
     "AnyEffect",
     "Effect",
     "EffectKind",
@@ -61,7 +62,7 @@ def effect(name: str, **parameters: float) -> Effect:
     Parameters
     ----------
     name
-        A name of `CATALOGUE` or `CONSTANTS`.
+        A name of `CATALOGUE`, `CONSTANTS` or `DRIVEN`.
     **parameters
         Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
 

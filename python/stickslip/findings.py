@@ -39,7 +39,7 @@ class Finding:
     kind
         What kind of thing it is.
     channel
-        "t", "x1", "y1", "belt" or "spring_force".
+        "t", "x1", "y1", "belt", "spring_force" or "drive".
     message
         One line, in the unit of the channel's column.
     samples
@@ -122,6 +122,37 @@ def belt_findings(belt: Floats, set_point: float, unit: str) -> list[Finding]:
         )
         return [Finding(FindingKind.BELT, "belt", words)]
     return []
+
+
+def drive_findings(t: Floats, x: Floats, force: Floats, mass: float) -> list[Finding]:
+    """Compare the mass that drive and acceleration tell of with the declared one: a wrong unit, gain or sign.
+
+    Parameters
+    ----------
+    t, x, force
+        Times, position and drive (n,) in the model's numbers.
+    mass
+        The declared mass.
+    """
+    wide = max(
+        len(t) // 400, 1
+    )  # samples a difference spans: long enough that steps of the reading do not matter
+    dt = wide * float(np.median(np.diff(t)))
+    if len(t) < 8 * wide or np.ptp(force) == 0:
+        return []
+    a = (x[2 * wide :] - 2 * x[wide:-wide] + x[: -2 * wide]) / dt**2
+    triangle = np.convolve(np.ones(wide), np.ones(wide)) / wide**2
+    mean = np.convolve(force, triangle, mode="valid")[: len(a)]
+    v = (x[2 * wide :] - x[: -2 * wide]) / (2 * dt)
+    columns = np.column_stack([a[: len(mean)], v[: len(mean)], np.sign(v[: len(mean)]), np.ones(len(mean))])
+    told = float(np.linalg.lstsq(columns, mean, rcond=None)[0][0])
+    if 1 / 3 < told / mass < 3:
+        return []
+    words = (
+        f"drive: it and the acceleration tell of a mass of {told:.3g} where {mass:.3g} is declared;"
+        " is a unit, the drive's scale, or a sign wrong, or a column another's?"
+    )
+    return [Finding(FindingKind.SIZE, "drive", words)]
 
 
 def size_findings(name: str, x: Floats, reach: float, unit: str, per_unit: float) -> list[Finding]:

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from stickslip.identified import ForcePoints
-from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.segments import Track
 from stickslip.shooting import Array
 
@@ -27,6 +27,7 @@ def friction_force(rig: AnyRig, x: tuple[Array, Array, Array], y: tuple[Array, A
         x2 = v_b make that -q. For the block on a belt T = -(mass x2' + stiffness x1 + damping x2).
     """
     x1, x2, a = x
+    rig = on_belt(rig)
     if isinstance(rig, BlockOnBelt):
         return -(rig.mass * a + rig.stiffness * x1 + rig.damping * x2)
     if y is None:
@@ -61,6 +62,7 @@ def force_points(
     ForcePoints
         Without the samples next to a transition, where the mode is in doubt.
     """
+    rig = on_belt(rig)
     dt = float(np.median(np.diff(track.t)))
     width = max(int(period / 8 / dt), 7) | 1
     readings = _bridged(track.t, readings)

@@ -21,7 +21,7 @@ from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
 from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
 from stickslip.model import Model
 from stickslip.records import Case, Recording
-from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.shooting import FARTHEST, Array, Shot, Simulator, Window, shoot
 from stickslip.simulate import simulate
 
@@ -198,6 +198,7 @@ def _material(
         recordings = [source] if isinstance(source, Recording) else list(source)
     if rig is None:
         raise InputError("rig is missing: give identify(recording, rig=...)")
+    rig = on_belt(rig)
     if not recordings:
         raise InputError("no run to identify from: the case has no run with role 'train'")
     return recordings, rig, friction

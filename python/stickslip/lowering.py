@@ -19,7 +19,7 @@ from stickslip.effects import CONSTANTS, Effect, Tabulated
 from stickslip.errors import InputError, unknown
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.rig import BlockOnBelt, Rig, on_belt
 
 Floats = NDArray[np.float64]
 
@@ -120,7 +120,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
             parameters[place] = value
         slots[name] = places
 
-    rig_kind = _lower_rig(model.rig, put, parameters)
+    rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
     bits, table = 0, None

@@ -20,10 +20,10 @@ from stickslip.declared import (
     read_rig,
     rig_table,
 )
-from stickslip.effects import CONSTANTS, AnyEffect, Effect, Tabulated
+from stickslip.effects import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
 from stickslip.errors import InputError, did_you_mean, number, unknown
 from stickslip.friction import LAWS, FrictionLaw
-from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.units import DIMENSIONS, Channel
 
 NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivities, but given to `simulate`
@@ -68,7 +68,7 @@ class Model:
     noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
 
     def __post_init__(self) -> None:
-        must_be("rig", self.rig, (Rig, BlockOnBelt))
+        must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider))
         must_be("friction", self.friction, tuple(LAWS.values()))
         if isinstance(self.effects, (Effect, Tabulated, str)):
             raise InputError("must be a list of effects; put it in [ ]", key="effects")
@@ -79,10 +79,14 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"effect '{name}' is there twice; give it once")
+        if not isinstance(self.rig, DrivenSlider):
+            _check_belt(self.effects)
         if isinstance(self.rig, BlockOnBelt):
             for one in self.effects:
                 if _needs_angle_body(one):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
+        elif isinstance(self.rig, DrivenSlider):
+            _check_driven(self.effects)
         elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
             raise InputError(
                 f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
@@ -259,6 +263,26 @@ def _table(value: object) -> Mapping[str, object]:
 
 def _list(value: object) -> list[Mapping[str, object]]:
     return [_table(one) for one in value] if isinstance(value, list) else []
+
+
+def _check_driven(effects: Iterable[AnyEffect]) -> None:
+    """Refuse effects that a driven slider has no place for."""
+    for one in effects:
+        if isinstance(one, Effect) and one.name not in DRIVEN:
+            raise InputError(
+                f"effect '{one.name}' is not one of a DrivenSlider; {did_you_mean(one.name, DRIVEN)}"
+            )
+        if isinstance(one, Tabulated) and one.variable in ("y1", "y2"):
+            raise InputError(f"effect '{one.name}' needs the angle body, which a DrivenSlider has not")
+
+
+def _check_belt(effects: Iterable[AnyEffect]) -> None:
+    """Refuse effects that only a driven slider has a place for."""
+    for one in effects:
+        if isinstance(one, Effect) and one.name not in CATALOGUE and one.name not in CONSTANTS:
+            raise InputError(
+                f"effect '{one.name}' is for a DrivenSlider; {did_you_mean(one.name, CATALOGUE)}"
+            )
 
 
 def _needs_angle_body(one: AnyEffect) -> bool:

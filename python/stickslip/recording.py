@@ -14,11 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained, must_be
 from stickslip.arguments import path as as_path
 from stickslip.errors import InputError, Place, did_you_mean, number
-from stickslip.findings import Finding, belt_findings, channel_findings, size_findings, time_findings
+from stickslip.findings import (
+    Finding,
+    belt_findings,
+    channel_findings,
+    drive_findings,
+    size_findings,
+    time_findings,
+)
 from stickslip.friction import FrictionLaw
-from stickslip.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.tables import Columns, column_names, read_columns
-from stickslip.units import Channel, default_speed_unit, factor, speed
+from stickslip.units import Channel, default_speed_unit, factor, is_electric, speed
 
 Floats = NDArray[np.float64]
 Role = Literal["train", "validate"]
@@ -60,6 +67,8 @@ class Recording:
         The file.
     findings
         What is odd: gaps, clipping, quantisation, ...
+    drive
+        Force of the drive on a `DrivenSlider` (n,), held from each sample to the next; None on other rigs.
     """
 
     name: str
@@ -76,6 +85,7 @@ class Recording:
     noise: Mapping[str, float]
     source: Path
     findings: tuple[Finding, ...] = ()
+    drive: Floats | None = None
 
     def __len__(self) -> int:
         return self.t.size
@@ -128,19 +138,23 @@ class Recording:
             x1=self.x1[kept],
             y1=None if self.y1 is None else self.y1[kept],
             belt=None if self.belt is None else self.belt[kept],
+            drive=None if self.drive is None else self.drive[kept],
             raw={name: column[kept] for name, column in self.raw.items()},
         )
 
 
 def needed_channels(rig: AnyRig) -> tuple[str, ...]:
     """Return the channels a rig cannot do without; a spring force may stand for x1 of a block on a belt."""
+    if isinstance(rig, DrivenSlider):
+        return ("t", "x1", "drive")
     return ("t", "x1") if isinstance(rig, BlockOnBelt) else ("t", "x1", "y1")
 
 
 def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
     """Raise `InputError` if channels are unknown, missing, or contradict each other or the rig."""
     one_degree = isinstance(rig, BlockOnBelt)
-    known = [*needed_channels(rig), *(["spring_force"] if one_degree else []), "belt"]
+    driven = isinstance(rig, DrivenSlider)
+    known = [*needed_channels(rig), *(["spring_force"] if one_degree else []), *([] if driven else ["belt"])]
     for name in channels:
         if name not in known:
             raise InputError(f"unknown channel of this rig; {did_you_mean(name, known)}", key=name)
@@ -150,10 +164,13 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
             raise InputError(f"no channel {either}; this rig needs {', '.join(needed_channels(rig))}")
     if "x1" in channels and "spring_force" in channels:
         raise InputError("x1 is recorded too; give one of them", key="spring_force")
-    if one_degree and len({channel.unit == "1" for channel in channels.values()}) > 1:
+    if (one_degree or driven) and len({channel.unit == "1" for channel in channels.values()}) > 1:
         bare = next(name for name, channel in channels.items() if channel.unit == "1")
-        words = "unit '1' beside units; the numbers of a block on a belt are all SI or all bare"
-        raise InputError(words, key=bare)
+        kind = "block on a belt" if one_degree else "driven slider"
+        raise InputError(f"unit '1' beside units; the numbers of a {kind} are all SI or all bare", key=bare)
+    if driven and channels["drive"].scale == 1 and is_electric(channels["drive"].unit):
+        words = "a command in volts or amperes needs `scale`, the drive's gain in N for 1 of its unit"
+        raise InputError(words, key="drive")
 
 
 @explained
@@ -224,6 +241,7 @@ def load_recording(
         x1=model[position],
         y1=model.get("y1"),
         belt=model.get("belt"),
+        drive=model.get("drive"),
         raw=raw,
         channels=declared,
         factors=factors,
@@ -325,10 +343,13 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
         per_unit = factor(name, channel.unit, recording.rig)
         own = None if noise is None else noise / per_unit
         readings = recording.raw[name] * channel.scale
-        found += channel_findings(name, readings, _word(channel.unit), own, jumps)
-        if name == "belt":
+        unit = "N" if name == "drive" and is_electric(channel.unit) else _word(channel.unit)
+        found += channel_findings(name, readings, unit, own, jumps)
+        if name == "drive" and isinstance(recording.rig, DrivenSlider):
+            found += drive_findings(recording.t, recording.x1, readings * per_unit, recording.rig.mass)
+        elif name == "belt":
             found += belt_findings(readings, recording.belt_speed / per_unit, _word(channel.unit))
-        elif friction is not None and name != "y1":
+        elif friction is not None and name != "y1" and isinstance(recording.rig, Rig | BlockOnBelt):
             rig = recording.rig
             stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else rig.alpha1
             reach = max(friction.static_limits) / stiffness

@@ -27,7 +27,7 @@ from stickslip.recording import (
     load_recording,
     noise_in_model,
 )
-from stickslip.rig import AnyRig, Rig
+from stickslip.rig import AnyRig, DrivenSlider, Rig
 from stickslip.units import Channel, default_speed_unit, speed
 
 __all__ = ["Case", "Channel", "Finding", "FindingKind", "Recording", "Role", "load_case", "load_recording"]
@@ -42,7 +42,7 @@ class _Run(_Strict):
 
     file: str
     role: Literal["train", "validate"]
-    belt_speed: float | str
+    belt_speed: float | str | None = None
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     rig: dict[str, float] = {}
@@ -151,7 +151,8 @@ def load_case(path: str | os.PathLike[str]) -> Case:
     document = read_toml(file)
     declared = document.validated(_Case)
     rig = read_rig(document, "rig", table=declared.rig)
-    friction = read_friction(document, "friction", table=declared.friction)
+    law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
+    friction = read_friction(document, "friction", table=law)
     channels = {
         name: read_channel(document, "channels", name, table=table)
         for name, table in declared.channels.items()
@@ -214,9 +215,10 @@ def _read_run(
             if key not in declared.rig:
                 raise InputError(f"not a number of [rig]; {did_you_mean(key, declared.rig)}", key=key)
     own = read_rig(document, *(("run", i, "rig") if run.rig else ("rig",)), table={**declared.rig, **run.rig})
+    given = _belt_speed(document, i, run, own)
     with document.at("run", i):
         unit = channels["belt"].unit if "belt" in channels else default_speed_unit(own)
-        speed(run.belt_speed, unit, own)
+        speed(given, unit, own)
     name = run.name or Path(run.file).stem
     if run.name is None:
         name += "" if run.start is None else f"_from_{run.start:g}"
@@ -225,10 +227,22 @@ def _read_run(
         document.path.parent / run.file,
         own,
         channels=channels,
-        belt_speed=run.belt_speed,
+        belt_speed=given,
         role=run.role,
         noise=noise,
         window=(run.start, run.end),
         name=name,
         friction=friction if declared.friction or isinstance(own, Rig) else None,  # Table 1 is no guess in N
     )
+
+
+def _belt_speed(document: Document, i: int, run: _Run, rig: AnyRig) -> float | str:
+    """The set-point of a run; a driven slider has none."""
+    if isinstance(rig, DrivenSlider):
+        if run.belt_speed is not None:
+            raise document.error("a driven slider has no belt; leave it out", "run", i, "belt_speed")
+        return 0.0
+    if run.belt_speed is None:
+        place, _ = document.place("run", i, "belt_speed")
+        raise InputError("lacks 'belt_speed'; it needs file, role, belt_speed", place=place)
+    return run.belt_speed

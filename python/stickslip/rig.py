@@ -1,4 +1,4 @@
-"""The rigs: the two-degree-of-freedom rig of (2.1) and the block on a belt."""
+"""The rigs: the two-degree-of-freedom rig of (2.1), the block on a belt, and the driven slider."""
 
 from __future__ import annotations
 
@@ -225,4 +225,48 @@ class BlockOnBelt:
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
 
-AnyRig = Rig | BlockOnBelt
+@dataclass(frozen=True, kw_only=True)
+class DrivenSlider:
+    """An inertia with friction and no spring, moved by a known force: mass x2' = drive - damping x2 - T(x2).
+
+    State (x1, x2). There is no belt: the sliding velocity v_w is x2. Numbers in SI give results in SI.
+
+    Parameters
+    ----------
+    mass
+        Positive.
+    damping
+        Not negative.
+
+    Raises
+    ------
+    InputError
+        A number is not finite or out of its bounds.
+    """
+
+    state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
+
+    mass: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", number("mass", self.mass, above=0))
+        why = "negative damping creates energy"
+        object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
+
+
+AnyRig = Rig | BlockOnBelt | DrivenSlider
+
+
+def on_belt(rig: AnyRig) -> Rig | BlockOnBelt:
+    """Return a rig that has a belt.
+
+    Raises
+    ------
+    InputError
+        A driven slider has none.
+    """
+    if isinstance(rig, DrivenSlider):
+        words = "a driven slider has neither belt nor spring; `stickslip discover` fits its law"
+        raise InputError(words, key="rig")
+    return rig

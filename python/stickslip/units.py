@@ -19,6 +19,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "y1": ("m", "a displacement (or an angle, deg or rad)"),
     "belt": ("m/s", "a velocity"),
     "spring_force": ("N", "a force"),
+    "drive": ("N", "a force"),
 }
 
 
@@ -94,12 +95,14 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
     Parameters
     ----------
     channel
-        "t", "x1", "y1", "belt" or "spring_force".
+        "t", "x1", "y1", "belt", "spring_force" or "drive".
     unit
-        Unit of the reading; "1" is nondimensional and gives 1 (for a spring force: 1/stiffness).
+        Unit of the reading; "1" is nondimensional and gives 1 (for a spring force: 1/stiffness). A drive in volts
+        or amperes gives 1 too: its channel's `scale` is the gain in N per unit.
     rig
-        A `Rig` with scales takes any unit, one without takes "1" alone. A `BlockOnBelt` in SI is the model of
-        readings in units, a nondimensional one of readings in "1"; its numbers are used as they are.
+        A `Rig` with scales takes any unit, one without takes "1" alone. A `BlockOnBelt` or
+        `DrivenSlider` in SI is the model of readings in units, a nondimensional one of readings in "1"; its
+        numbers are used as they are.
 
     Raises
     ------
@@ -113,12 +116,15 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
     if unit == "1":
         return 1.0
     if channel == "y1" and is_angle(unit):
-        if isinstance(rig, BlockOnBelt):
-            raise InputError("a block on a belt has no angle body", key="unit", value=unit)
+        if not isinstance(rig, Rig):
+            kind = "block on a belt" if isinstance(rig, BlockOnBelt) else "driven slider"
+            raise InputError(f"a {kind} has no angle body", key="unit", value=unit)
         scales = _scales(rig, unit)
         return in_si(unit, "rad", what="an angle") * scales.r / scales.length
+    if channel == "drive" and is_electric(unit):
+        return 1.0
     size = in_si(unit, si, what=what)
-    if isinstance(rig, BlockOnBelt):
+    if not isinstance(rig, Rig):
         return size
     scales = _scales(rig, unit)
     return size / {"t": scales.time, "belt": scales.velocity}.get(channel, scales.length)
@@ -132,6 +138,17 @@ def is_angle(unit: str) -> bool:
         return str(registry().Quantity(1.0, unit).to_root_units().units) == "radian"
     except (pint.errors.PintError, ValueError, AssertionError, TypeError):
         return False
+
+
+def is_electric(unit: str) -> bool:
+    """Say whether `unit` measures a voltage or a current, as a drive's command may be recorded."""
+    import pint
+
+    try:
+        parsed = registry().Unit(unit)
+    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+        return False
+    return any(parsed.is_compatible_with(one) for one in ("V", "A"))
 
 
 def _scales(rig: Rig, unit: str) -> Scales:
@@ -174,4 +191,4 @@ def speed(given: float | str, unit: str, rig: AnyRig) -> float:
 
 def default_speed_unit(rig: AnyRig) -> str:
     """Return the unit of a set-point without a belt channel: m/s for an SI rig, nondimensional otherwise."""
-    return "m/s" if isinstance(rig, BlockOnBelt) or rig.scales is not None else "1"
+    return "m/s" if not isinstance(rig, Rig) or rig.scales is not None else "1"
