@@ -72,7 +72,7 @@ def unknowns_of(term: Effect) -> tuple[Unknown, ...]:
         if info.per_run:
             out.append(Unknown(name, value, False, value, 30.0, per_run=True))
         elif name in SPREADS:
-            out.append(Unknown(name, value, False, 0.0, SPREADS[name]))
+            out.append(Unknown(name, value, False, 0.0, SPREADS[name], bounds=info.bounds))
         else:
             low, high = BOUNDS[name]
             positive = min(max(value, low), high)

@@ -13,6 +13,12 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 HELD = frozenset({"v_w_min", "v_w_max"})  # the fitted ranges are exact
+SLIPPING = {  # numbers of slipping friction, and the static limits that they cannot pass
+    "T_min_minus": "T_s_minus",
+    "T_min_plus": "T_s_plus",
+    "kinetic": "static",
+    "kinetic_plus": "static_plus",
+}
 MAX_LOG = 3.0  # a positive number of the law moves by at most e^3 from its declared start
 
 
@@ -115,9 +121,9 @@ class Hypothesis:
         phases = {u.name: tuple(self.values(vector, r)[u.name] for r in range(runs)) for u in self.own}
         known = self.model.parameters  # curves on readings are not the model's
         numbers = {u.name: values[u.name] for u in self.unknowns if u.name in known}
-        for side in ("minus", "plus"):  # a law that does not fall has its floor at its static limit
-            if f"T_min_{side}" in numbers:
-                numbers[f"T_min_{side}"] = min(numbers[f"T_min_{side}"], numbers[f"T_s_{side}"])
+        for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
+            if low in numbers:
+                numbers[low] = min(numbers[low], numbers.get(limit, numbers.get("static", numbers[low])))
         return replace(
             self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases}
         )
@@ -131,7 +137,7 @@ def law_unknowns(model: Model) -> tuple[Unknown, ...]:
         value = model.parameters[name]
         log = value > 0
         centre, spread = (math.log(value), 0.7) if log else (value, 1.0)
-        bounds = (value * math.exp(-MAX_LOG), value * math.exp(MAX_LOG)) if log else (-math.inf, math.inf)
+        bounds = (value * math.exp(-MAX_LOG), value * math.exp(MAX_LOG)) if log else (value, math.inf)
         out.append(Unknown(name, value, log, centre, spread, bounds=bounds))
     return tuple(out)
 
