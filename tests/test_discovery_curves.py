@@ -13,12 +13,11 @@ from discover_cases import LAW, NOISE, RIG, make_case
 from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.readings import as_terms, curves_of
+from stickslip.discovery.readings import as_terms, curves_of, reading_velocity
 from stickslip.errors import InputError
 from stickslip.forecast import forecast
 from stickslip.model import Model, load_model
 from stickslip.records import Case
-from stickslip.report.motion import reading_velocity
 
 KNOTS = tuple(np.linspace(-0.6, 0.6, 7).tolist())
 CURVE = ss.tabulated("y1 channel", "y1", KNOTS, [-0.6 * k**3 for k in KNOTS])

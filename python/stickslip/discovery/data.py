@@ -132,11 +132,23 @@ def _velocity(t: Floats, x: Floats, noise: float, belt_speed: float) -> Floats:
     dt = float(np.median(np.diff(t)))
     grid = np.arange(0.0, t[-1] + 0.5 * dt, dt)
     resampled = np.interp(grid, t, x)
-    width = 9
+    width = velocity_width(t, noise, belt_speed)
+    return np.asarray(np.interp(t, grid, scipy.signal.savgol_filter(resampled, width, 2, deriv=1, delta=dt)))
+
+
+def velocity_width(t: Floats, noise: float, belt_speed: float) -> int:
+    """Samples (odd) in the quadratics that a velocity is taken from, as few as its noise allows."""
+    dt, width = float(np.median(np.diff(t))), 9
     while width * dt < 1.0 and 4 * noise * math.sqrt(12 / width**3) / dt > 0.2 * abs(belt_speed):
         width += 2
-    width = min(width, (len(grid) - 1) // 2 * 2 - 1)
-    return np.asarray(np.interp(t, grid, scipy.signal.savgol_filter(resampled, width, 2, deriv=1, delta=dt)))
+    return min(width, int(np.ceil((t[-1] + 0.5 * dt) / dt) - 1) // 2 * 2 - 1)
+
+
+def read_again(run: Data, readings: Floats) -> Data:
+    """The run with other readings (n, c), and with what is taken from them."""
+    v = _velocity(run.t, readings[:, 0], float(run.noise[0]), run.belt_speed)
+    slips, cycle = _slips(run.t, v, run.belt_speed)
+    return replace(run, readings=readings, v=v, slips=slips, cycle=cycle)
 
 
 def _slips(t: Floats, v: Floats, belt_speed: float) -> tuple[NDArray[np.int64], float]:

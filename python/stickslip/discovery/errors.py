@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data
+from stickslip.discovery.data import Data, read_again, velocity_width
 from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
-from stickslip.discovery.readings import curves_of
+from stickslip.discovery.readings import curves_of, reading_velocity
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import StickslipError
 from stickslip.model import Model
@@ -41,8 +41,12 @@ class Measured:
 def measure(model: Model, run: Data, pool: ThreadPoolExecutor) -> Measured:
     """Forecast a run one and two cycles ahead and compare with its readings."""
     forecaster = Forecaster(model, run, pool, curves_of(model))
-    prediction, samples = stitched(forecaster, 1.0)
+    try:
+        prediction, samples = stitched(forecaster, 1.0)
+    except StickslipError:
+        prediction, samples = _second_half(forecaster)
     rmse = _rmse(prediction, run, samples)
+    v = _as_seen(run, reading_velocity(model, prediction.state[:, :4], prediction.readings[:, 0]))
     try:
         longer, later = stitched(forecaster, 2.0)
         two = _relative(_rmse(longer, run, later), run)
@@ -51,12 +55,19 @@ def measure(model: Model, run: Data, pool: ThreadPoolExecutor) -> Measured:
     return Measured(
         _relative(rmse, run),
         two,
-        *_events(prediction, run, samples),
-        _portrait(prediction, run, samples),
+        *_events(v, run, samples),
+        _portrait(prediction, v, run, samples),
         rmse,
         prediction,
         samples,
     )
+
+
+def _second_half(forecaster: Forecaster) -> tuple[Prediction, NDArray[np.int64]]:
+    """A run too short for forecasts by cycle: its second half from its first."""
+    t = forecaster.run.t
+    half = len(t) // 2
+    return forecaster.forecast(half, t[half:]), np.arange(half, len(t))
 
 
 def _rmse(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tuple[float, float]:
@@ -84,25 +95,33 @@ def _onsets(t: Floats, stuck: NDArray[np.bool_]) -> Floats:
     return times[np.diff(times, prepend=-np.inf) > 0.5] if len(times) else times
 
 
-def _events(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tuple[float, float, float]:
+def _as_seen(run: Data, v: Floats) -> Floats:
+    """A model's velocity as the quadratics see one that the run's own is taken from: their parabola of weights."""
+    width = velocity_width(run.t, float(run.noise[0]), run.belt_speed)
+    h = width // 2
+    weights = 1.0 - (np.arange(-h, h + 1) / (h + 1)) ** 2
+    return np.asarray(np.convolve(v, weights, "same") / np.convolve(np.ones_like(v), weights, "same"))
+
+
+def _events(v: Floats, run: Data, samples: NDArray[np.int64]) -> tuple[float, float, float]:
     """Transition-time error and period error over the cycle, stick fraction's error."""
     t = run.t[samples]
-    ours, theirs = _stuck(run, prediction.state[:, 1]), _stuck(run, run.v[samples])
+    ours, theirs = _stuck(run, v), _stuck(run, run.v[samples])
     a, b = _onsets(t, theirs), _onsets(t, ours)
     if len(a) == 0 or len(b) == 0:
         timing = 0.0 if len(a) == len(b) else 0.5
     else:
-        timing = float(np.sqrt(np.mean([np.min(np.abs(b - one)) ** 2 for one in a]))) / run.cycle
+        timing = float(np.median([np.min(np.abs(b - one)) for one in a])) / run.cycle
     period = 0.0
     if len(a) > 2 and len(b) > 2:
         period = abs(float(np.median(np.diff(b)) - np.median(np.diff(a)))) / run.cycle
     return timing, period, abs(float(ours.mean() - theirs.mean()))
 
 
-def _portrait(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> float:
+def _portrait(prediction: Prediction, v: Floats, run: Data, samples: NDArray[np.int64]) -> float:
     """Mean distance from the measured phase portrait (x1, v) to the predicted one, over its size."""
     measured = np.stack([run.readings[samples, 0], run.v[samples]], 1)
-    predicted = np.stack([prediction.readings[:, 0], prediction.state[:, 1]], 1)
+    predicted = np.stack([prediction.readings[:, 0], v], 1)
     size = np.maximum(measured.std(axis=0), 1e-12)
     distance, _ = scipy.spatial.cKDTree(predicted / size).query(measured / size)
     return float(np.mean(distance))
@@ -123,7 +142,8 @@ def error_block(
         was = measure(before, run, pool)
         now = was if same else measure(after, run, pool)
         try:
-            floor = measure(after, free_run(Forecaster(after, run, pool, curves_of(after)), seed), pool)
+            own = free_run(Forecaster(after, run, pool, curves_of(after)), seed)
+            floor = measure(after, read_again(run, own.readings), pool)
         except StickslipError:
             floor = now
         kept[run.name] = (was, now)
@@ -133,8 +153,12 @@ def error_block(
 
 
 def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:
-    def each(name: str) -> Mapping[str, float]:
+    def each(name: str) -> dict[str, float]:
         return {who: float(getattr(m, name)) for who, m in zip(WHO, measured, strict=True)}
+
+    def timed(name: str) -> dict[str, float]:  # no better than the sampling allows
+        found = each(name)
+        return {**found, "floor": max(found["floor"], float(np.median(np.diff(run.t))) / run.cycle)}
 
     rmse = {
         channel: {who: m.rmse[c] / recording.factor(channel) for who, m in zip(WHO, measured, strict=True)}
@@ -145,9 +169,9 @@ def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Me
         run.belt_speed,
         each("one"),
         each("two"),
-        each("transition"),
-        each("period"),
-        each("fraction"),
+        timed("transition"),
+        timed("period"),
+        timed("fraction"),
         each("portrait"),
         rmse,
         {channel: recording.unit(channel) for channel in ("x1", "y1")},

@@ -195,7 +195,7 @@ def _found(
         gate=passed,
         runs=_views(case, before, after, validate, forecasts),
         spectrum=spectrum(before.fit, after.fit),
-        messages=(*notes, *remarks(search.data, choice.null, effects, now, error)),
+        messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate)),
         seconds=time.monotonic() - began,
     )
 

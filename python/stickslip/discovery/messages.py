@@ -64,6 +64,7 @@ def remarks(
     effects: Sequence[FoundEffect],
     after: Residual,
     error: ErrorBlock,
+    validate: Sequence[Data] = (),
 ) -> tuple[str, ...]:
     """What to know about this case's data and verdict."""
     out = []
@@ -90,6 +91,11 @@ def remarks(
             out.append(f"these runs do not tell {one.name} from {', '.join(tied)}")
     if not after.clean:
         out.append(f"something is left over: {after.sentence}")
+    out += [
+        f"{run.name} lasts {run.t[-1] / run.cycle:.2g} cycles only: its second half is forecast from its first"
+        for run in validate
+        if run.t[-1] < 2 * run.cycle
+    ]
     out += _of_forecasts(error, after.clean)
     return tuple(out)
 

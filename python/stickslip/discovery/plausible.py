@@ -26,6 +26,7 @@ SURE = 0.97  # correlation of the two sides of the angle body's equation above w
 RATIO = 1.6  # a ratio of y1 to x1 that no sensor of the list has
 SPEED = 2.5  # the same for the speed of the sticking block over the belt's
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
+SHIFTED = 0.05  # share of the equation left over below which a shifted zero explains what is wrong
 FITS = 0.15  # how near a unit must bring a ratio to 1, in the logarithm, to be suggested
 TIMES = ("s", "ms", "us", "min", "hour")
 LENGTHS = ("m", "cm", "mm", "um", "inch")
@@ -64,7 +65,7 @@ def body_ratio(data: Sequence[Data], rig: Rig, *, time: float = 1.0, swapped: bo
     left, right = [], []
     for run in data:
         x, y = run.readings[:, 1 if swapped else 0], run.readings[:, 0 if swapped else 1]
-        for a, b in _sides(run.t * time, x, y, rig):
+        for a, b, _ in _sides(run.t * time, x, y, rig):
             left.append(a)
             right.append(b)
     A, B = np.array(left), np.array(right)
@@ -75,8 +76,8 @@ def body_ratio(data: Sequence[Data], rig: Rig, *, time: float = 1.0, swapped: bo
     return Ratio(both / sizes[1], both / np.sqrt(sizes[0] * sizes[1]))
 
 
-def _sides(t: Floats, x: Floats, y: Floats, rig: Rig) -> Iterator[tuple[float, float]]:
-    """Integrals of (beta3 y1 + eta12 y1' + alpha2 y1'') f and of -(x1 + eta1 x1') f, by parts, over bumps f."""
+def _sides(t: Floats, x: Floats, y: Floats, rig: Rig) -> Iterator[tuple[float, float, float]]:
+    """Integrals of (beta3 y1 + eta12 y1' + alpha2 y1'') f, of -(x1 + eta1 x1') f, by parts, and of f, over bumps f."""
     length = BUMP * _period(t, x)
     weight = np.gradient(t)
     for start in np.arange(t[0], t[-1] - length, length / 4):
@@ -91,7 +92,26 @@ def _sides(t: Floats, x: Floats, y: Floats, rig: Rig) -> Iterator[tuple[float, f
         yield (
             float(np.sum(w * y[part] * (rig.beta3 * f - rig.eta12 * f1 + rig.alpha2 * f2))),
             -float(np.sum(w * x[part] * (f - rig.eta1 * f1))),
+            float(np.sum(w * f)),
         )
+
+
+def zeros(data: Sequence[Data], rig: Rig) -> tuple[Floats, float]:
+    """Zero of x1 by run that the angle body's equation asks for (or of y1, times beta3), and how well that meets it.
+
+    The second is the share of the equation's left-hand side that is left over, root mean square.
+    """
+    shifts, off, whole = [], 0.0, 0.0
+    for run in data:
+        sides = np.array(list(_sides(run.t, run.readings[:, 0], run.readings[:, 1], rig)))
+        if len(sides) < 3:
+            return np.zeros(len(data)), 1.0
+        A, B, f = sides.T
+        shift = float((A - B) @ f / (f @ f))
+        shifts.append(shift)
+        off += float(np.sum((A - B - shift * f) ** 2))
+        whole += float(np.sum((A - A.mean()) ** 2))
+    return np.array(shifts), float(np.sqrt(off / max(whole, 1e-300)))
 
 
 def _period(t: Floats, x: Floats) -> float:
@@ -184,6 +204,18 @@ def _columns(case: Case, data: Sequence[Data]) -> None:
             "x1 and y1 meet the angle body's equation in (2.1) only with one taken for the other: "
             "are their columns swapped in [channels]?"
         )
+    shift, left = zeros(data, rig)
+    if left < SHIFTED:
+        run = int(np.argmax(np.abs(shift)))
+        name = (*case.train, *case.validate)[run].name
+        x, y = (
+            f"{size / factor(c, case.channels[c].unit, rig):.3g} {_word(case.channels[c].unit)}".rstrip()
+            for c, size in (("x1", shift[run]), ("y1", shift[run] / rig.beta3))
+        )
+        raise InputError(
+            f"{name}: x1 and y1 meet the angle body's equation in (2.1) only with another zero: x1 reads {x} too much, "
+            f"or y1 {y}; subtract what the sensor reads with its spring at rest"
+        )
     declared = case.channels["t"].unit
     if declared == "1":
         return
@@ -263,6 +295,10 @@ def _unit(case: Case, name: str, declared: str, wanted: float) -> str | None:
     off = {unit: abs(np.log(factor(name, unit, case.rig) / own / wanted)) for unit in known}
     best = min(off, key=lambda unit: off[unit])
     return best if off[best] < FITS and best != declared else None
+
+
+def _word(unit: str) -> str:
+    return "" if unit == "1" else unit
 
 
 def _reads(ratio: float) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.effects import Tabulated, tabulated
+from stickslip.effects import Effect, Tabulated, tabulated
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
@@ -226,3 +226,35 @@ def _add_curve(
 def lag_start(x1: float, x2: float, tau: float) -> float:
     """Lagged reading of a steady ramp: where m starts."""
     return x1 - x2 * min(tau, math.inf)
+
+
+def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:
+    """d(x1 reading)/dt from the model's own states, exact for every effect of the x1 channel.
+
+    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged reading m is (x1 - m)/tau.
+
+    Parameters
+    ----------
+    state : (n, 4) x1, x2, y1, y2.
+    reading : (n,) predicted x1 reading.
+    """
+    x1, x2, y1, y2 = state.T
+    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
+    rate: float | Floats = known.get("sensor_drift", {}).get("r", 0.0)
+    along = {"x1": (x1, x2), "y1": (y1, y2)}
+    for one in model.effects:
+        if isinstance(one, Tabulated) and one.where == "x1 channel" and one.variable in along:
+            x, v = along[one.variable]
+            step = 1e-5 * (one.knots[-1] - one.knots[0])
+            rate = rate + v * (one.curve(x + step) - one.curve(x - step)) / (2 * step)
+    if "sensor_lag" in known:
+        return np.asarray((_unlagged(x1, y1, known) - reading) / known["sensor_lag"]["tau"] + rate)
+    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
+    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
+    return np.asarray(x2 * (1.0 + 2.0 * q * x1) + c * y2 + rate)
+
+
+def _unlagged(x1: Floats, y1: Floats, known: Mapping[str, Mapping[str, float]]) -> Floats:
+    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
+    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
+    return x1 + c * y1 + q * x1**2

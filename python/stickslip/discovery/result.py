@@ -192,7 +192,7 @@ class RunView:
 class RunError:
     """Errors on one validate run. Each maps "before", "after", "floor" to a number.
 
-    `one_cycle`, `two_cycles`: windowed forecast NRMSE; `transition_time`: rms error of transition times over the
+    `one_cycle`, `two_cycles`: windowed forecast NRMSE; `transition_time`: median error of onsets of slip over the
     cycle; `period`, `stick_fraction`: absolute errors (of the cycle; of 1); `portrait`: mean distance of the
     phase portraits over their size. `rmse` in the readings' own units, by channel: {"x1": {"before": ..}}.
     """

@@ -15,10 +15,11 @@ import numpy as np
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 
+from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found, Part, RunView, Verdict
 from stickslip.model import Model
 from stickslip.plot import BAND, DOTS, GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
-from stickslip.report.motion import Measured, broken, measured, reading_velocity
+from stickslip.report.motion import Measured, broken, measured
 from stickslip.report.units import Axes
 from stickslip.report.words import short
 

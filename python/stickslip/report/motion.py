@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip import signals
 from stickslip.discovery.result import RunView
-from stickslip.effects import Effect, Tabulated
+from stickslip.effects import Effect
 from stickslip.errors import StickslipError
 from stickslip.force import friction_force
 from stickslip.model import Model
@@ -49,38 +48,6 @@ def measured(model: Model, run: RunView) -> Measured | None:
     v_w = x.v - run.belt_speed
     rough = np.abs(np.gradient(x.a, x.t))
     return Measured(x.t, x.x, x.v, force, v_w, rough <= 3 * np.median(rough))
-
-
-def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:
-    """d(x1 reading)/dt from the model's own states, exact for every effect of the x1 channel.
-
-    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged reading m is (x1 - m)/tau.
-
-    Parameters
-    ----------
-    state : (n, 4) x1, x2, y1, y2.
-    reading : (n,) predicted x1 reading.
-    """
-    x1, x2, y1, y2 = state.T
-    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-    rate: float | Floats = known.get("sensor_drift", {}).get("r", 0.0)
-    along = {"x1": (x1, x2), "y1": (y1, y2)}
-    for one in model.effects:
-        if isinstance(one, Tabulated) and one.where == "x1 channel" and one.variable in along:
-            x, v = along[one.variable]
-            step = 1e-5 * (one.knots[-1] - one.knots[0])
-            rate = rate + v * (one.curve(x + step) - one.curve(x - step)) / (2 * step)
-    if "sensor_lag" in known:
-        return np.asarray((_unlagged(x1, y1, known) - reading) / known["sensor_lag"]["tau"] + rate)
-    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
-    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    return np.asarray(x2 * (1.0 + 2.0 * q * x1) + c * y2 + rate)
-
-
-def _unlagged(x1: Floats, y1: Floats, known: Mapping[str, Mapping[str, float]]) -> Floats:
-    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
-    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    return x1 + c * y1 + q * x1**2
 
 
 def broken(t: Floats, state: Floats, *columns: Floats) -> tuple[Floats, ...]:
