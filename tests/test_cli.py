@@ -1,5 +1,6 @@
 """The command line as a person meets it."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -9,6 +10,7 @@ from click.testing import CliRunner
 
 import stickslip as ss
 from stickslip.cli import main
+from stickslip.units import Channel
 from test_identify import RIG, TRUE, truth
 
 CASE = """
@@ -33,6 +35,11 @@ x1 = { column = "x1", unit = "1" }
 y1 = { column = "y1", unit = "1" }
 """
 
+SI = {
+    "m": 2.6, "J": 0.0174, "r": 0.08, "k1": 690.0, "k2": 45.0, "k3": 140.0, "c1": 0.28, "c2": 0.3, "length": 0.012
+}  # fmt: skip
+MODEL_SI = ss.Model(ss.Rig.from_si(**SI), friction=TRUE)
+
 
 def stickslip(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
@@ -48,6 +55,7 @@ def folder(tmp_path_factory):
         x, y = (state[:, i] + 8e-4 * rng.standard_normal(len(t)) for i in (0, 2))
         pd.DataFrame({"t": t, "x1": x, "y1": y}).to_csv(at / f"{name}.csv", index=False)
     ss.Model(RIG, friction=TRUE).save(at / "model.toml")
+    MODEL_SI.save(at / "si.toml")
     return at
 
 
@@ -85,6 +93,73 @@ def test_simulate_writes_what_simulate_returns(folder, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["run.csv", "run.png", "run.svg"]
 
 
+def simulated(tmp_path, model, *arguments):
+    model.save(tmp_path / "model.toml")
+    result = stickslip("simulate", tmp_path / "model.toml", *arguments, "--out", tmp_path / "run.csv")
+    assert result.exit_code == 0, result.output
+    return result.output, pd.read_csv(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize("units", [("14 mm/s", "9 s", "0.01 s"), ("0.014", "9", "0.01"), (None, None, None)])
+def test_simulate_of_an_si_rig_takes_and_writes_units(tmp_path, units):
+    scales = MODEL_SI.rig.scales
+    v, end, step = 0.014 / scales.velocity, 9 / scales.time, 0.01 / scales.time
+    if units[0] is None:  # the model's own numbers
+        units = (f"{v!r} 1", f"{end!r} 1", f"{step!r} 1")
+    said, frame = simulated(
+        tmp_path, MODEL_SI, "--belt-speed", units[0], "--t-end", units[1], "--dt", units[2]
+    )
+    assert "belt speed 0.014 m/s" in said
+    assert "to t = 9 s in steps of 0.01 s" in said
+    assert list(frame.columns) == ["t [s]", "x1 [m]", "x2 [m/s]", "y1 [m]", "y2 [m/s]", "mode"]
+    run = ss.simulate(MODEL_SI, belt_speed=v, t_end=end * 1.001, t_eval=frame["t [s]"] / scales.time)
+    np.testing.assert_allclose(frame["x1 [m]"], run.state[:, 0] * scales.length, atol=1e-9)
+    np.testing.assert_allclose(frame["y2 [m/s]"], run.state[:, 3] * scales.velocity, atol=1e-8)
+
+
+def test_simulate_reads_and_writes_in_the_units_of_the_readings(tmp_path):
+    channels = {
+        "t": Channel("time", "ms"), "x1": Channel("x", "um"),
+        "y1": Channel("angle", "deg"), "belt": Channel("belt", "mm/min"),
+    }  # fmt: skip
+    model = dataclasses.replace(MODEL_SI, channels=channels)
+    said, frame = simulated(
+        tmp_path, model, "--belt-speed", "840", "--t-end", "900", "--initial", "100, 14 mm/s, 2, 0 deg/s"
+    )
+    assert "belt speed 840 mm/min" in said
+    assert "x1 = 100 um, x2 = 14 um/ms, y1 = 2 deg, y2 = 0 deg/ms" in said
+    assert list(frame.columns) == ["t [ms]", "x1 [um]", "x2 [um/ms]", "y1 [deg]", "y2 [deg/ms]", "mode"]
+    scales = MODEL_SI.rig.scales
+    start = (1e-4 / scales.length, 0.014 / scales.velocity, np.radians(2) * scales.r / scales.length, 0.0)
+    run = ss.simulate(
+        MODEL_SI,
+        belt_speed=0.014 / scales.velocity,
+        initial=start,
+        t_end=0.9 / scales.time,
+        t_eval=[0.9 / scales.time],
+    )
+    assert frame["x1 [um]"].iloc[-1] == pytest.approx(run.state[-1, 0] * scales.length * 1e6, abs=1e-5)
+    turned = np.degrees(run.state[-1, 2] * scales.length / scales.r)
+    assert frame["y1 [deg]"].iloc[-1] == pytest.approx(turned, abs=1e-7)
+
+
+def test_what_simulate_wrote_can_be_read_as_a_recording(tmp_path):
+    channels = {name: Channel(name, unit) for name, unit in (("t", "s"), ("x1", "mm"), ("y1", "mm"))}
+    model = dataclasses.replace(MODEL_SI, channels=channels)
+    _, frame = simulated(tmp_path, model, "--belt-speed", "14 mm/s", "--t-end", "9")
+    read = ss.load_recording(tmp_path / "run.csv", model.rig, channels=channels, belt_speed="14 mm/s")
+    np.testing.assert_allclose(read.x1 * model.rig.scales.length * 1e3, frame["x1 [mm]"], rtol=1e-12)
+    wrong = {**channels, "y1": Channel("y1", "um")}
+    with pytest.raises(ss.InputError, match=r"the file has 'y1 \[mm\]', but its channel is declared in 'um'"):
+        ss.load_recording(tmp_path / "run.csv", model.rig, channels=wrong, belt_speed="14 mm/s")
+
+
+def test_simulate_says_that_friction_drives(tmp_path):
+    model = MODEL_SI.with_effects([ss.effect("friction_drift", r=-0.05)])
+    said, _ = simulated(tmp_path, model, "--belt-speed", 0.014, "--t-end", "40 1")
+    assert "friction_drift.r = -0.05: 1 + r t is below 0 from t = 20" in said
+
+
 def test_identify_then_compare(folder, tmp_path):
     result = stickslip("identify", folder / "rig.toml", "--out", tmp_path / "found")
     assert result.exit_code == 0, result.output
@@ -94,9 +169,7 @@ def test_identify_then_compare(folder, tmp_path):
     model = ss.load_model(tmp_path / "found" / "model.toml")
     assert model.friction.T_s_minus == saved["estimates"]["T_s_minus"]["value"]
     assert model.channels == ss.load_case(folder).channels
-    result = stickslip(
-        "compare", tmp_path / "found" / "model.toml", folder, "--run", "b", "--out", tmp_path / "compared"
-    )
+    result = stickslip("compare", tmp_path / "found", folder, "--run", "b", "--out", tmp_path / "compared")
     assert result.exit_code == 0, result.output
     rows = json.loads((tmp_path / "compared" / "compare.json").read_text())["rows"]
     period = next(r for r in rows if r["quantity"] == "period")
@@ -109,18 +182,51 @@ def test_identify_then_compare(folder, tmp_path):
     [
         (["simulate", "nowhere.toml", "--belt-speed", 0.1, "--t-end", 1, "--out", "{out}"], "no such file"),
         (["simulate", "{model}", "--belt-speed", 0.1, "--t-end", -1, "--out", "{out}"], "--t-end"),
-        (["simulate", "{model}", "--belt-speed", "nan", "--t-end", 1, "--out", "{out}"], "belt_speed"),
+        (["simulate", "{model}", "--belt-speed", "nan", "--t-end", 1, "--out", "{out}"], "--belt-speed"),
         (["simulate", "{model}", "--belt-speed", 0.1, "--t-end", 1, "--dt", 2, "--out", "{out}"], "--dt"),
         (
             ["simulate", "{model}", "--belt-speed", 0.1, "--t-end", 1, "--initial", "a,b", "--out", "{out}"],
             "--initial",
         ),
         (["identify", "{model}", "--out", "{out}"], "model.toml"),
+        (["identify", "{run}", "--out", "{out}"], "give the rig.toml beside it"),
+        (["compare", "{case}", "{model}", "--out", "{out}"], "the model comes first"),
+        (["compare", "{folder}", "{case}", "--out", "{out}"], "a folder without model_after.toml"),
+        (["simulate", "{case}", "--belt-speed", 0.1, "--t-end", 1, "--out", "{out}"], "identify or discover"),
+        (
+            ["simulate", "{si}", "--belt-speed", "14 mm", "--t-end", 1, "--out", "{out}"],
+            "measures length, but this is a velocity",
+        ),
+        (["simulate", "{si}", "--belt-speed", 0.01, "--t-end", "9 m", "--out", "{out}"], "this is a time"),
+        (
+            [
+                "simulate",
+                "{si}",
+                "--belt-speed",
+                0.01,
+                "--t-end",
+                1,
+                "--initial",
+                "1 s,0,0,0",
+                "--out",
+                "{out}",
+            ],
+            "this is a displacement",
+        ),
+        (["simulate", "{model}", "--belt-speed", 0.1, "--t-end", 1], "missing option '--out'"),
+        (["identfy", "{case}", "--out", "{out}"], "no such command 'identfy'"),
         (["compare", "{model}", "{case}", "--run", "c", "--out", "{out}"], "unknown run 'c'"),
     ],
 )
 def test_bad_input_is_one_line_exit_2_and_nothing_written(folder, tmp_path, arguments, said):
-    names = {"model": folder / "model.toml", "case": folder / "rig.toml", "out": tmp_path / "out"}
+    names = {
+        "model": folder / "model.toml",
+        "case": folder / "rig.toml",
+        "run": folder / "a.csv",
+        "folder": tmp_path,
+        "si": folder / "si.toml",
+        "out": tmp_path / "out",
+    }
     result = stickslip(*(str(a).format(**names) for a in arguments))
     assert result.exit_code == 2
     assert said in result.stderr

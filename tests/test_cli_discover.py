@@ -74,7 +74,7 @@ def test_no_verdict_is_one_line_and_not_zero(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace('"validate"', '"train"'), encoding="utf-8")
     result = invoke("discover", path, "--out", tmp_path / "out")
     assert result.exit_code == 2
-    assert result.stderr == "stickslip: rig.toml: no [[run]] has role = 'validate'; give it to at least one\n"
+    assert result.stderr.replace(f"{tmp_path}/", "") == "stickslip: rig.toml: no [[run]] has role = 'validate'; give it to at least one\n"
     assert not (tmp_path / "out").exists()
 
 
@@ -139,7 +139,7 @@ def test_forecast_refuses_an_si_rig_whose_readings_have_no_units(tmp_path: Path)
         "--out", out,
     )  # fmt: skip
     assert result.exit_code == 2
-    assert result.stderr == (
+    assert result.stderr.replace(f"{tmp_path}/", "") == (
         "stickslip: model.toml: the rig is in SI and the units of the readings are not given; "
         "add [channels], as in rig.toml\n"
     )
@@ -172,7 +172,7 @@ def test_forecast_writes_nothing_on_bad_input(tmp_path: Path) -> None:
         "forecast", tmp_path / "model.toml", run, "--belt-speed", 0.1, "--horizon", "-1", "--out", out
     )
     assert result.exit_code == 2
-    assert result.stderr == "stickslip: --horizon = -1.0: must be a finite number above 0\n"
+    assert result.stderr == "stickslip: --horizon = '-1': must be a finite number above 0\n"
     assert not out.exists()
 
 

@@ -10,17 +10,15 @@ from pathlib import Path
 from typing import Literal
 
 import click
-import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import stickslip
-from stickslip import cli_discover, cli_sweep
+from stickslip import cli_discover, cli_simulate, cli_sweep
 from stickslip.compare import Comparison, number
 from stickslip.config import write_text
 from stickslip.errors import InputError, StickslipError
-from stickslip.files import whole
 from stickslip.identified import Identified
 from stickslip.identify import BeltSpeed
 
@@ -37,7 +35,11 @@ class OneLine(click.Group):
             return super().invoke(ctx)
         except StickslipError as error:
             click.echo(f"stickslip: {error}", err=True)
-            sys.exit(BAD_INPUT)
+        except click.UsageError as error:
+            words = error.format_message().rstrip(".")
+            where = error.ctx.command_path if error.ctx else "stickslip"
+            click.echo(f"stickslip: {words[:1].lower()}{words[1:]} (see {where} --help)", err=True)
+        sys.exit(BAD_INPUT)
 
 
 @click.group(cls=OneLine, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -75,76 +77,7 @@ out_option = click.option(
 )
 
 
-@main.command()
-@click.argument("model", type=click.Path(path_type=Path))
-@click.option("--belt-speed", type=float, required=True, help="v_b, in the rig's unit.")
-@click.option("--t-end", type=float, required=True, help="Length of the run, in the rig's unit of time.")
-@click.option("--dt", type=float, default=None, help="Sampling step; a two-thousandth of the run if absent.")
-@click.option(
-    "--initial", type=str, default=None, help="Start, e.g. 0.1,0.1,0,0; at rest at the origin if absent."
-)
-@click.option(
-    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
-)
-@click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
-def simulate(
-    model: Path,
-    belt_speed: float,
-    t_end: float,
-    dt: float | None,
-    initial: str | None,
-    out: Path,
-    figure: bool,
-) -> None:
-    """Simulate MODEL (a TOML file) and write t, the state and the mode as CSV.
-
-    \b
-    Example:
-      stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
-    """
-    import pandas as pd  # slow to import
-
-    loaded = stickslip.load_model(model)
-    if not np.isfinite(t_end) or t_end <= 0:
-        raise InputError("must be positive", key="--t-end", value=t_end)
-    if dt is not None and not 0 < dt <= t_end:
-        raise InputError(f"must be above 0 and at most --t-end = {t_end:g}", key="--dt", value=dt)
-    count = round(t_end / dt) + 1 if dt else 2001
-    if count > 50_000_000:
-        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
-    times = np.linspace(0.0, t_end, count) if dt is None else np.arange(count) * dt
-    start = None if initial is None else _numbers(initial)
-    run = stickslip.simulate(
-        loaded, belt_speed=belt_speed, initial=start, t_end=float(max(times[-1], t_end)), t_eval=times
-    )
-    names = tuple(loaded.rig.state_names)
-    frame = pd.DataFrame(run.state, columns=list(names))
-    frame.insert(0, "t", run.t)
-    frame["mode"] = run.mode
-    with whole(out) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.12g")
-    written = [out]
-    if figure:
-        from stickslip import plot  # matplotlib is slow to import
-
-        written += plot.save_figure(plot.trajectory(run, names, belt_speed=belt_speed), out.with_suffix(""))
-    share = float(np.mean(run.mode == 0))
-    console.print(f"{run.status.value}; {len(run.transitions)} transitions, stick fraction {share:.4g}")
-    _say_written(written)
-    if not run.status.ok:
-        sys.exit(1)
-
-
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(v) for v in text.split(",")]
-    except ValueError:
-        raise InputError(
-            "not numbers separated by commas, like 0.1,0.1,0,0", key="--initial", value=text
-        ) from None
-
-
-@main.command()
+@main.command(short_help="The friction law, from the recordings of a case.")
 @click.argument("case", type=click.Path(path_type=Path))
 @out_option
 @belt_option
@@ -168,7 +101,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     _say_written(written)
 
 
-@main.command()
+@main.command(short_help="A model against a recording: one table, two figures.")
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("case", type=click.Path(path_type=Path))
 @out_option
@@ -177,7 +110,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
 )
 def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None) -> None:
-    """Simulate MODEL with the belt speed of a run of CASE and compare the two.
+    """Simulate MODEL (a TOML file, or the folder of identify) with the belt speed of a run of CASE; compare the two.
 
     Writes compare.json, the phase portrait and the time series as SVG and PNG.
 
@@ -185,6 +118,9 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     Example:
       stickslip compare identified/model.toml CASE/rig.toml --out compared
     """
+    if _is_case(model) and not _is_case(case):
+        words = f"the model comes first: stickslip compare {case} {model} --out {out}"
+        raise InputError(words, key="MODEL", value=str(model))
     law, loaded = stickslip.load_model(model), stickslip.load_case(case)
     first = next((r for r in loaded.runs if r.role == "validate"), loaded.runs[0])
     recording = first if name is None else loaded.run(name)
@@ -196,7 +132,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     _say_written(written)
 
 
-@main.command()
+@main.command(short_help="All of it on a real recording, then a story of discovery.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -235,6 +171,7 @@ def demo(out: Path, first_half: bool) -> None:
     _say_written(written)
 
 
+main.add_command(cli_simulate.simulate)
 main.add_command(cli_discover.discover)
 main.add_command(cli_discover.forecast)
 main.add_command(cli_sweep.sweep)
@@ -290,6 +227,13 @@ def _save_comparison(c: Comparison, out: Path) -> list[Path]:
     written += plot.save_figure(plot.phase_portrait(c), out / "phase_portrait")
     written += plot.save_figure(plot.time_series(c), out / "time_series")
     return written
+
+
+def _is_case(path: Path) -> bool:
+    """Is it a case's folder or its rig.toml, by the look of it?"""
+    if path.is_dir():
+        return (path / "rig.toml").is_file()
+    return path.is_file() and "[[run]]" in path.read_text(encoding="utf-8", errors="replace")
 
 
 def _say_findings(findings: tuple[str, ...]) -> None:

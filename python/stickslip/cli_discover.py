@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from stickslip.discovery.result import Found
-from stickslip.errors import InputError, Place, StickslipError
+from stickslip.errors import InputError, ModelWarning, Place, StickslipError
 from stickslip.files import whole
 from stickslip.findings import FindingKind
 from stickslip.model import Model, load_model
@@ -22,8 +23,9 @@ from stickslip.records import Case, load_case
 from stickslip.report import words
 from stickslip.report.si import to_si
 from stickslip.rig import Rig
+from stickslip.scale import read_quantity, scales
 from stickslip.tables import column_names
-from stickslip.units import Channel, default_speed_unit, factor, speed
+from stickslip.units import Channel
 
 console = Console(highlight=False)
 
@@ -57,7 +59,7 @@ def stage(what: str) -> str:
     return f"{head} curves" if curve else what
 
 
-@click.command()
+@click.command(short_help="What the declared model lacks: an effect, and how sure.")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap's random numbers.")
@@ -155,15 +157,15 @@ def errors_table(found: Found) -> Table:
     return table
 
 
-@click.command()
+@click.command(short_help="The readings that follow a recording.")
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--belt-speed", required=True, help="v_b in the belt channel's unit, or with one: '12 mm/s'.")
-@click.option("--horizon", type=float, required=True, help="How far ahead, in the unit of the run's time.")
+@click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
 @click.option(
     "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
 )
-def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path) -> None:
+def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
     Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
@@ -175,38 +177,38 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: float, out: Path)
     from stickslip.forecast import forecast as predict
 
     loaded = load_model(model)
-    if not np.isfinite(horizon) or horizon <= 0:
-        raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
     if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
         words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"
-        raise InputError(words, place=Place(model.name))
-    v_b = _model_speed(loaded, belt_speed)
+        raise InputError(words, place=Place(str(model)))
+    units = scales(loaded.rig, loaded.channels)
+    v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
+    ahead = read_quantity(horizon, "t", units["t"], loaded.rig, "--horizon")
+    if ahead <= 0:
+        raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
     past = load_recording(
         run, loaded.rig, channels=_channels(loaded, run), belt_speed=belt_speed, noise=loaded.noise
     )
-    step = float(np.median(np.diff(past.t))) / factor("t", past.unit("t"), past.rig)
-    if horizon < step:
-        raise InputError(
-            f"shorter than the run's sampling interval {step:.4g}", key="--horizon", value=horizon
-        )
-    frame = predict(loaded, past, belt_speed=v_b, horizon=horizon * factor("t", past.unit("t"), past.rig))
+    step = float(np.median(np.diff(past.t)))
+    if ahead < step * (1 - 1e-9):
+        words = f"shorter than the run's sampling interval {units['t'].of(step)}"
+        raise InputError(words, key="--horizon", value=horizon)
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", ModelWarning)
+        frame = predict(loaded, past, belt_speed=v_b, horizon=ahead)
     with whole(out) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.10g")
-    last = float(frame["t"].iloc[-1])
+    for doubt in doubts:
+        console.print(f"- {doubt.message}; is the belt speed right?", markup=False, soft_wrap=True)
+    t, own = units["t"].unit, "" if units["belt"].unit == "1" else f" ({v_b:.5g} in the model)"
     console.print(
-        f"{len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to {last:.6g} {past.unit('t')}", markup=False
+        f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to "
+        f"{frame['t'].iloc[-1]:.6g}{'' if t == '1' else f' {t}'}; "
+        + ", ".join(units[name].head(name) for name in ("x1", "y1") if name in frame),
+        markup=False,
+        soft_wrap=True,
     )
     console.print("written:")
     console.print(f"  {out}", soft_wrap=True, markup=False)
-
-
-def _model_speed(model: Model, given: str) -> float:
-    channels = model.channels or {}
-    unit = channels["belt"].unit if "belt" in channels else default_speed_unit(model.rig)
-    try:
-        return speed(given, unit, model.rig)
-    except InputError as error:
-        raise InputError(error.what, key="--belt-speed", value=given) from None
 
 
 def _channels(model: Model, run: Path) -> dict[str, Channel] | None:

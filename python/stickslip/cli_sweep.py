@@ -62,7 +62,7 @@ class SweepFile(BaseModel):
     effect: list[dict[str, object]] = []
 
 
-@click.command()
+@click.command(short_help="A model over a grid of its numbers, into a Zarr store.")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--out", type=click.Path(path_type=Path), required=True, help="Zarr store to write or go on with."

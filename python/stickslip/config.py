@@ -59,7 +59,7 @@ class Document:
         """Return the place of a key for an error, and the key itself: [table] of all but the last."""
         names = [str(key) if isinstance(key, str) else str(key + 1) for key in keys]
         key = names.pop() if names and isinstance(keys[-1], str) else None
-        return Place(self.path.name, self.line(*keys), " ".join(names) or None), key
+        return Place(str(self.path), self.line(*keys), " ".join(names) or None), key
 
     def error(self, what: str, *keys: Key, value: object = None) -> InputError:
         """Return the error `what` at a key."""
@@ -103,6 +103,10 @@ def read_toml(path: str | os.PathLike[str]) -> Document:
         No such file, not text, or not TOML (with the line).
     """
     file = Path(path)
+    if file.suffix.lower() in (".csv", ".mat", ".txt", ".tsv"):
+        raise InputError(
+            "a recording; give the rig.toml beside it, or the model's .toml", place=Place(str(file))
+        )
     try:
         text = file.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -110,7 +114,7 @@ def read_toml(path: str | os.PathLike[str]) -> Document:
     except IsADirectoryError:
         raise InputError("a folder, not a file; give the .toml file in it", place=Place(str(file))) from None
     except UnicodeDecodeError:
-        raise InputError("not UTF-8 text; save it as UTF-8", place=Place(file.name)) from None
+        raise InputError("not UTF-8 text; save it as UTF-8", place=Place(str(file))) from None
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", place=Place(str(file))) from None
     try:
@@ -120,7 +124,7 @@ def read_toml(path: str | os.PathLike[str]) -> Document:
         at = _AT_LINE.search(words)
         line = int(at[1]) if at and at[1] else len(text.splitlines())
         what = _AT_LINE.sub("", words)
-        raise InputError(f"not TOML: {what[:1].lower()}{what[1:]}", place=Place(file.name, line)) from None
+        raise InputError(f"not TOML: {what[:1].lower()}{what[1:]}", place=Place(str(file), line)) from None
     return Document(file, text, tables)
 
 

@@ -119,7 +119,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     if holding:
         return f"did you mean {' or '.join(repr(one) for one in holding[:3])}?"
     if len(names) > MANY:
-        return f"none of the {len(names)} known is like it: {', '.join(names[:4])}, ..."
+        return f"none known is like it ({', '.join(names[:4])}, ...)"
     return f"it must be one of {', '.join(names)}" if names else "none is known here"
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.arguments import explained, must_be
-from stickslip.discovery.data import prepare
+from stickslip.discovery.data import CHANNELS, Data, prepare
 from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.readings import curves_of
-from stickslip.errors import InputError, number
+from stickslip.errors import InputError, ModelWarning, number
 from stickslip.model import Model
 from stickslip.records import Recording
 
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SLACK = 1e-9  # of a sampling interval
+LAST = 10  # samples of the past that the start is held against
+FAR = 5.0  # times the noise
 
 
 @explained
@@ -52,6 +56,11 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
         A horizon that is not positive, or a past too short or without y1.
     StickslipError
         The model's run stops before the horizon.
+
+    Warns
+    -----
+    ModelWarning
+        The model does not pass through the last readings: the forecast starts somewhere else.
     """
     import pandas as pd  # slow to import
 
@@ -65,7 +74,23 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     with ThreadPoolExecutor(2) as pool:
-        prediction = Forecaster(model, run, pool, curves_of(model)).forecast(len(run.t), future)
+        forecaster = Forecaster(model, run, pool, curves_of(model))
+        forecaster.settle(len(run.t))
+        window = forecaster.state_window(len(run.t))
+        past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
+        whole = forecaster.run_on(window, np.concatenate([past, future])).readings
+    _doubt(whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop], run)
+    readings = whole[len(past) :]
     columns = {"t": future + float(recording.t[0])}
-    columns |= {"x1": prediction.readings[:, 0], "y1": prediction.readings[:, 1]}
+    columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
     return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
+
+
+def _doubt(difference: NDArray[np.float64], run: Data) -> None:
+    """Warn where model and last readings (k, c) differ by several times the noise."""
+    off = np.sqrt(np.mean(difference**2, axis=0)) / np.asarray(run.noise)
+    worst = int(np.argmax(off))
+    if off[worst] > FAR:
+        words = f"over the last {len(difference)} readings of {CHANNELS[worst]} model and readings differ by"
+        said = f"{words} {off[worst]:.3g} times the noise: the forecast starts that far off"
+        warnings.warn(said, ModelWarning, stacklevel=4)

@@ -6,6 +6,7 @@ import dataclasses
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Self
 
 from stickslip.arguments import explained, listed, must_be
@@ -21,12 +22,14 @@ from stickslip.declared import (
     rig_table,
 )
 from stickslip.effects import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
-from stickslip.errors import InputError, did_you_mean, number, unknown
+from stickslip.errors import InputError, Place, did_you_mean, number, unknown
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.units import DIMENSIONS, Channel
 
 NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivities, but given to `simulate`
+
+IN_A_FOLDER = ("model_after.toml", "model.toml")  # what discover and identify write
 
 _HEADER = """\
 # A model of stickslip: stickslip.load_model reads it.
@@ -214,17 +217,20 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     Parameters
     ----------
     path
-        A file as `Model.save` writes it. [rig] may also be in SI; Table 1 where there is no [friction].
+        A file as `Model.save` writes it, or the folder in which `identify` or `discover` put one.
+        [rig] may also be in SI; Table 1 where there is no [friction].
 
     Raises
     ------
     InputError
         No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
     """
-    document = read_toml(as_path("path", path))
+    document = read_toml(_file(as_path("path", path)))
     tables = document.tables
     if "run" in tables:
-        raise document.error("this is a case with its runs, not a model; read it with load_case", "run", 0)
+        raise document.error(
+            "this is a case with its runs, not a model; identify or discover make a model of it", "run", 0
+        )
     known = ("rig", "friction", "effect", "channels", "noise")
     for key, table in tables.items():
         if key not in known:
@@ -250,6 +256,17 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     law = read_friction(document, "friction", table=_table(tables.get("friction", {})))
     with document.at():
         return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
+
+
+def _file(path: Path) -> Path:
+    """Return the model file of a folder of results, or the path itself."""
+    if not path.is_dir():
+        return path
+    for name in IN_A_FOLDER:
+        if (path / name).is_file():
+            return path / name
+    hint = "; give rig.toml to identify or discover first" if (path / "rig.toml").is_file() else ""
+    raise InputError(f"a folder without {' or '.join(IN_A_FOLDER)}{hint}", place=Place(str(path)))
 
 
 def _replaced(law: FrictionLaw, values: Mapping[str, float]) -> FrictionLaw:

@@ -5,7 +5,7 @@ Colours are Okabe and Ito's, told apart by readers with any colour vision: measu
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -20,6 +20,7 @@ from stickslip.compare import Comparison, per_model, speed_unit
 from stickslip.files import whole
 from stickslip.identified import BRANCHES, Branch, Identified
 from stickslip.rig import BlockOnBelt
+from stickslip.scale import Quantity, Scale
 from stickslip.segments import Track
 from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
@@ -243,23 +244,47 @@ def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
 
 
 @_styled
-def trajectory(run: Trajectory, names: tuple[str, ...], *, belt_speed: float) -> Figure:
-    """A simulation: the block over time with its transitions, and its phase portrait."""
+def trajectory(
+    run: Trajectory,
+    names: tuple[str, ...],
+    *,
+    belt_speed: float,
+    units: Mapping[Quantity, Scale] | None = None,
+) -> Figure:
+    """A simulation: the block over time with its transitions, and its phase portrait.
+
+    Parameters
+    ----------
+    run, names, belt_speed
+        The run, the names of its states, and v_b; in the model's numbers.
+    units
+        How they are drawn, from `stickslip.scale.scales`; as they are if absent.
+    """
+    t, x, v, y = ((units or {}).get(name, Scale()) for name in ("t", "x1", "x2", "y1"))
     figure, (left, right) = _figure(9.0, 3.8, 1, 2)
-    left.plot(run.t, run.state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
+    left.plot(t.size * run.t, x.size * run.state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
     if "y1" in names:
-        left.plot(run.t, run.state[:, names.index("y1")], color=MEASURED, lw=1.0, label="$y_1$")
+        own = label("$y_1$", "" if y.unit == x.unit else y.unit)
+        left.plot(t.size * run.t, y.size * run.state[:, names.index("y1")], color=MEASURED, lw=1.0, label=own)
     for mode, marker, name in ((False, "^", "release"), (True, "v", "capture")):
         chosen = (run.transitions.after == 0) == mode
         inside = chosen & (run.transitions.t >= run.t[0]) & (run.transitions.t <= run.t[-1])
         if inside.sum() <= 60:
-            x = run.transitions.state[inside, 0]
-            left.plot(run.transitions.t[inside], x, marker, color=LIMIT, mfc="white", ms=5, label=name)
-    left.set_xlabel("$t$")
-    left.set_ylabel("displacement")
-    right.plot(run.state[:, 0], run.state[:, 1], color=SIMULATED, lw=1.0)
-    right.axhline(belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
-    right.set_xlabel("$x_1$")
-    right.set_ylabel("$x_2$")
+            at = t.size * run.transitions.t[inside]
+            left.plot(
+                at,
+                x.size * run.transitions.state[inside, 0],
+                marker,
+                color=LIMIT,
+                mfc="white",
+                ms=5,
+                label=name,
+            )
+    left.set_xlabel(label("time $t$", t.unit))
+    left.set_ylabel(label("displacement", x.unit))
+    right.plot(x.size * run.state[:, 0], v.size * run.state[:, 1], color=SIMULATED, lw=1.0)
+    right.axhline(v.size * belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    right.set_xlabel(label("$x_1$", x.unit))
+    right.set_ylabel(label("$x_2$", v.unit))
     figure.legend(loc="outside upper center", ncols=4)
     return figure

@@ -221,6 +221,7 @@ def load_recording(
     as_path("path", path)
     declared = dict(channels) if channels is not None else _bare_channels(path, rig)
     check_channels(declared, rig)
+    declared = _by_heads(path, declared)
     columns = read_columns(path, [channel.column for channel in declared.values()])
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
@@ -276,6 +277,21 @@ def noise_in_model(
     return turned
 
 
+def _by_heads(path: str | os.PathLike[str], channels: Mapping[str, Channel]) -> dict[str, Channel]:
+    """Return the channels with their columns as the file heads them: "x1 [mm]" may stand for x1 in mm."""
+    out, there = dict(channels), column_names(path)
+    for name, one in channels.items():
+        headed = [head for head in there if head.startswith(f"{one.column} [") and head.endswith("]")]
+        if one.column in there or len(headed) != 1:
+            continue
+        unit = headed[0][len(one.column) + 2 : -1]
+        if unit != one.unit:
+            words = f"the file has '{headed[0]}', but its channel is declared in '{one.unit}'"
+            raise InputError(words, place=Place(str(Path(path)), column=one.column))
+        out[name] = replace(one, column=headed[0])
+    return out
+
+
 def _bare_channels(path: str | os.PathLike[str], rig: AnyRig) -> dict[str, Channel]:
     """Channels of a file whose columns bear the channels' names."""
     names = [*needed_channels(rig), *(["belt"] if "belt" in column_names(path) else [])]
@@ -286,7 +302,7 @@ def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping
     t, name = raw["t"], channels["t"].column
     if t.size < FEWEST:
         count = "1 sample" if t.size == 1 else f"{t.size} samples"
-        raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(columns.path.name))
+        raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(str(columns.path)))
     step = np.diff(t) * np.sign(channels["t"].scale)
     wrong = np.flatnonzero(step <= 0)
     if not wrong.size:
@@ -318,7 +334,7 @@ def _cut(
     if np.count_nonzero(kept) < FEWEST:
         said = f"{'its start' if start is None else start} to {'its end' if end is None else end}"
         words = f"{np.count_nonzero(kept)} samples from {said}; the run lasts from {t[0]:g} to {t[-1]:g}"
-        raise InputError(words, place=Place(columns.path.name, column=channels["t"].column))
+        raise InputError(words, place=Place(str(columns.path), column=channels["t"].column))
     return {name: column[kept] for name, column in raw.items()}
 
 
@@ -330,7 +346,7 @@ def _check_belt(
     words = (
         "the belt never moves (0 throughout) but its set-point is not 0; leave the channel out if it is dead"
     )
-    raise InputError(words, place=Place(columns.path.name, column=channels["belt"].column))
+    raise InputError(words, place=Place(str(columns.path), column=channels["belt"].column))
 
 
 def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Finding]:

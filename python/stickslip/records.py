@@ -126,7 +126,7 @@ class Case:
         runs = tuple(run for run in self.runs if run.role == role)
         if not runs:
             words = f"no [[run]] has role = '{role}'; give it to at least one"
-            raise InputError(words, place=Place(self.path.name))
+            raise InputError(words, place=Place(str(self.path)))
         return runs
 
 

@@ -36,6 +36,9 @@ class Status(Enum):
     too_many_transitions = "stopped: more transitions than max_transitions allows"
     interrupted = "stopped by the user"
 
+    def __str__(self) -> str:
+        return self.value
+
     @property
     def ok(self) -> bool:
         """Did the run reach its end time?"""

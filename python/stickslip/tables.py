@@ -31,7 +31,7 @@ class Columns:
     def place(self, column: str | None = None, row: int | None = None) -> Place:
         """Return the place of a column, or of a row of it, for an error."""
         line = None if self.layout is None or row is None else self.layout.line(row)
-        return Place(self.path.name, line, column=column)
+        return Place(str(self.path), line, column=column)
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
         return _read_mat(file, names)
     layout = _layout(file)
     for name in names:
-        _require(name, layout.header, Place(file.name, layout.header_line, column=name))
+        _require(name, layout.header, Place(str(file), layout.header_line, column=name))
     return Columns(file, _read_csv(layout, list(dict.fromkeys(names))), layout)
 
 
@@ -138,13 +138,13 @@ def _layout(file: Path) -> Layout:
         with file.open(encoding="utf-8-sig", newline=None) as stream:
             lines = [line.rstrip("\n") for _, line in zip(range(1000), stream, strict=False)]
     except UnicodeDecodeError:
-        raise InputError("not UTF-8 text; save it as CSV in UTF-8", place=Place(file.name)) from None
+        raise InputError("not UTF-8 text; save it as CSV in UTF-8", place=Place(str(file))) from None
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", place=Place(str(file))) from None
     used = [(i, line.strip()) for i, line in enumerate(lines, 1) if line.strip()]
     data = [(i, line) for i, line in used if not line.startswith(_COMMENTS)]
     if not data:
-        raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(file.name))
+        raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(str(file)))
     line_number, header = data[0]
     delimiter = _delimiter(header)
     below = [line for _, line in data[1:20]] or [header]
@@ -156,7 +156,7 @@ def _layout(file: Path) -> Layout:
         named = _cells(comment, _delimiter(comment)) if comment else []
         if len(named) != len(names):
             words = "numbers where the column names should be; the first line must name the columns"
-            raise InputError(words, place=Place(file.name, line_number))
+            raise InputError(words, place=Place(str(file), line_number))
         names, line_number = named, line_number - 1
     return Layout(file, tuple(name.strip("\"' ") for name in names), line_number, delimiter, decimal)
 
@@ -188,12 +188,12 @@ def _read_csv(layout: Layout, names: list[str]) -> dict[str, Floats]:
         values = {name: frame[layout.header.index(name)].to_numpy(dtype=np.float64) for name in names}
     except (ValueError, pd.errors.ParserWarning) as error:  # pandas' parser errors are ValueErrors
         _raise_first_fault(layout, names)
-        raise InputError(f"cannot be read: {error}", place=Place(layout.path.name)) from None
+        raise InputError(f"cannot be read: {error}", place=Place(str(layout.path))) from None
     sound = all(np.isfinite(column).all() for column in values.values())
     if not (sound and _rectangular(layout, values[names[0]].size)):
         _raise_first_fault(layout, names)
     if any(column.size == 0 for column in values.values()):
-        raise InputError("no rows below the column names", place=Place(layout.path.name, layout.header_line))
+        raise InputError("no rows below the column names", place=Place(str(layout.path), layout.header_line))
     return values
 
 
@@ -219,14 +219,14 @@ def _raise_first_fault(layout: Layout, names: list[str]) -> None:
             what = f"{count} where the header names {width} columns"
             if layout.delimiter == "," and len(cells) == 2 * width:
                 what += "; decimal commas? separate the columns by semicolons then"
-            raise InputError(what, place=Place(layout.path.name, number))
+            raise InputError(what, place=Place(str(layout.path), number))
         for name, column in at.items():
             fault = _cell_fault(cells[column], layout.decimal)
             if fault is None:
                 continue
             if row == 0 and all(cell and _number(cell, layout.decimal) is None for cell in cells):
                 fault += ", as in the whole line; delete it (units are declared with the channels)"
-            raise InputError(fault, place=Place(layout.path.name, number, column=name))
+            raise InputError(fault, place=Place(str(layout.path), number, column=name))
 
 
 def _cell_fault(cell: str, decimal: str) -> str | None:
@@ -250,7 +250,7 @@ def _whosmat(file: Path) -> list[tuple[str, tuple[int, ...], str]]:
         words = "a MATLAB 7.3 file; save it with -v7"
     except (ValueError, TypeError, MatReadError, OSError) as error:
         words = f"not a MATLAB file ({str(error).splitlines()[0]})"
-    raise InputError(words, place=Place(file.name))
+    raise InputError(words, place=Place(str(file)))
 
 
 def _read_mat(file: Path, names: Sequence[str]) -> Columns:
@@ -258,22 +258,22 @@ def _read_mat(file: Path, names: Sequence[str]) -> Columns:
 
     known = [name for name, _, _ in _whosmat(file)]
     for name in names:
-        _require(name, known, Place(file.name, column=name))
+        _require(name, known, Place(str(file), column=name))
     found = loadmat(str(file), variable_names=list(names))
     values: dict[str, Floats] = {}
     for name in names:
         array = np.asarray(found[name])
         if array.dtype.kind not in "iufb" or array.ndim > 2 or max(array.shape) != array.size:
             words = f"a {array.dtype.name} array of shape {array.shape}; a channel is a real vector"
-            raise InputError(words, place=Place(file.name, column=name))
+            raise InputError(words, place=Place(str(file), column=name))
         column = np.ascontiguousarray(array.ravel(), dtype=np.float64)
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
             words = f"{column[wrong[0]]} at sample {wrong[0]}; every sample needs a finite number"
-            raise InputError(words, place=Place(file.name, column=name))
+            raise InputError(words, place=Place(str(file), column=name))
         values[name] = column
     lengths = {name: column.size for name, column in values.items()}
     if len(set(lengths.values())) > 1:
         words = ", ".join(f"{name} has {size} samples" for name, size in lengths.items())
-        raise InputError(f"{words}; channels must be equally long", place=Place(file.name))
+        raise InputError(f"{words}; channels must be equally long", place=Place(str(file)))
     return Columns(file, values, None)

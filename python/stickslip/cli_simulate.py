@@ -1,0 +1,141 @@
+"""The command `stickslip simulate`: one run of a model, in the units of its readings."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+
+from stickslip.errors import InputError, ModelWarning
+from stickslip.files import whole
+from stickslip.model import Model, load_model
+from stickslip.scale import Quantity, Scale, read_quantity, scales
+from stickslip.shooting import Array
+from stickslip.simulate import Trajectory
+from stickslip.simulate import simulate as run_model
+
+console = Console(highlight=False)
+MOST = 50_000_000  # samples
+
+
+@click.command(short_help="One run of a model, as CSV and a figure.")
+@click.argument("model", type=click.Path(path_type=Path))
+@click.option(
+    "--belt-speed", required=True, help="v_b: a number in the unit of the case, or with one: '14 mm/s'."
+)
+@click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
+@click.option("--dt", default=None, help="Sampling step; a two-thousandth of the run if absent.")
+@click.option(
+    "--initial",
+    default=None,
+    help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent.",
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
+)
+@click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
+def simulate(
+    model: Path,
+    belt_speed: str,
+    t_end: str,
+    dt: str | None,
+    initial: str | None,
+    out: Path,
+    figure: bool,
+) -> None:
+    """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
+
+    Numbers without a unit are in the units of the readings, as the model file's [channels] say: the belt's without a
+    channel in m/s, everything in SI where there are no channels, and nondimensional for a nondimensional rig. The
+    columns are in the same units, with the unit in their head. The mode is 0 in stick, -1 and 1 in slip with v_w
+    below and above zero.
+
+    \b
+    Example:
+      stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
+      stickslip simulate identified --belt-speed '14 mm/s' --t-end '60 s' --out run.csv
+    """
+    loaded = load_model(model)
+    units = scales(loaded.rig, loaded.channels)
+    v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
+    times = _times(loaded, units["t"], t_end, dt)
+    start = None if initial is None else _start(loaded, units, initial)
+    _say_understood(loaded, units, v_b, times, start)
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", ModelWarning)
+        run = run_model(loaded, belt_speed=v_b, initial=start, t_end=float(times[-1]), t_eval=times)
+    for doubt in doubts:
+        console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
+    written = [out]
+    _write(loaded, units, run, out)
+    if figure:
+        from stickslip import plot  # matplotlib is slow to import
+
+        drawn = plot.trajectory(run, loaded.rig.state_names, belt_speed=v_b, units=units)
+        written += plot.save_figure(drawn, out.with_suffix(""))
+    console.print(
+        f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(run.mode == 0):.4g}"
+    )
+    console.print("written:")
+    for path in written:
+        console.print(f"  {path}", soft_wrap=True, markup=False)
+    if not run.status.ok:
+        sys.exit(1)
+
+
+def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
+    """Times to sample at, from 0 to the end at least; in the model's unit."""
+    end = read_quantity(t_end, "t", unit, model.rig, "--t-end")
+    if end <= 0:
+        raise InputError("must be above 0", key="--t-end", value=t_end)
+    if dt is None:
+        return np.linspace(0.0, end, 2001)
+    step = read_quantity(dt, "t", unit, model.rig, "--dt")
+    if not 0 < step <= end:
+        raise InputError(f"must be above 0 and at most --t-end = {t_end}", key="--dt", value=dt)
+    count = round(end / step) + 1
+    if count > MOST:
+        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
+    return np.asarray(np.arange(count) * step, dtype=np.float64)
+
+
+def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]:
+    names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]  # they are quantities
+    parts = text.split(",")
+    if len(parts) != len(names):
+        words = f"has {len(parts)} numbers; give {len(names)}: {','.join(names)}, like {','.join('0' for _ in names)}"
+        raise InputError(words, key="--initial", value=text)
+    return [
+        read_quantity(part, name, units[name], model.rig, f"--initial, {name}")
+        for part, name in zip(parts, names, strict=True)
+    ]
+
+
+def _say_understood(
+    model: Model, units: dict[Quantity, Scale], v_b: float, times: Array, start: list[float] | None
+) -> None:
+    """Print what was understood of the numbers, in their units."""
+    own = "" if units["belt"].unit == "1" else f" ({v_b:.5g} in the model)"
+    at = "rest at the origin"
+    if start is not None:
+        names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
+        at = ", ".join(f"{name} = {units[name].of(x)}" for name, x in zip(names, start, strict=True))
+    console.print(
+        f"belt speed {units['belt'].of(v_b)}{own}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
+        f"{units['t'].of(times[1] - times[0])}",
+        soft_wrap=True,
+    )
+
+
+def _write(model: Model, units: dict[Quantity, Scale], run: Trajectory, out: Path) -> None:
+    import pandas as pd  # slow to import
+
+    names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
+    columns = {units["t"].head("t"): run.t * units["t"].size}
+    columns |= {units[n].head(n): run.state[:, i] * units[n].size for i, n in enumerate(names)}
+    with whole(out) as temporary:
+        pd.DataFrame({**columns, "mode": run.mode}).to_csv(temporary, index=False, float_format="%.12g")
