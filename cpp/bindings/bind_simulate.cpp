@@ -50,7 +50,8 @@ py::dict as_dict(Record&& r) {
 
 py::dict simulate(const Structure& structure, const ConstVector& parameters, const ConstVector& initial, double t_start,
                   double t_end, int contact, const std::optional<ConstVector>& t_eval, double rtol, double atol,
-                  Locator locator, const ConstMatrix& seeds, long max_transitions, int order, double fixed_step) {
+                  Locator locator, const ConstMatrix& seeds, long max_transitions, int order, double fixed_step,
+                  long max_steps) {
   if (parameters.size() != parameter_count || initial.size() != state_count)
     throw py::value_error("parameters must have the length of PARAMETERS plus MAX_KNOTS, initial that of STATES");
   if (seeds.rows() > 0 && seeds.cols() != parameter_count + state_count)
@@ -69,6 +70,7 @@ py::dict simulate(const Structure& structure, const ConstVector& parameters, con
                         static_cast<int>(seeds.rows()),
                         seeds.data(),
                         max_transitions,
+                        max_steps,
                         order,
                         fixed_step};
   Record r;
@@ -110,6 +112,7 @@ void bind_simulate(py::module_& m) {
       .value("step_too_small", Outcome::step_too_small)
       .value("too_many_transitions", Outcome::too_many_transitions)
       .value("interrupted", Outcome::interrupted)
+      .value("too_many_steps", Outcome::too_many_steps)
       .finalize();
   py::class_<Structure>(m, "Structure", "Which rig, law and effects a parameter vector describes.")
       .def(py::init([](RigKind rig, LawKind law, std::uint32_t effects, int place, int variable, double period,
@@ -135,7 +138,8 @@ void bind_simulate(py::module_& m) {
   m.def("simulate", &simulate, py::kw_only(), py::arg("structure"), py::arg("parameters").noconvert(),
         py::arg("initial").noconvert(), py::arg("t_start"), py::arg("t_end"), py::arg("contact"),
         py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),
-        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("order") = 0, py::arg("fixed_step") = 0.0);
+        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("order") = 0, py::arg("fixed_step") = 0.0,
+        py::arg("max_steps") = most_steps);
 }
 
 }  // namespace stickslip::bindings

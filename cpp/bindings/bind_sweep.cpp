@@ -25,7 +25,8 @@ py::array_t<double> as_array(std::vector<double>&& values, std::vector<py::ssize
 
 py::tuple sweep_members(const Structure& structure, const ConstVector& base, const IndexVector& varied,
                         const ConstMatrix& values, double t_end, double after, double rtol, double atol,
-                        std::uint32_t observe, int points, bool lanes, int threads, long max_transitions) {
+                        std::uint32_t observe, int points, bool lanes, int threads, long max_transitions,
+                        long max_steps) {
   if (base.size() != parameter_count + state_count) throw py::value_error("base must hold all parameters and states");
   if (values.cols() != varied.size()) throw py::value_error("values must have one column for each varied slot");
   if (points < 0 || points > max_sweep_points) throw py::value_error("points must be within 0 and 64");
@@ -45,6 +46,7 @@ py::tuple sweep_members(const Structure& structure, const ConstVector& base, con
   request.points = points;
   request.lanes = lanes;
   request.max_transitions = max_transitions;
+  request.max_steps = max_steps;
   const auto n = static_cast<py::ssize_t>(values.rows());
   SweepResult result;
   {
@@ -67,7 +69,7 @@ void bind_sweep(py::module_& m) {
   m.def("sweep", &sweep_members, py::kw_only(), py::arg("structure"), py::arg("base").noconvert(),
         py::arg("varied").noconvert(), py::arg("values").noconvert(), py::arg("t_end"), py::arg("after"),
         py::arg("rtol"), py::arg("atol"), py::arg("observe"), py::arg("points"), py::arg("lanes"), py::arg("threads"),
-        py::arg("max_transitions"));
+        py::arg("max_transitions"), py::arg("max_steps") = most_steps);
 }
 
 }  // namespace stickslip::bindings

@@ -77,7 +77,8 @@ void run_as(const Request& q, const Sink& sink, Summary& summary, int first, int
                         q.locator == Locator::henon,
                         q.order > 0 ? q.order : order_for(tolerance_share * tightest),
                         q.fixed_step,
-                        q.max_transitions};
+                        q.max_transitions,
+                        q.max_steps};
   Machine<T> machine(sys, options);
   machine.start(s, q.contact);
   Writer<T> writer(q, sink, count);

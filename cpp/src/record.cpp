@@ -12,7 +12,9 @@ using namespace stickslip_abi;
 struct Collector {
   Record* out;
   std::size_t first, count;
+  bool merge;  // rows at one time, as before and after a transition at the start, become one: the last
   std::size_t row = 0, event_row = 0;
+  double last = 0;
 
   void place(std::vector<double>& all, std::size_t at, std::size_t numbers, const double* derivatives) const {
     if (out->seeds == 0) return;
@@ -26,6 +28,15 @@ struct Collector {
 
 void on_sample(void* context, double t, const double* state, const double* derivatives, int mode) {
   Collector& c = *static_cast<Collector*>(context);
+  if (c.merge && c.row > 0 && t == c.last) {
+    --c.row;
+    if (c.first == 0) {
+      c.out->t.pop_back();
+      c.out->state.resize(c.out->state.size() - state_count);
+      c.out->mode.pop_back();
+    }
+  }
+  c.last = t;
   if (c.first == 0) {
     c.out->t.push_back(t);
     c.out->state.insert(c.out->state.end(), state, state + state_count);
@@ -65,7 +76,8 @@ Record record(const Request& request, bool (*interrupted)(void*)) {
     const int first = request.n_seeds * group / groups;
     part.n_seeds = request.n_seeds * (group + 1) / groups - first;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * row;
-    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(part.n_seeds)};
+    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(part.n_seeds),
+                        request.t_eval == nullptr};
     const Sink sink{&collector, on_sample, on_transition, interrupted};
     dispatch::simulate(part, sink, out.summary);
     if (out.summary.outcome == Outcome::interrupted) break;

@@ -157,6 +157,19 @@ TEST_CASE("trajectory: a run that is stopped says why") {
   CHECK(outcome(0.0, 1000, s, never) == Outcome::finished);
 }
 
+TEST_CASE("trajectory: a run of too many steps keeps what it has") {
+  System<double> sys;
+  prepare(reference_rig(), sys);
+  Machine<double> m(sys, {1e-10, 1e-10, 1000.0, true, 15, 0.0, 1000, 50});
+  m.start(State<double>{{0.1, 0.1}, 0.0}, 2);
+  int seen = 0;
+  m.run([](const auto&...) {}, [](const auto&...) {}, [&](auto&) { ++seen; }, [] { return false; });
+  CHECK(m.summary.outcome == Outcome::too_many_steps);
+  CHECK(m.summary.steps == 50);
+  CHECK(seen == 50);
+  CHECK(m.summary.t > 1);
+}
+
 TEST_CASE("trajectory: the order grows with the digits asked for, within its bounds") {
   CHECK(order_for(1.0) == 4);
   CHECK(order_for(1e-300) <= max_order);

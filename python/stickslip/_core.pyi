@@ -48,6 +48,7 @@ class Outcome(enum.IntEnum):
     step_too_small = 3
     too_many_transitions = 4
     interrupted = 5
+    too_many_steps = 6
 
 class Structure:
     """
@@ -101,6 +102,7 @@ def simulate(
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
     order: typing.SupportsInt | typing.SupportsIndex = 0,
     fixed_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
 ) -> dict[str, object]: ...
 def sweep(
     *,
@@ -117,6 +119,7 @@ def sweep(
     lanes: bool,
     threads: typing.SupportsInt | typing.SupportsIndex,
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
+    max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
 ) -> tuple[object, ...]: ...
 
 EFFECTS: tuple[str, ...]

@@ -48,6 +48,7 @@ class Settings(BaseModel):
     points: int = 32
     lanes: bool = True
     max_transitions: int = 1_000_000
+    max_steps: int = 5_000_000
 
 
 class SweepFile(BaseModel):

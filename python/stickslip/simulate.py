@@ -34,6 +34,9 @@ class Status(Enum):
     not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
     step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
     too_many_transitions = "stopped: more transitions than max_transitions allows"
+    too_many_steps = (
+        "stopped: more steps than max_steps allows; the equations are too stiff for this span of time"
+    )
     interrupted = "stopped by the user"
 
     def __str__(self) -> str:
@@ -115,6 +118,7 @@ def simulate(
     contact: Literal["auto", "stick", "slip-", "slip+"] = "auto",
     locator: Literal["henon", "bracket"] = "henon",
     max_transitions: int = 1_000_000,
+    max_steps: int = 5_000_000,
     order: int | None = None,
     step: float | None = None,
 ) -> Trajectory:
@@ -149,6 +153,8 @@ def simulate(
         "henon", or "bracket" for plain bisection on the same series.
     max_transitions
         Transitions and kinks after which the run is ended.
+    max_steps
+        Steps after which the run is ended: an effect's time constant far below the motion's makes it stiff.
     order, step
         Fixed order and step of the series of curved pieces; chosen from the tolerance if absent.
 
@@ -197,6 +203,7 @@ def simulate(
         max_transitions=whole_number("max_transitions", max_transitions),
         order=0 if order is None else whole_number("order", order, least=2, most=30),
         fixed_step=0.0 if step is None else number("step", step, above=0),
+        max_steps=whole_number("max_steps", max_steps),
     )
     return _trajectory(raw, lowered.dimension, names)
 

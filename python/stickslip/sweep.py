@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip.arguments import explained
+from stickslip.arguments import explained, whole_number
 from stickslip.errors import InputError, number
 from stickslip.lowering import lower
 from stickslip.model import Model
@@ -46,6 +46,7 @@ def sweep(
     points: int = 32,
     lanes: bool = True,
     max_transitions: int = 1_000_000,
+    max_steps: int = 5_000_000,
 ) -> xr.Dataset:
     """Simulate the model for every combination of some of its numbers and keep what is observed on the way.
 
@@ -85,6 +86,8 @@ def sweep(
         Several members at once in the lanes of the processor; False computes them singly, equal within rounding.
     max_transitions
         Transitions and kinks after which a member is given up.
+    max_steps
+        Integration steps after which a member is given up: its equations are too stiff for its span.
 
     Returns
     -------
@@ -109,7 +112,17 @@ def sweep(
     if client is not None and not hasattr(client, "scatter"):
         raise InputError(f"must be a dask.distributed.Client, not {type(client).__name__}", key="client")
     request = _request(
-        model, over, t_end, initial, belt_speed, (rtol, atol), observe, after, points, lanes, max_transitions
+        model,
+        over,
+        t_end,
+        initial,
+        belt_speed,
+        (rtol, atol),
+        observe,
+        after,
+        points,
+        lanes,
+        (max_transitions, max_steps),
     )
     workers = _threads(threads)
     _fits(request, out)
@@ -160,7 +173,7 @@ def _request(
     after: float,
     points: int,
     lanes: bool,
-    max_transitions: int,
+    most: tuple[int, int],
 ) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
@@ -180,9 +193,10 @@ def _request(
         rtol=rtol,
         atol=atol,
         observe=chosen(observe),
-        points=_whole("points", points, 2, _core.MAX_SWEEP_POINTS),
+        points=whole_number("points", points, least=2, most=_core.MAX_SWEEP_POINTS),
         lanes=bool(lanes),
-        max_transitions=_whole("max_transitions", max_transitions, 1, 10**12),
+        max_transitions=whole_number("max_transitions", most[0]),
+        max_steps=whole_number("max_steps", most[1]),
     )
 
 
@@ -194,17 +208,10 @@ def _belt_speed_is_given_once(grid: Grid, belt_speed: float | None) -> None:
         raise InputError("missing; give a number, or vary it in `over`", key="belt_speed")
 
 
-def _whole(name: str, value: float, least: int, most: int) -> int:
-    result = number(name, value, least=least, most=most)
-    if result != int(result):
-        raise InputError("must be a whole number", key=name, value=value)
-    return int(result)
-
-
 def _threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0))
-    return _whole("threads", threads, 1, 4096)
+    return whole_number("threads", threads, most=4096)
 
 
 def _fits(request: Request, out: object) -> None:

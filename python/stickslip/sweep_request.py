@@ -52,6 +52,7 @@ class Request:
     points: int
     lanes: bool
     max_transitions: int
+    max_steps: int = 5_000_000
 
     @cached_property
     def lowered(self) -> Lowered:
@@ -120,6 +121,7 @@ class Request:
             lanes=self.lanes,
             threads=1,
             max_transitions=self.max_transitions,
+            max_steps=self.max_steps,
         )
         states = self.model.rig.state_names
         span = self.t_end - self.after
@@ -148,7 +150,17 @@ class Request:
             for column in self.grid.columns
         }
         build = _core.build_config()
-        plain = ("belt_speed", "t_end", "after", "rtol", "atol", "points", "lanes", "max_transitions")
+        plain = (
+            "belt_speed",
+            "t_end",
+            "after",
+            "rtol",
+            "atol",
+            "points",
+            "lanes",
+            "max_transitions",
+            "max_steps",
+        )
         return {
             "model": self.model.toml(),
             "over": over,

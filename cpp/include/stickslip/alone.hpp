@@ -9,7 +9,8 @@ namespace stickslip::inline STICKSLIP_ISA {
 // A member that start_member() has set up, to its end.
 inline void run_alone(const SweepRequest& q, Member& m) {
   const double tightest = q.rtol > 0 ? q.rtol : q.atol;
-  Options options{q.rtol, q.atol, q.t_end, true, order_for(tolerance_share * tightest), 0.0, q.max_transitions};
+  Options options{q.rtol,     q.atol, q.t_end, true, order_for(tolerance_share * tightest), 0.0, q.max_transitions,
+                  q.max_steps};
   Machine<double> machine(m.sys, options);
   machine.start(m.s, 2);
   bool counting = q.after <= 0;

@@ -107,7 +107,7 @@ void enter(Batch<W>& b, int i, Member* m) {
   b.on_lower[i] = m->side == Side::lower ? -1 : 0;
   b.on_upper[i] = m->side == Side::upper ? -1 : 0;
   b.stick.set(i, 0.0);
-  b.steps.set(i, 0.0);
+  b.steps.set(i, m->tally.row.steps);
   b.mode = m->mode;
   b.member[i] = m;
   b.busy |= 1u << i;
@@ -120,7 +120,7 @@ void leave(Batch<W>& b, int i) {
   for (int k = 0; k < 4; ++k) m->s.z[k] = b.s.z[k][i];
   m->s.t = b.s.t[i];
   m->tally.row.stick_time += b.stick[i];
-  m->tally.row.steps += b.steps[i];
+  m->tally.row.steps = b.steps[i];
   b.member[i] = nullptr;
   b.busy &= ~(1u << i);
   --b.active;

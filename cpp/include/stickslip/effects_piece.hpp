@@ -140,6 +140,7 @@ void expand_effects(const System<T>& sys, const Mode& mode, const State<T>& stat
   fx.z[0] = state.z[hidden_z];
   fx.b[0] = state.z[hidden_b];
   fx.m[0] = state.z[hidden_m];
+  fx.lag_settles = false;
   for (int k = 0; k <= order; ++k) {
     const Real<T> over = inverse<T>(k + 1);
     belt_next(sys, fx, state.t, k);
@@ -173,6 +174,7 @@ void expand_effects(const System<T>& sys, const Mode& mode, const State<T>& stat
     if (has(sys, fx_lag)) {
       if (!has(sys, fx_cubic1)) fx.x1_square[k] = product(s.x1, s.x1, k);
       const T reads = s.x1[k] + p[sensor_crosstalk_c] * s.y1[k] + p[sensor_nonlinearity_q] * fx.x1_square[k];
+      fx.reads[k] = reads;
       fx.m[k + 1] = (reads - fx.m[k]) / p[sensor_lag_tau] * over;
     }
     s.x1[k + 1] = s.x2[k] * over;

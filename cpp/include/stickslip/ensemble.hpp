@@ -158,7 +158,8 @@ struct Ensemble {
     b.steps += Lanes<W>(1.0);
     if (b.mode.contact == 0) b.stick += h;
     b.on_lower = b.on_upper = typename Lanes<W>::Bits{};
-    const unsigned going = mask_of<W>((b.s.t.v < b.limit.v) & (h.v > 0));
+    const unsigned going =
+        mask_of<W>((b.s.t.v < b.limit.v) & (h.v > 0) & (b.steps.v < static_cast<double>(q.max_steps)));
     for (unsigned left = (events | ~going) & b.busy; left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
       Member* m = b.member[i];
@@ -171,6 +172,8 @@ struct Ensemble {
         done(*m, Outcome::not_finite);
       } else if (!(m->s.t < m->limit) && m->limit >= q.t_end) {
         done(*m, Outcome::finished);
+      } else if (m->tally.row.steps >= static_cast<double>(q.max_steps)) {
+        done(*m, Outcome::too_many_steps);
       } else {
         if (!(m->s.t < m->limit)) begin_counting(q, *m);
         queue(*m);

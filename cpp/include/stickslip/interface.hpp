@@ -131,7 +131,17 @@ constexpr int parameter_count = slot_count + max_knots;
 // The state: x1 x2 y1 y2, then the hidden ones: memory w, bristle z, belt b, lagged reading m, dwell.
 enum Hidden : int { hidden_w = 4, hidden_z = 5, hidden_b = 6, hidden_m = 7, hidden_dwell = 8, state_count = 9 };
 
-enum class Outcome : int { finished = 0, chatter, not_finite, step_too_small, too_many_transitions, interrupted };
+enum class Outcome : int {
+  finished = 0,
+  chatter,
+  not_finite,
+  step_too_small,
+  too_many_transitions,
+  interrupted,
+  too_many_steps
+};
+
+constexpr long most_steps = 5'000'000;  // of a trajectory, unless told otherwise
 
 struct Transition {
   double t;
@@ -154,7 +164,7 @@ struct Request {
   Locator locator;
   int n_seeds;
   const double* seeds;  // n_seeds x (parameter_count + state_count)
-  long max_transitions;
+  long max_transitions, max_steps;
   int order;          // 0: from the tolerance
   double fixed_step;  // 0: from the tolerance
 };
@@ -205,7 +215,7 @@ struct SweepRequest {
   std::uint32_t observe;
   int points;  // how many of the last releases to keep
   bool lanes;  // false: one at a time, the reference for the lanes
-  long max_transitions;
+  long max_transitions, max_steps;
   void* context;
   long (*take)(void*);
   void (*done)(void*, long member, const SweepRow&, const double* points);  // points x (1 + 4): t and state, last first

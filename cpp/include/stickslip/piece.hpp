@@ -49,7 +49,9 @@ const Branch<T>& branch_of(const System<T>& sys, int contact) {
 // Coefficients of what effects bring along, one array a quantity; only those of active effects are ever touched.
 template <class T>
 struct EffectSeries {
-  T w[series_size], z[series_size], b[series_size], m[series_size];   // hidden states
+  T w[series_size], z[series_size], b[series_size], m[series_size];  // hidden states
+  T reads[series_size], lag_rest;  // what a lag follows; the part of m that dies out as e^(-t/tau), beside the series
+  bool lag_settles = false;
   T belt[series_size], ripple[series_size], ripple_cos[series_size];  // V(t); v_b a sin(w t + phi) and its cosine
   T v[series_size], u[series_size], friction[series_size], magnitude[series_size], kinetic[series_size];
   T slope[series_size], e1[series_size], e2[series_size];

@@ -39,6 +39,7 @@ void piece_state(const System<T>& sys, const Mode& mode, Piece<T>& piece, const 
   }
   for (int i = hidden_w; i < hidden_dwell; ++i)
     z[i] = has(sys, owner[i - hidden_w]) ? evaluate_at(state_series(piece, i), order, h) : start.z[i];
+  if (piece.fx.lag_settles) z[hidden_m] = z[hidden_m] + piece.fx.lag_rest * exponential(-(h / sys.p[sensor_lag_tau]));
   z[hidden_dwell] = mode.contact == 0 ? start.z[hidden_dwell] + h : start.z[hidden_dwell];
 }
 

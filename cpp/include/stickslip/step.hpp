@@ -31,7 +31,6 @@ Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T
   if (mode.contact == 0) size = largest(size, R(magnitude(value(fx.limit_minus[k] * sys.rig.over_a1))));
   if (has(fx_memory) && mode.contact != 0) size = largest(size, R(magnitude(value(fx.w[k]))));
   if (has(fx_ripple) || has(fx_droop)) size = largest(size, R(magnitude(value(fx.belt[k]))));
-  if (has(fx_lag)) size = largest(size, R(magnitude(value(fx.m[k]))));
   return size;
 }
 
@@ -87,6 +86,26 @@ Real<T> step_plain(const System<T>& sys, const Series<T>& s, int order, double r
   using R = Real<T>;
   const auto size = [&](int k) { return largest(R(magnitude(value(s.x2[k]))), R(magnitude(value(s.y2[k])))); };
   return step_from<T>(size(order), size(order - 1), motion_scale(sys, s), order, rtol, atol);
+}
+
+// The lag only reads the motion, and its equation is linear: where tau is shorter than the motion's own step h, m is the
+// polynomial that follows what is read, m_k = reads_k - tau (k + 1) m_(k+1), and a rest that dies out as e^(-t/tau).
+// Otherwise m is a series like the others and h is held to its last terms.
+template <class T>
+void settle_lag(const System<T>& sys, Piece<T>& piece, int order, Real<T>& h, double rtol, double atol) {
+  using R = Real<T>;
+  EffectSeries<T>& fx = piece.fx;
+  const T tau = sys.p[sensor_lag_tau];
+  if (value(tau) > h) {
+    const auto size = [&](int k) { return R(magnitude(value(fx.m[k]))); };
+    h = smallest(h, step_from<T>(size(order), size(order - 1), motion_scale(sys, piece.s), order, rtol, atol));
+    return;
+  }
+  fx.lag_settles = true;
+  const T start = fx.m[0];
+  fx.m[order] = fx.reads[order];
+  for (int k = order - 1; k >= 0; --k) fx.m[k] = fx.reads[k] - tau * fx.m[k + 1] * static_cast<double>(k + 1);
+  fx.lag_rest = start - fx.m[0];
 }
 
 template <class T>

@@ -14,7 +14,7 @@ struct Options {
   bool henon;
   int order;          // of the series of a curved piece
   double fixed_step;  // 0: from the tolerance
-  long max_transitions;
+  long max_transitions, max_steps = most_steps;
 };
 
 inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2, and one more
@@ -48,12 +48,14 @@ struct Machine {
   template <class Observe, class Changed, class Stepped, class Stop>
   void run(Observe&& observe, Changed&& changed, Stepped&& stepped, Stop&& stop) {
     while (value(s.t) < opt.t_end) {
+      if (summary.steps >= opt.max_steps) return finish(Outcome::too_many_steps);
       if ((++summary.steps & 1023) == 0 && stop()) return finish(Outcome::interrupted);
       R h(0.0);
       const int order = expand(sys, mode, s, opt.order, piece, h);
       const R left = R(opt.t_end) - value(s.t);
       if (opt.fixed_step > 0) h = R(opt.fixed_step);
       if (h == 0) h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
+      if (has(sys, fx_lag)) settle_lag(sys, piece, order, h, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);
       const bool last = h >= left;
       if (last) h = left;
