@@ -21,6 +21,7 @@ ATTEMPTS = ((0.0, 0, RTOL), (1e-9, 20, RTOL), (0.0, 24, 1e-12), (1e-6, 24, 1e-12
 STATES = len(_core.STATES)
 W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
 AUTO, STICK = 2, 0
+REACH = 0.75  # of an unknown's spread: the most that one step may move it
 FAILED, MOST_FAILED = 10.0, 0.15  # residual of a window that cannot be simulated; share of windows that may
 VISIBLE = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
@@ -92,6 +93,7 @@ class Engine:
         self.moving = [i for i, places in enumerate(self.slots) if places]
         self.centre, self.precision = hypothesis.prior(len(self.data))
         self.low, self.high = hypothesis.limits(len(self.data))
+        self.reach = np.minimum(REACH / np.sqrt(self.precision), hypothesis.turns(len(self.data)))
         self.columns = [hypothesis.columns(run) for run in range(len(self.data))]
         self.none = np.zeros((0, WIDTH + STATES))
         self._last: tuple[bytes, dict[int, tuple[Floats, dict[str, float]]]] = (b"", {})
@@ -141,6 +143,13 @@ class Engine:
             if raw["outcome"] == _core.Outcome.finished:
                 return raw
         return None
+
+    def end(self, vector: Floats, window: Window) -> Floats | None:
+        """State (9,) at the sample after a window's last; None at the end of the run or where it fails."""
+        if window.stop >= len(self.data[window.run].t):
+            return None
+        raw = self.simulate(vector, replace(window, stop=window.stop + 1), self.none)
+        return None if raw is None else np.asarray(raw["state"])[-1]
 
     def residual(self, vector: Floats, window: Window) -> Floats | None:
         """r alone, (n c,)."""

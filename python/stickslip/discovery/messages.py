@@ -18,8 +18,10 @@ FAR = 2.0  # error after over its floor, the same
 ABSURD = 0.5  # of a reading's own spread left over in windows of one cycle: the declared rig is not this one
 
 
-def absurd(null: Trial, data: Sequence[Data]) -> None:
-    """Refuse a case whose declared model explains next to nothing even in windows of one cycle.
+def absurd(trial: Trial, data: Sequence[Data]) -> None:
+    """Refuse a case of which a model explains next to nothing even in windows of one cycle.
+
+    A strong effect defeats the declared law alone in this way, so that it is asked of the best that was found.
 
     Raises
     ------
@@ -27,7 +29,7 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
         With what may be wrong with it.
     """
     off, spread, noise = np.zeros(2), np.zeros(2), np.zeros(2)
-    for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
+    for w, b in zip(trial.fit.windows, trial.fit.blocks, strict=True):
         run = data[w.run]
         r = b.r.reshape(-1, len(run.channels))[:, :2] * run.noise[:2]
         x = run.readings[w.start : w.stop, :2]
@@ -39,7 +41,7 @@ def absurd(null: Trial, data: Sequence[Data]) -> None:
     share = 100 * float(np.max(np.sqrt(off / spread)))
     raise InputError(
         f"the declared model leaves {share:.0f} % of the readings unexplained even over single cycles, more than any "
-        f"effect does; {_where(null, data)}"
+        f"effect does; {_where(trial, data)}"
     )
 
 

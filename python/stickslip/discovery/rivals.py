@@ -80,10 +80,13 @@ def unknowns_of(term: Effect) -> tuple[Unknown, ...]:
     return tuple(out)
 
 
-def hypothesis(model: Model, starts: Sequence[Start]) -> Hypothesis:
-    """Law and effects together; the model's own effects are replaced."""
+def hypothesis(model: Model, starts: Sequence[Start], declared: Model | None = None) -> Hypothesis:
+    """Law and effects together; the model's own effects are replaced.
+
+    The law starts at the model's numbers and is held about those of `declared`, so that no wrong rival carries it off.
+    """
     terms: list[AnyEffect] = [one.term for one in starts]
-    unknowns = list(law_unknowns(model))
+    unknowns = list(law_unknowns(model, declared or model))
     phases = {}
     for one in starts:
         unknowns += unknowns_of(one.term)

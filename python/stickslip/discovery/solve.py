@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from stickslip.discovery.engine import Block, Engine, Window, moved, window_penalty
 
 Floats = NDArray[np.float64]
+EDGE = 1e-9  # from a bound, in the fitted coordinate
+RESCUES = 2  # steps tried again with the windows' own states brought after them, before they are shortened
+KNEE = 1.5  # of the median chi-squared per reading of the windows
 
 
 @dataclass
@@ -62,35 +65,66 @@ def fit(
     iteration stalls above the noise, every window's own states are therefore sought anew, also from the readings
     around its start, up to `rounds` times.
 
-    `tolerance` is the relative fall of the cost (or 0.02 absolutely, far below what noise can tell) at which the
+    `tolerance` is the relative fall of the cost (or 0.02 absolutely, or less if it is below 1e-7) at which the
     iteration ends; `give_up(iteration, cost)` ends it early for a rival that is hopeless.
     """
     point = Point.at(engine, vector, list(windows))
     if point is None:
         return None
-    done = 0
-    for turn in range(rounds + 1):
-        done = _descend(engine, point, done, iterations, tolerance, give_up)
-        readings = sum(b.r.size for b in point.blocks)
-        if turn == rounds or done >= iterations or point.cost < 1.02 * readings:
+    done = _descend(engine, point, 0, iterations, tolerance, give_up)
+    readings = sum(b.r.size for b in point.blocks)
+    for _ in range(rounds):
+        if done >= iterations or point.cost < 1.02 * readings:
             break
         if give_up is not None and give_up(done, point.cost):
             break
         before = point.cost
-        if not _relaxed(engine, point) or point.cost > (1 - 1e-3) * before:
+        done = _shaken(engine, point, done, iterations, tolerance, give_up)
+        if point.cost > (1 - 1e-3) * before:
             break
     return conclude(engine, point.vector, point.windows, point.blocks, point.cost, done)
 
 
+def _shaken(
+    engine: Engine,
+    point: Point,
+    done: int,
+    iterations: int,
+    tolerance: float,
+    give_up: Callable[[int, float], bool] | None,
+) -> int:
+    """Out of a minimum that few windows hold up: they are sought anew, then given little say, and follow at last.
+
+    `point` becomes the better of where it was and where this leads; returns the iterations used.
+    """
+    _relaxed(engine, point)
+    other = Point(point.vector, list(point.windows), point.blocks, point.cost)
+    if not other.soften():
+        return _descend(engine, point, done, iterations, tolerance, give_up)
+    done = _descend(engine, other, done, iterations, tolerance, give_up)
+    _relaxed(engine, other)
+    other.harden(engine)
+    done = _descend(engine, other, done, iterations, tolerance, give_up)
+    if other.cost < point.cost:
+        point.vector, point.windows, point.blocks, point.cost = (
+            other.vector, other.windows, other.blocks, other.cost
+        )  # fmt: skip
+    return done
+
+
 @dataclass
 class Point:
-    """Where an iteration stands."""
+    """Where an iteration stands.
+
+    `knee` is the chi-squared of each window beyond which it counts by its logarithm; infinite for plain least squares.
+    """
 
     vector: Floats
     windows: list[Window]
     blocks: list[Block]
     cost: float
     damping: float = 1e-3
+    knee: Floats | None = None
 
     @classmethod
     def at(cls, engine: Engine, vector: Floats, windows: list[Window]) -> Point | None:
@@ -100,6 +134,23 @@ class Point:
             return None
         cost = engine.cost(vector, windows)
         return cls(vector, windows, blocks, cost) if np.isfinite(cost) else None
+
+    def soften(self) -> bool:
+        """Let windows that fit far worse than most count by the logarithm; False if there are none."""
+        size = np.array([max(int(np.count_nonzero(b.r)), 1) for b in self.blocks], dtype=np.float64)
+        cost = np.array([float(b.r @ b.r) for b in self.blocks])
+        self.knee = KNEE * max(float(np.median(cost / size)), 1.0) * size
+        self.damping = 1e-3
+        if not np.any(cost > self.knee):
+            self.knee = None
+            return False
+        self.cost = np.inf  # another measure: the first step is not compared with the last
+        return True
+
+    def harden(self, engine: Engine) -> None:
+        """Back to plain least squares."""
+        self.knee, self.damping = None, 1e-3
+        self.cost = engine.cost(self.vector, self.windows)
 
 
 def _descend(
@@ -114,7 +165,7 @@ def _descend(
     while done < iterations:
         done += 1
         before = point.cost
-        step = _improve(engine, point.vector, point.windows, point.blocks, point.cost, point.damping)
+        step = _improve(engine, point)
         if step is None:
             break
         blocks = engine.blocks(step[0], step[1])
@@ -122,7 +173,7 @@ def _descend(
             break
         point.vector, point.windows, point.cost, point.damping = step
         point.blocks = blocks
-        if before - point.cost < max(tolerance * point.cost, 0.02):
+        if before - point.cost < max(tolerance * point.cost, min(0.02, 1e5 * tolerance)):
             break
         if give_up is not None and give_up(done, point.cost):
             break
@@ -134,7 +185,14 @@ def _relaxed(engine: Engine, point: Point) -> bool:
     bad = [
         i for i, b in enumerate(point.blocks) if float(b.r @ b.r) > 1.3 * max(int(np.count_nonzero(b.r)), 1)
     ]
-    found = list(engine.pool.map(lambda i: relax(engine, point.vector, point.windows[i]), bad))
+
+    def anew(i: int) -> Window:
+        window = point.windows[i]
+        before = point.windows[i - 1] if i else None
+        joined = before is not None and before.run == window.run and before.stop == window.start
+        return relax(engine, point.vector, window, before=before if joined else None)
+
+    found = list(engine.pool.map(anew, bad))
     windows = list(point.windows)
     for i, window in zip(bad, found, strict=True):
         windows[i] = window
@@ -145,19 +203,34 @@ def _relaxed(engine: Engine, point: Point) -> bool:
     return True
 
 
-def relax(engine: Engine, vector: Floats, window: Window, steps: int = 8) -> Window:
-    """The window with its own states at their best for fixed unknowns, from its present and its measured start."""
+def relax(
+    engine: Engine, vector: Floats, window: Window, steps: int = 8, before: Window | None = None
+) -> Window:
+    """The window with its own states at their best for fixed unknowns.
+
+    They are sought from where they are, from the readings around the window's start, and from where the window
+    `before` it ends.
+    """
     run = engine.data[window.run]
-    state = window.state.copy()
-    measured = run.local_state(window.start)
+    measured = window.state.copy()
+    local = run.local_state(window.start)
     for k in window.free:
         if k < 4:
-            state[k] = measured[k]
+            measured[k] = local[k]
+    starts = [window, replace(window, state=measured)]
+    if before is not None:
+        ended = engine.end(vector, before)
+        if ended is not None:
+            state = window.state.copy()
+            state[list(window.free)] = ended[list(window.free)]
+            starts.append(replace(window, state=state))
     best, least = window, np.inf
-    for start in (window, replace(window, state=state)):
+    for start in starts:
         found, cost = _local(engine, vector, start, steps)
         if cost < least:
             best, least = found, cost
+        if least < 1.1 * max(int(np.count_nonzero(run.weight[window.start : window.stop])), 1):
+            break
     return best
 
 
@@ -196,41 +269,89 @@ def conclude(
     return Fit(engine, vector, windows, blocks, chi2, cost, readings, normal, done)
 
 
-def _improve(
-    engine: Engine,
-    vector: Floats,
-    windows: list[Window],
-    blocks: list[Block],
-    cost: float,
-    damping: float,
-) -> tuple[Floats, list[Window], float, float] | None:
-    precision, low, high = engine.precision, engine.low, engine.high
+def _improve(engine: Engine, point: Point) -> tuple[Floats, list[Window], float, float] | None:
+    vector, windows, blocks, damping = point.vector, point.windows, point.blocks, point.damping
+    low, high = engine.low, engine.high
+    # far from the noise the misfit is the noise: the priors keep their say against it
+    say = max(1.0, float(np.median([float(b.r @ b.r) / max(len(b.r), 1) for b in blocks])))
+    precision = say * engine.precision
     pull = precision * (engine.centre - vector)
-    for _ in range(12):
-        A, g, follow = reduced(engine, blocks, windows, np.diag(precision), pull, damping)
+    share = None if point.knee is None else _shares(blocks, point.knee)
+    extra = (say - 1.0) * engine.penalty(vector)
+    cost = point.cost + extra
+    if not np.isfinite(cost):
+        cost = _total(engine.costs(vector, windows), point.knee) + say * engine.penalty(vector)
+    for attempt in range(12):
+        A, g, follow = reduced(engine, blocks, windows, np.diag(precision), pull, damping, share)
         try:
-            step = np.asarray(np.linalg.solve(A, g), dtype=np.float64)
+            step = _within(A, g, low - vector, high - vector)
         except np.linalg.LinAlgError:
             damping *= 10
             continue
-        trial = np.clip(vector + limited(step), low, high)
+        trial = np.clip(vector + limited(step, engine.reach), low, high)
         step = trial - vector
         shifted = [
             moved(w, own - cross @ step[engine.columns[w.run]])
             for w, (own, cross) in zip(windows, follow, strict=True)
         ]
         costs = engine.costs(trial, shifted)
-        trial_cost = float(costs.sum()) + engine.penalty(trial)
+        trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
+        if trial_cost >= cost and attempt < RESCUES and np.isfinite(trial_cost):
+            shifted, costs = _followed(engine, trial, shifted, costs, blocks)
+            trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
         if trial_cost < cost:
-            return trial, shifted, trial_cost, max(damping / 10, 1e-7)
+            return trial, shifted, trial_cost - (say - 1.0) * engine.penalty(trial), max(damping / 10, 1e-7)
         damping = max(damping, 1e-6) * 6
     return None
 
 
-def limited(step: Floats, most: float = 1.5) -> Floats:
-    """No coordinate moves by more than `most` at once."""
-    largest = float(np.max(np.abs(step), initial=0.0))
-    return step if largest <= most else step * (most / largest)
+def _within(A: Floats, g: Floats, low: Floats, high: Floats) -> Floats:
+    """Solve A step = g with what stands at a bound and would leave it held there."""
+    free = np.ones(len(g), dtype=bool)
+    step = np.zeros(len(g))
+    for _ in range(4):
+        step[free] = np.linalg.solve(A[np.ix_(free, free)], g[free])
+        held = free & (((step > 0) & (high <= EDGE)) | ((step < 0) & (low >= -EDGE)))
+        if not held.any():
+            break
+        free &= ~held
+        step[:] = 0.0
+    step[~free] = 0.0
+    return step
+
+
+def _followed(
+    engine: Engine, vector: Floats, windows: list[Window], costs: Floats, blocks: Sequence[Block]
+) -> tuple[list[Window], Floats]:
+    """Windows that a step made worse, their own states brought after it; with the costs of all."""
+    before = np.array([float(b.r @ b.r) for b in blocks])
+    worse = np.flatnonzero(costs > 1.02 * before + 1.0).tolist()
+    found = list(engine.pool.map(lambda i: _local(engine, vector, windows[i], 3), worse))
+    windows, costs = list(windows), costs.copy()
+    for i, (window, cost) in zip(worse, found, strict=True):
+        if cost < costs[i]:
+            windows[i], costs[i] = window, cost
+    return windows, costs
+
+
+def _shares(blocks: Sequence[Block], knee: Floats) -> Floats:
+    """The say of each window: d rho / d chi-squared."""
+    cost = np.array([float(b.r @ b.r) for b in blocks])
+    return np.asarray(np.minimum(1.0, knee / np.maximum(cost, 1e-300)))
+
+
+def _total(costs: Floats, knee: Floats | None) -> float:
+    """Sum over the windows, beyond the knee by the logarithm."""
+    if knee is None:
+        return float(costs.sum())
+    over = costs > knee
+    return float(np.where(over, knee * (1 + np.log(np.maximum(costs, 1e-300) / knee)), costs).sum())
+
+
+def limited(step: Floats, reach: Floats) -> Floats:
+    """The step shortened until no coordinate moves beyond its reach."""
+    most = float(np.max(np.abs(step) / reach, initial=0.0))
+    return step if most <= 1.0 else step / most
 
 
 def reduced(
@@ -240,12 +361,17 @@ def reduced(
     base: Floats,
     pull: Floats,
     damping: float,
+    share: Floats | None = None,
 ) -> tuple[Floats, Floats, list[tuple[Floats, Floats]]]:
-    """Normal matrix and right-hand side of the unknowns, and for each window (own step, its cross to unknowns)."""
+    """Normal matrix and right-hand side of the unknowns, and for each window (own step, its cross to unknowns).
+
+    `share` is the say of each window in the unknowns, 1 if not given.
+    """
     A, g = base.copy(), pull.copy()
     diagonal = np.zeros(len(pull))
     follow = []
-    for b, w in zip(blocks, windows, strict=True):
+    for i, (b, w) in enumerate(zip(blocks, windows, strict=True)):
+        say = 1.0 if share is None else float(share[i])
         columns, free, p = engine.columns[w.run], list(w.free), b.J.shape[1]
         JJ, E, C = b.products[:p, :p], b.products[p:-1, :p], b.products[p:-1, p:-1]
         hold = 1.0 / w.spread[free] ** 2
@@ -254,9 +380,9 @@ def reduced(
         size = np.sqrt(np.maximum(np.diag(C), 1e-300))
         D = C / np.outer(size, size) + 1e-10 * np.eye(len(free))
         X = np.linalg.solve(D, np.column_stack([own, E]) / size[:, None]) / size[:, None]
-        A[np.ix_(columns, columns)] += JJ - E.T @ X[:, 1:]
-        g[columns] += b.products[:p, -1] - E.T @ X[:, 0]
-        diagonal[columns] += np.diag(JJ)
+        A[np.ix_(columns, columns)] += say * (JJ - E.T @ X[:, 1:])
+        g[columns] += say * (b.products[:p, -1] - E.T @ X[:, 0])
+        diagonal[columns] += say * np.diag(JJ)
         follow.append((X[:, 0], X[:, 1:]))
     A[np.diag_indices_from(A)] += damping * (diagonal + np.diag(base))
     return A, g, follow

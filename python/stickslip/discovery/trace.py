@@ -77,14 +77,14 @@ class Search:
     pool: ThreadPoolExecutor
     progress: Callable[[str], None]
     budget: float
-    began: float = field(default_factory=time.monotonic)
+    began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
 
     @property
     def left(self) -> float:
-        """Seconds of the budget that remain."""
-        return self.budget - (time.monotonic() - self.began)
+        """Processor seconds of the budget that remain."""
+        return self.budget - (time.process_time() - self.began)
 
     def run(
         self,
@@ -115,7 +115,7 @@ class Search:
             iterations=iterations,
             tolerance=tolerance,
             rounds=rounds,
-            give_up=lambda done, cost: (done >= 4 and cost > worst) or (self.left < 0 and not anyway),
+            give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
         )
         return None if found is None else Trial(_names(h, learned), found)
 
@@ -194,6 +194,19 @@ class Search:
         )
 
 
+@dataclass
+class _Patience:
+    """When to give a fit up: no better than `worst` after four turns and no longer falling fast, or out of time."""
+
+    worst: float
+    late: Callable[[], bool]
+    last: float = math.inf
+
+    def __call__(self, done: int, cost: float) -> bool:
+        falling, self.last = cost < 0.8 * self.last, cost
+        return (done >= 4 and cost > self.worst and not falling) or self.late()
+
+
 def _names(h: Hypothesis, learned: tuple[Learned, ...]) -> tuple[str, ...]:
     return (*h.effects, *(one.name for one in learned))
 
@@ -229,7 +242,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
         best: Trial | None = None
         for start in starts:
             trial = search.run(
-                hypothesis(model, [*own, start]),
+                hypothesis(model, [*own, start], search.model),
                 cycles=SHORT,
                 iterations=10,
                 tolerance=3e-3,
@@ -305,7 +318,7 @@ def _eliminated(search: Search, pair: Trial) -> list[Trial]:
     out = []
     for start in starts_of(pair):
         search.progress(f"fitting {start.term.name} without its partner")
-        h = hypothesis(pair.hypothesis.model, [start])
+        h = hypothesis(pair.hypothesis.model, [start], search.model)
         alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, anyway=True)
         if alone is not None:
             out.append(alone)
@@ -321,7 +334,7 @@ def explained(trial: Trial, null: Trial) -> bool:
 
 def _refitted(search: Search, null: Trial, winner: Trial) -> Trial:
     """The declared law again, from where the winner has its law: refit against refit."""
-    law = hypothesis(winner.hypothesis.model, [])
+    law = hypothesis(winner.hypothesis.model, [], search.model)
     other = search.run(law, cycles=SHORT, windows_of=winner, tolerance=2e-5)
     if other is not None and other.fit.cost < null.fit.cost:
         null = other

@@ -19,7 +19,8 @@ SLIPPING = {  # numbers of slipping friction, and the static limits that they ca
     "kinetic": "static",
     "kinetic_plus": "static_plus",
 }
-MAX_LOG = 3.0  # a positive number of the law moves by at most e^3 from its declared start
+TURN = 1.5  # radians
+MAX_LOG = 2.0  # a positive number of the law moves by at most e^2 from its declared start
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,11 @@ class Hypothesis:
         high = [u.coordinate(u.bounds[1]) if u.bounds[1] < math.inf else math.inf for u in every]
         return np.array(low), np.array(high)
 
+    def turns(self, runs: int) -> Floats:
+        """The most that an angle may turn in one step, in the vector's order; infinite for the others."""
+        every = [*self.shared, *(u for _ in range(runs) for u in self.own)]
+        return np.array([TURN if u.per_run else math.inf for u in every])
+
     def columns(self, run: int) -> NDArray[np.int64]:
         """Entries of the vector that bear on a run: the shared ones, then its own."""
         k, m = len(self.shared), len(self.own)
@@ -129,16 +135,17 @@ class Hypothesis:
         )
 
 
-def law_unknowns(model: Model) -> tuple[Unknown, ...]:
-    """The friction law's numbers, all positive, held loosely where no reading bears on them."""
+def law_unknowns(model: Model, declared: Model) -> tuple[Unknown, ...]:
+    """The friction law's numbers, all positive, held loosely about the declared ones where no reading bears on them."""
     names = [n for n in model.parameters if hasattr(model.friction, n) and n not in HELD]
     out = []
     for name in names:
-        value = model.parameters[name]
+        value = declared.parameters[name]
         log = value > 0
         centre, spread = (math.log(value), 0.7) if log else (value, 1.0)
         bounds = (value * math.exp(-MAX_LOG), value * math.exp(MAX_LOG)) if log else (value, math.inf)
-        out.append(Unknown(name, value, log, centre, spread, bounds=bounds))
+        start = min(max(model.parameters[name], bounds[0]), bounds[1])
+        out.append(Unknown(name, start, log, centre, spread, bounds=bounds))
     return tuple(out)
 
 

@@ -13,6 +13,7 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 VISIBLE = (0, 1, 2, 3)
+SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
 
 
 def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
@@ -64,8 +65,11 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
         state[LAGGED] = state[0] - tau * state[1]
         spread[LAGGED] = 0.05 + tau * abs(v)
         free.append(LAGGED)
-    if "static_aging" in names and window.contact == STICK:
-        state[DWELL], spread[DWELL] = 1.0, 3.0
-        free.append(DWELL)
+    contact = window.contact
+    # how long the block has stuck before the record is not recorded
+    if "static_aging" in names and abs(v) < SLOW * abs(run.belt_speed):
+        contact = STICK
+        state[DWELL], spread[DWELL] = 0.4 * run.cycle, 0.5 * run.cycle
+        free = [0, 2, 3, *(k for k in free if k > 3), DWELL]
     centre[list(free)] = state[list(free)]
-    return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, window.contact)
+    return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, contact)
