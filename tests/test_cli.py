@@ -263,3 +263,33 @@ def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
     for name in ("friction_characteristic", "phase_portrait", "time_series"):
         assert (tmp_path / f"{name}.svg").stat().st_size > 5000
         assert f"{name}.png" in result.output
+
+
+def test_identify_of_an_si_case_prints_newtons(tmp_path):
+    model = MODEL_SI.replace(T_s_minus=6.1)
+    scales, channels = (
+        model.rig.scales,
+        {n: Channel(n, u) for n, u in (("t", "s"), ("x1", "mm"), ("y1", "mm"))},
+    )
+    rng, t = np.random.default_rng(1), np.arange(3000) * 0.02
+    for name, speed in (("a", 0.1), ("b", -0.09)):
+        run = ss.simulate(model, belt_speed=speed, initial=(0.1, 0.1, 0, 0), t_end=t[-1], t_eval=t)
+        x = 1e3 * scales.length * (run.state[:, ::2] + 8e-4 * rng.standard_normal((len(t), 2)))
+        frame = pd.DataFrame({"t": t * scales.time, "x1": x[:, 0], "y1": x[:, 1]})
+        frame.to_csv(tmp_path / f"{name}.csv", index=False)
+    runs = [
+        ss.load_recording(
+            tmp_path / f"{name}.csv", model.rig, channels=channels, belt_speed=speed * scales.velocity
+        )
+        for name, speed in (("a", 0.1), ("b", -0.09))
+    ]
+    found = ss.identify(runs, rig=model.rig)
+    rows = {row["parameter"]: row for row in found.table()}
+    assert rows["T_s_minus"]["unit"] == "N"
+    assert float(rows["T_s_minus"]["value"]) == pytest.approx(6.1 * scales.force, rel=0.01)
+    assert float(rows["T_s_minus"]["model"]) == pytest.approx(6.1, rel=0.01)
+    assert rows["t2"]["unit"] == "m/s"
+    low, _, high = rows["t2"]["95 % interval"].partition(" .. ")
+    assert float(low) < found.law.t2 * scales.velocity < float(high)
+    assert "N" in found.summary()
+    assert found.model.channels == channels

@@ -100,3 +100,19 @@ def test_figures_are_written_twice_and_say_symbol_and_unit(tmp_path, slider):
     ):
         for ax in figure.axes:
             assert len(ax.lines) > 0
+
+
+def test_a_verdict_holds_each_row_against_its_yardstick(slider):
+    good = ss.compare(
+        ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(kinetic=KINETIC)), slider
+    ).verdict()
+    bad = ss.compare(
+        ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.3, kinetic=KINETIC)), slider
+    ).verdict()
+    assert "within the scatter" in good[0] or "beyond" in good[0]
+    assert "beyond" in bad[0]
+    assert "transitions missed" in bad[1]
+    assert "sampling interval" in good[1]
+    assert float(bad[-1].split("err by ")[1].split(" %")[0]) > 10 * float(
+        good[-1].split("err by ")[1].split(" %")[0]
+    )

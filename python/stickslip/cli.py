@@ -7,16 +7,16 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
 
 import click
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import stickslip
 from stickslip import cli_discover, cli_simulate, cli_sweep
-from stickslip.compare import Comparison, number
+from stickslip.compare import Comparison
 from stickslip.config import write_text
 from stickslip.errors import InputError, StickslipError
 from stickslip.identified import Identified
@@ -129,6 +129,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
         result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
     written = _save_comparison(result, out)
     console.print(comparison_table(result))
+    _say_verdict(result)
     _say_written(written)
 
 
@@ -162,6 +163,7 @@ def demo(out: Path, first_half: bool) -> None:
         console.print(paragraph + "\n")
     console.print(estimates_table(result.found))
     console.print(comparison_table(result.comparison))
+    _say_verdict(result.comparison)
     for paragraph in result.after:
         console.print(paragraph + "\n")
     if not first_half:
@@ -179,35 +181,32 @@ main.add_command(cli_sweep.sweep)
 
 def estimates_table(found: Identified) -> Table:
     """The identified law."""
-    table = Table(title=f"identified law: {found.law.kind}")
-    for name, side in (
-        ("parameter", "left"),
-        ("value", "right"),
-        ("95 % interval", "right"),
-        ("status", "left"),
-    ):
-        table.add_column(name, justify=_side(side))
-    for name, e in found.estimates.items():
-        span = "-" if e.low is None or e.high is None else f"{e.low:.5g} .. {e.high:.5g}"
-        table.add_row(name, f"{e.value:.5g}", span, e.status)
+    table = Table(title=f"identified law: {found.law.kind}", box=SIMPLE, pad_edge=False)
+    rows = found.table()
+    for name in rows[0]:
+        table.add_column(
+            name, justify="left" if name in ("parameter", "unit", "status") else "right", no_wrap=True
+        )
+    for row in rows:
+        table.add_row(*row.values())
     return table
-
-
-def _side(side: str) -> Literal["left", "right"]:
-    return "right" if side == "right" else "left"
 
 
 def comparison_table(c: Comparison) -> Table:
     """Simulated against measured."""
-    table = Table(title=f"simulated against measured: {c.recording.name}")
-    table.add_column("quantity")
-    for name in ("measured", "simulated", "difference", "scatter"):
+    table = Table(title=f"simulated against measured: {c.recording.name}", box=SIMPLE, pad_edge=False)
+    table.add_column("quantity", no_wrap=True)
+    for name in ("measured", "simulated", "off by", "scatter"):
         table.add_column(name, justify="right")
     table.add_column("unit")
     for r in c.rows:
-        cells = [number(v) for v in (r.measured, r.simulated, r.difference, r.scatter)]
-        table.add_row(r.quantity, *cells, r.unit)
+        table.add_row(r.quantity, *r.cells, "" if r.unit == "1" else r.unit)
     return table
+
+
+def _say_verdict(c: Comparison) -> None:
+    for line in c.verdict():
+        console.print(f"- {line}", markup=False)
 
 
 def _save_identified(found: Identified, out: Path) -> list[Path]:

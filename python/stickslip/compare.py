@@ -23,25 +23,7 @@ from stickslip.records import Recording
 from stickslip.rig import Rig
 from stickslip.shooting import Array, Simulator, Window, shoot
 from stickslip.simulate import simulate
-
-
-@dataclass(frozen=True)
-class Row:
-    """One line of the table; `scatter` is the standard deviation of the measured value from cycle to cycle."""
-
-    quantity: str
-    unit: str
-    measured: float | None
-    simulated: float | None
-    scatter: float | None
-    meaning: str
-
-    @property
-    def difference(self) -> float | None:
-        """Simulated minus measured, where there are both."""
-        if self.measured is None or self.simulated is None:
-            return None
-        return self.simulated - self.measured
+from stickslip.verdict import Row, verdict
 
 
 @dataclass(frozen=True)
@@ -92,9 +74,13 @@ class Comparison:
         head = f"{'quantity':<34}{'measured':>12}{'simulated':>12}{'difference':>12}{'scatter':>11}  unit"
         lines = [head]
         for r in self.rows:
-            cells = "".join(f"{number(v):>12}" for v in (r.measured, r.simulated, r.difference))
-            lines.append(f"{r.quantity:<34}{cells}{number(r.scatter):>11}  {r.unit}")
-        return "\n".join(lines)
+            cells = "".join(f"{cell:>12}" for cell in r.cells[:3])
+            lines.append(f"{r.quantity:<34}{cells}{r.cells[3]:>11}  {r.unit}")
+        return "\n".join([*lines, *self.verdict()])
+
+    def verdict(self) -> tuple[str, ...]:
+        """Sentences that say what the rows amount to, and what to hold them against."""
+        return verdict({r.quantity: r for r in self.rows}, self.recording)
 
     def to_dict(self) -> dict[str, object]:
         """The rows for JSON."""
@@ -102,11 +88,6 @@ class Comparison:
             "rows": [{**vars(r), "difference": r.difference} for r in self.rows],
             "belt_speed": self.belt_speed,
         }
-
-
-def number(value: float | None) -> str:
-    """A table's cell: four digits, or a dash."""
-    return "-" if value is None or not np.isfinite(value) else f"{value:.4g}"
 
 
 @explained
@@ -302,7 +283,7 @@ def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording
     filled = np.where(where, ahead[:, 0], run.track.x)
     theirs = run.track
     mine = replace_track(run, filled)
-    missed = 0
+    missed = among = 0
     typical = cycles(theirs).period
     reach = 0.5 * float(np.median(typical)) if typical.size else np.inf
     for name, a, b in (
@@ -314,8 +295,16 @@ def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording
         missed += lost
         rms = float(np.sqrt(np.mean(error**2))) * scale if error.size else None
         out.append(Row(name, recording.unit("t"), None, rms, None, "rms, forecast from the cycle before"))
+        among += int(inside.sum())
     out.append(
-        Row("transitions missed", "1", None, float(missed), None, "no forecast one within half a period")
+        Row(
+            "transitions missed",
+            f"of {among}",
+            None,
+            float(missed),
+            None,
+            "no forecast one within half a period",
+        )
     )
     return out
 

@@ -17,6 +17,7 @@ import numpy as np
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction
 from stickslip.identified import Branch, Estimate, Events, Identified
+from stickslip.identify_words import event_messages
 from stickslip.model import Model
 from stickslip.rig import AnyRig, BlockOnBelt
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
@@ -58,6 +59,7 @@ def identify_events(
     declared: FrictionLaw | None,
     simulator: Simulator,
     tell: Callable[[str, float], None],
+    unit: str = "",
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
 
@@ -70,6 +72,8 @@ def identify_events(
     simulator : callable
     tell : callable
         Progress.
+    unit : str
+        Written behind forces in sentences: " N", or nothing.
 
     Returns
     -------
@@ -100,7 +104,7 @@ def identify_events(
         choice = _Choice("hyperbolic", hyperbolic, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    return _conclude(runs, rig, branch, choice, slips, noise, declared)
+    return _conclude(runs, rig, branch, choice, slips, noise, declared, unit)
 
 
 def _branch(runs: Sequence[Measured]) -> Branch:
@@ -265,6 +269,7 @@ def _conclude(
     slips: Sequence[_Slip],
     noise: Array,
     declared: FrictionLaw | None,
+    unit: str,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
     local = {n: np.array([w.local[n] for w in shot.windows]) for n in shot.windows[0].local}
@@ -291,7 +296,7 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=_messages(kind, branch, preference, events),
+        messages=event_messages(kind, branch, preference, events, unit),
     )
 
 
@@ -364,24 +369,3 @@ def _diagnostics(
         "runs": float(len(runs)),
         "windows": float(len(shot.windows)),
     }
-
-
-def _messages(kind: Kind, branch: Branch, preference: float, events: Events) -> tuple[str, ...]:
-    drop = events.static - events.kinetic
-    other = "plus" if branch == "minus" else "minus"
-    why = {
-        "coulomb": "no decisive gain from a decay with speed"
-        if preference > 0
-        else "a decay with speed fits worse",
-        "hyperbolic": "friction falls with speed rather than at once",
-    }[kind]
-    q = np.quantile(events.static, [0.05, 0.5, 0.95])
-    return (
-        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC "
-        f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
-        f"breakaway force: median {q[1]:.4g}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}",
-        f"drop at breakaway: {drop.mean():.4g} +- {drop.std(ddof=1):.2g} between slips",
-        f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "
-        "amplitude (median)",
-        f"branch T_{other} was never visited: its numbers are unidentified (declared, or T_{branch}'s repeated)",
-    )

@@ -13,7 +13,8 @@ import numpy as np
 from stickslip.config import write_text
 from stickslip.friction import FrictionLaw
 from stickslip.model import Model
-from stickslip.rig import AnyRig
+from stickslip.rig import AnyRig, Rig
+from stickslip.scale import law_scale, scales, to_digits
 from stickslip.shooting import Array
 from stickslip.units import Channel
 
@@ -166,15 +167,41 @@ class Identified:
         down = self.model.replace(**{name: centre - h}).friction.magnitude(at)
         return np.asarray((up - down) / (2 * h), dtype=float)
 
+    def table(self) -> list[dict[str, str]]:
+        """The estimates as they are printed: a dictionary of cells for each number, by the head of its column.
+
+        Values and intervals are in SI for a rig declared in SI; the model's own number then stands beside.
+        """
+        rows = []
+        for name, e in self.estimates.items():
+            scale = law_scale(name, self.rig, self.channels)
+            half = None if e.low is None or e.high is None else 0.5 * (e.high - e.low) * scale.size
+            cells = [None if x is None else to_digits(x * scale.size, half) for x in (e.value, e.low, e.high)]
+            row = {"parameter": name, "value": str(cells[0])}
+            row["95 % interval"] = "-" if cells[1] is None else f"{cells[1]} .. {cells[2]}"
+            if scale.unit != "1":
+                row["unit"] = scale.unit
+            if scale.unit != "1" and isinstance(self.rig, Rig):
+                row["model"] = to_digits(e.value, None if half is None else half / scale.size)
+            rows.append({**row, "status": e.status})
+        return rows
+
     def summary(self) -> str:
         """The estimates as a plain-text table, with the messages below."""
-        lines = [f"{'parameter':<16}{'value':>12}{'95 % interval':>28}   status"]
-        for name, e in self.estimates.items():
-            span = "-" if e.low is None or e.high is None else f"{e.low:.5g} .. {e.high:.5g}"
-            lines.append(f"{name:<16}{e.value:>12.5g}{span:>28}   {e.status}")
+        rows = self.table()
+        wide = {head: max(len(head), *(len(row[head]) for row in rows)) for head in rows[0]}
+        left = ("parameter", "unit", "status")
+        lines = [
+            "  ".join(
+                cell.ljust(wide[head]) if head in left else cell.rjust(wide[head])
+                for head, cell in row.items()
+            )
+            for row in ({head: head for head in wide}, *rows)
+        ]
+        speed = scales(self.rig, self.channels)["x2"]
         for branch in BRANCHES:
             span_u = self.covered[branch]
-            seen = "never visited" if span_u is None else f"|v_w| up to {span_u[1]:.4g}"
+            seen = "never visited" if span_u is None else f"|v_w| up to {speed.of(span_u[1], 4)}"
             lines.append(f"branch {'v_w < 0' if branch == 'minus' else 'v_w > 0'}: {seen}")
         lines.append(f"chi2 per degree of freedom: {self.reduced_chi2:.4g}")
         return "\n".join([*lines, *self.messages])

@@ -19,6 +19,7 @@ from stickslip.arguments import explained, must_be
 from stickslip.errors import InputError
 from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
 from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
+from stickslip.identify_words import fit_messages, plateau_messages
 from stickslip.model import Model
 from stickslip.records import Case, Recording
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
@@ -173,16 +174,17 @@ def identify(
     if scatter:
         from stickslip.events import identify_events  # it needs what is above
 
-        found = identify_events(runs, rig, declared=friction, simulator=simulator, tell=tell)
+        unit = "" if recordings[0].unit("x1") == "1" else " N"
+        found = identify_events(runs, rig, declared=friction, simulator=simulator, tell=tell, unit=unit)
     else:
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
         found = _identify_by_shooting(runs, rig, start, simulator, tell)
     tell("friction force", 0.95)
-    found = replace(
-        found, force=_force(runs, rig), messages=(*found.messages, *_plateau_messages(runs, belt_speed))
-    )
-    if isinstance(source, Case) and rig == source.rig:
-        found = replace(found, channels=dict(source.channels), reading_noise=dict(source.noise) or None)
+    rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
+    found = replace(found, force=_force(runs, rig), messages=(*found.messages, *rode))
+    if rig == recordings[0].rig:
+        known = dict(source.noise) or None if isinstance(source, Case) else None
+        found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
     tell("done", 1.0)
     return found
 
@@ -297,7 +299,7 @@ def _conclude(
     }
     kept = np.flatnonzero(seen)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
-    messages = _messages(estimates, covered, best, where)
+    messages = fit_messages(estimates, covered, best, where)
     return Identified(
         rig=rig,
         law=law,
@@ -346,50 +348,6 @@ def covered_speeds(
         u = np.concatenate(speeds[branch]) if speeds[branch] else np.array([])
         covered[branch] = (float(u.min()), float(u.max())) if u.size else None
     return covered
-
-
-def _messages(
-    estimates: Mapping[str, Estimate],
-    covered: Mapping[Branch, tuple[float, float] | None],
-    best: Shot,
-    where: str,
-) -> tuple[str, ...]:
-    out = [
-        f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"
-    ]
-    if best.reduced > 1.2:
-        out.append(
-            "the declared law does not explain the readings; the intervals are widened by what it leaves"
-        )
-    absent = [n for n, e in estimates.items() if e.status == "unidentified"]
-    if absent:
-        out.append(f"unidentified, declared start kept: {', '.join(absent)}")
-    weak = [n for n, e in estimates.items() if e.status == "weak"]
-    if weak:
-        out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")
-    for branch in BRANCHES:
-        if covered[branch] is None:
-            out.append(f"branch T_{branch} was never visited")
-    return tuple(out)
-
-
-def _plateau_messages(runs: Sequence[Measured], belt: BeltSpeed) -> list[str]:
-    """Say so where the block rides in its sticks at a speed that is not the set-point."""
-    off = [
-        r
-        for r in runs
-        if np.isfinite(r.plateau)
-        and abs(r.plateau - r.set_point) > max(5 * r.plateau_std, 0.03 * abs(r.set_point))
-    ]
-    if not off:
-        return []
-    ratio = float(np.mean([r.plateau / r.set_point for r in off]))
-    used = (
-        "the plateau speed is used"
-        if belt == "plateau"
-        else "the set-point is used; belt_speed='plateau' changes that"
-    )
-    return [f"the sticks ride at {ratio:.3f} times the set-point ({len(off)} of {len(runs)} runs); {used}"]
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

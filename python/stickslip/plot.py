@@ -5,7 +5,7 @@ Colours are Okabe and Ito's, told apart by readers with any colour vision: measu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -19,8 +19,7 @@ from matplotlib.figure import Figure
 from stickslip.compare import Comparison, per_model, speed_unit
 from stickslip.files import whole
 from stickslip.identified import BRANCHES, Branch, Identified
-from stickslip.rig import BlockOnBelt
-from stickslip.scale import Quantity, Scale
+from stickslip.scale import Quantity, Scale, scales
 from stickslip.segments import Track
 from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
@@ -40,6 +39,7 @@ STYLE: dict[Any, Any] = {  # matplotlib's own stubs spell every key out
     "savefig.dpi": 200,
 }
 DOTS = 4000  # points drawn at most; more only make the file large
+THIN = 0.01  # of an axis
 P = ParamSpec("P")
 
 
@@ -122,72 +122,90 @@ def phase_portrait(comparison: Comparison) -> Figure:
 
 @_styled
 def friction_characteristic(found: Identified) -> Figure:
-    """Friction force against relative velocity: points from the readings, the law and its 95 % band (Fig. 3)."""
+    """Friction force against relative velocity: points from the readings, the law and its 95 % band (Fig. 3).
+
+    In SI for a rig declared in SI. The points are drawn, not fitted: the filter that gives their velocities rounds
+    corners and bends steep stretches, so that they may lie off a law that reproduces the readings.
+    """
     seen = [b for b in BRANCHES if found.covered[b] is not None]
     figure, axes = _figure(4.2 * max(len(seen), 1) + 0.6, 4.0, 1, max(len(seen), 1))
-    si = isinstance(found.rig, BlockOnBelt)
-    units = ("mm/s", "N") if si else ("1", "1")
+    known = scales(found.rig, found.channels)
+    speed, force = known["x2"], known["force"]
     handles: dict[str, Artist] = {}
     for ax, branch in zip(axes, seen, strict=False):
-        _branch(ax, found, branch, 1e3 if si else 1.0)
-        ax.set_xlabel(label("relative velocity $v_w$", units[0]))
+        _branch(ax, found, branch, speed.size, force.size)
+        ax.set_xlabel(label("relative velocity $v_w$", speed.unit))
         for handle, name in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
-    axes[0].set_ylabel(label("friction force $T$", units[1]))
+    _alike(axes)
+    axes[0].set_ylabel(label("friction force $T$", force.unit))
     figure.legend(
-        list(handles.values()),
-        list(handles),
-        loc="outside upper center",
-        ncols=min(len(handles), 3 if len(seen) < 2 else 5),
+        list(handles.values()), list(handles), loc="outside upper center", ncols=2 if len(seen) < 2 else 4
     )
     return figure
 
 
-def _branch(ax: Axes, found: Identified, branch: Branch, speed: float) -> None:
+def _alike(axes: Sequence[Axes]) -> None:
+    """Give axes ranges of one height, so that slopes and scatter can be compared by eye."""
+    spans = [ax.get_ylim() for ax in axes]
+    most = max(high - low for low, high in spans)
+    for ax, (low, high) in zip(axes, spans, strict=True):
+        extra = most - (high - low)
+        ax.set_ylim((low - extra, high) if low < -high else (low, high + extra))
+
+
+def _branch(ax: Axes, found: Identified, branch: Branch, speed: float, force: float) -> None:
     sign = -1.0 if branch == "minus" else 1.0
     covered = found.covered[branch]
     assert covered is not None
-    _points(ax, found, sign, speed)
+    _points(ax, found, sign, speed, force)
     top = covered[1]
     u = np.linspace(0.0, top, 400)
-    low, value, high = found.band(branch, u)
-    ax.fill_between(
-        speed * sign * u, sign * low, sign * high, color=BAND, alpha=0.55, lw=0, label="95 % band", zorder=3
+    low, value, high = (force * x for x in found.band(branch, u))
+    static = force * found.law.static_limits[0 if branch == "minus" else 1]
+    span = _force_range(found, sign, value, static, force)
+    thin = np.nanmax(high - low) < THIN * (span[1] - span[0])
+    band = f"95 % band of the {'mean ' if found.events is not None else ''}law" + (
+        " (thinner than its line)" if thin else ""
     )
-    ax.plot(speed * sign * u, sign * value, color=SIMULATED, lw=1.6, label="identified law", zorder=4)
-    static = found.law.static_limits[0 if branch == "minus" else 1]
+    ax.fill_between(
+        speed * sign * u, sign * low, sign * high, color=BAND, alpha=0.55, lw=0, label=band, zorder=3
+    )
+    name = "identified law" if found.events is None else "identified law, mean of the slips"
+    ax.plot(speed * sign * u, sign * value, color=SIMULATED, lw=1.6, label=name, zorder=4)
     ax.plot(
         [0], [sign * static], "o", color=SIMULATED, mfc="white", mew=1.4, ms=6, label="static limit", zorder=5
     )
     if found.events is not None:
         ax.plot(
-            np.full(len(found.events.t), -sign * speed * 0.02 * top),
-            sign * found.events.static,
+            np.zeros(len(found.events.t)),
+            sign * force * found.events.static,
             "_",
             color=LIMIT,
-            ms=7,
+            ms=11,
             alpha=0.6,
             label="breakaway, each slip",
             zorder=4,
         )
     ax.set_xlim(*sorted((-sign * speed * 0.05 * top, sign * speed * 1.04 * top)))
-    ax.set_ylim(*_force_range(found, sign, value, static))
+    ax.set_ylim(*span)
 
 
-def _force_range(found: Identified, sign: float, value: Array, static: float) -> tuple[float, float]:
+def _force_range(
+    found: Identified, sign: float, value: Array, static: float, force: float
+) -> tuple[float, float]:
     all_ = [*value.tolist(), static]
     if found.events is not None:
-        all_ += [float(found.events.static.min()), float(found.events.static.max())]
-    if found.force is not None:
-        inside = found.force.mode == sign
-        all_ += np.quantile(np.abs(found.force.T[inside]), [0.005, 0.995]).tolist() if inside.any() else []
+        all_ += [force * float(found.events.static.min()), force * float(found.events.static.max())]
+    if found.force is not None and (inside := found.force.mode == sign).any():
+        all_ += (force * np.quantile(np.abs(found.force.T[inside]), [0.005, 0.995])).tolist()
     low, high = min(all_), max(all_)
     pad = 0.12 * (high - low)
     a, b = sign * (low - pad), sign * (high + pad)
     return min(a, b), max(a, b)
 
 
-def _points(ax: Axes, found: Identified, sign: float, speed: float) -> None:
+def _points(ax: Axes, found: Identified, sign: float, speed: float, force: float) -> None:
     if found.force is None:
         return
     here = np.flatnonzero(found.force.mode == sign)
@@ -197,7 +215,7 @@ def _points(ax: Axes, found: Identified, sign: float, speed: float) -> None:
         here = np.random.default_rng(0).choice(here, DOTS, replace=False)
     ax.plot(
         speed * found.force.v_w[here],
-        found.force.T[here],
+        force * found.force.T[here],
         ".",
         color=MEASURED,
         ms=2.2,
@@ -205,7 +223,7 @@ def _points(ax: Axes, found: Identified, sign: float, speed: float) -> None:
         mew=0,
         rasterized=True,
     )
-    ax.plot([], [], ".", color=MEASURED, ms=7, mew=0, label="from the readings")
+    ax.plot([], [], ".", color=MEASURED, ms=7, mew=0, label="readings through a filter, not fitted")
 
 
 @_styled
@@ -236,6 +254,12 @@ def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
         top.plot(
             ts * inside, xs * x, "^v"[k], color=LIMIT, mfc="white", ms=5, mew=1.1, label=f"{name}, measured"
         )
+    top.set_title(
+        "simulation started once, at the first reading, and left to itself",
+        fontsize=8,
+        color=GREY,
+        loc="left",
+    )
     top.set_ylabel(label(_x_symbol(c), c.units[1]))
     bottom.set_ylabel(label("$x_2$", c.units[2]))
     bottom.set_xlabel(label("time since the start of the run $t$", c.units[0]))

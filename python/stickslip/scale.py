@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -60,6 +61,35 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     out["belt"] = Scale(1 / factor("belt", units["belt"], rig), units["belt"])
     out["force"] = Scale(force, "N")
     return out
+
+
+# exponents of (force, speed) in a law's numbers, by name without its branch
+_LAW = {
+    "t1": (0, 1),
+    "t2": (0, 1),
+    "v_w_min": (0, 1),
+    "v_w_max": (0, 1),
+    "decay": (0, -1),
+    "quadratic": (1, -2),
+}
+_UNITS = {(1, 0): "N", (0, 1): "m/s", (0, -1): "s/m", (1, -2): "N s^2/m^2"}
+
+
+def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> Scale:
+    """Return how a number of a friction law is read: in SI, or bare where the rig is."""
+    known = scales(rig, channels)
+    if known["force"].unit == "1":
+        return Scale()
+    force, speed = exponents = _LAW.get(name.removesuffix("_plus"), (1, 0))
+    velocity = rig.scales.velocity if isinstance(rig, Rig) and rig.scales else 1.0
+    return Scale(known["force"].size ** force * velocity**speed, _UNITS[exponents])
+
+
+def to_digits(value: float, doubt: float | None) -> str:
+    """Write a number to the first digit that is in doubt, or the second; to four digits where that is not known."""
+    if not doubt or not math.isfinite(doubt) or abs(value) < 1e-4:
+        return f"{value:.4g}"
+    return f"{value:.{max(0, -math.floor(math.log10(doubt / 3)))}f}"
 
 
 def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyRig, key: str) -> float:

@@ -1,0 +1,78 @@
+"""What an identification says in sentences beside its table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stickslip.identified import BRANCHES, Branch, Estimate, Events
+from stickslip.shooting import Shot
+
+
+def fit_messages(
+    estimates: Mapping[str, Estimate],
+    covered: Mapping[Branch, tuple[float, float] | None],
+    best: Shot,
+    where: str,
+) -> tuple[str, ...]:
+    """Say how well the law fits, and which of its numbers and branches the runs do not tell."""
+    out = [
+        f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"
+    ]
+    if best.reduced > 1.2:
+        out.append(
+            "the declared law does not explain the readings; the intervals are widened by what it leaves"
+        )
+    absent = [n for n, e in estimates.items() if e.status == "unidentified"]
+    if absent:
+        out.append(f"unidentified, declared start kept: {', '.join(absent)}")
+    weak = [n for n, e in estimates.items() if e.status == "weak"]
+    if weak:
+        out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")
+    for branch in BRANCHES:
+        if covered[branch] is None:
+            out.append(f"branch T_{branch} was never visited")
+    return tuple(out)
+
+
+def plateau_messages(runs: Sequence[tuple[float, float, float]], belt: str) -> list[str]:
+    """Say so where a block rides in its sticks at a speed off the set-point; runs: (plateau, its std, set-point)."""
+    off = [
+        plateau / set_point
+        for plateau, std, set_point in runs
+        if np.isfinite(plateau) and abs(plateau - set_point) > max(5 * std, 0.03 * abs(set_point))
+    ]
+    if not off:
+        return []
+    ratio = float(np.mean(off))
+    used = (
+        "the plateau speed is used"
+        if belt == "plateau"
+        else "the set-point is used; belt_speed='plateau' changes that"
+    )
+    return [f"the sticks ride at {ratio:.3f} times the set-point ({len(off)} of {len(runs)} runs); {used}"]
+
+
+def event_messages(
+    kind: str, branch: Branch, preference: float, events: Events, unit: str
+) -> tuple[str, ...]:
+    """Say what slips fitted one by one were like; `unit` is written behind forces."""
+    drop = events.static - events.kinetic
+    other = "plus" if branch == "minus" else "minus"
+    why = {
+        "coulomb": "no decisive gain from a decay with speed"
+        if preference > 0
+        else "a decay with speed fits worse",
+        "hyperbolic": "friction falls with speed rather than at once",
+    }[kind]
+    q = np.quantile(events.static, [0.05, 0.5, 0.95])
+    return (
+        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC "
+        f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
+        f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
+        f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
+        f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "
+        "amplitude (median)",
+        f"branch T_{other} was never visited: its numbers are unidentified (declared, or T_{branch}'s repeated)",
+    )

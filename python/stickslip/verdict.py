@@ -1,0 +1,105 @@
+"""The rows of a comparison, and what they amount to in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.recording import Recording
+
+CYCLIC = ("period", "stick fraction", "slip amplitude", "largest slip speed")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table; `scatter` is the standard deviation of the measured value from cycle to cycle."""
+
+    quantity: str
+    unit: str
+    measured: float | None
+    simulated: float | None
+    scatter: float | None
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Measured, simulated, difference and scatter as they are printed; a difference below them all is 0."""
+        difference = self.difference
+        if difference is not None and abs(difference) < 5e-5 * abs(self.measured or 1.0):
+            difference = 0.0
+        measured, simulated, off, scatter = (
+            number(v) for v in (self.measured, self.simulated, difference, self.scatter)
+        )
+        return measured, simulated, off, scatter
+
+    @property
+    def difference(self) -> float | None:
+        """Simulated minus measured, where there are both."""
+        if self.measured is None or self.simulated is None:
+            return None
+        return self.simulated - self.measured
+
+
+def number(value: float | None) -> str:
+    """A table's cell: four digits, or a dash."""
+    return "-" if value is None or not np.isfinite(value) else f"{value:.4g}"
+
+
+def verdict(rows: Mapping[str, Row], recording: Recording) -> tuple[str, ...]:
+    """Return sentences on a comparison's rows: each number beside what it has to be held against."""
+    return tuple(
+        one for one in (_cycles(rows), _times(rows, recording), _shape(rows), _forecast(rows)) if one
+    )
+
+
+def _cycles(rows: Mapping[str, Row]) -> str:
+    near: list[str] = []
+    far: list[str] = []
+    for name in CYCLIC:
+        row = rows.get(name)
+        if row is None or row.difference is None or not row.scatter:
+            continue
+        ratio = abs(row.difference) / row.scatter
+        (near if ratio <= 1 else far).append(name if ratio <= 1 else f"{name} ({ratio:.1f} times)")
+    said = [f"{', '.join(near)}: within the scatter of the measured cycles"] if near else []
+    said += (
+        [f"{', '.join(far)}: beyond it" if near else f"{', '.join(far)}: beyond the scatter of the cycles"]
+        if far
+        else []
+    )
+    return "; ".join(said)
+
+
+def _times(rows: Mapping[str, Row], recording: Recording) -> str:
+    missed = rows.get("transitions missed")
+    if missed is None or missed.simulated is None:
+        return ""
+    step = float(np.median(np.diff(recording.raw["t"]))) * recording.channels["t"].scale
+    unit = "" if recording.unit("t") == "1" else f" {recording.unit('t')}"
+    return (
+        f"{missed.simulated:.0f} {missed.unit} transitions missed by forecasts from the cycle before; "
+        f"hold the errors of the times against the sampling interval, {step:.3g}{unit}"
+    )
+
+
+def _shape(rows: Mapping[str, Row]) -> str:
+    row = rows.get("phase-portrait distance")
+    if row is None or row.simulated is None or row.scatter is None:
+        return ""
+    return (
+        f"the portraits lie {100 * row.simulated:.2g} % of their size apart; the two halves of the measured one "
+        f"{100 * row.scatter:.2g} %"
+    )
+
+
+def _forecast(rows: Mapping[str, Row]) -> str:
+    row = rows.get("forecast NRMSE")
+    if row is None or row.simulated is None or not row.scatter:
+        return ""
+    times = row.simulated / row.scatter
+    return (
+        f"forecasts from cycle to cycle err by {100 * row.simulated:.3g} % of the standard deviation of x1, "
+        f"{times:.2g} times what the noise alone leaves"
+    )
