@@ -16,6 +16,7 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from stickslip.catalogue import KINDS
+from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found
 from stickslip.report import motion, words
 from stickslip.report.contents import contents
@@ -94,7 +95,7 @@ def test_every_parameter_of_the_catalogue_has_its_dimension() -> None:
         ("spring_cubic_k1.k", 2.0, 2.0 * 362.1 / 0.0089**2, "N/m^3"),
         ("contact_compliance.k", 400.0, 400.0 * 362.1, "N/m"),
         ("T_s_minus", 5.94, 5.94 * 362.1 * 0.0089, "N"),
-        ("belt_speed_ripple.w", 2.0, 2.0 * OMEGA, "1/s"),
+        ("belt_speed_ripple.w", 2.0, 2.0 * OMEGA, "rad/s"),
         ("sensor_nonlinearity.q", 0.1, 0.1 / 0.0089, "1/m"),
         ("belt_load_droop.k", 0.002, 0.002 * OMEGA / 362.1, "m/(N s)"),
     ],
@@ -254,7 +255,7 @@ def test_velocity_of_a_reading_is_its_derivative(effect: ss.Effect) -> None:
         )
         state, x1, y1 = bare.state, bare.state[:, 0], bare.state[:, 2]
         reading = x1 + p.get("c", 0) * y1 + p.get("q", 0) * x1**2 + (p.get("r", 0) * t if "r" in p else 0.0)
-    rate = motion.reading_velocity(model, state, reading)
+    rate = reading_velocity(model, state, reading)
     differences = np.gradient(reading, t)
     assert np.median(np.abs(rate - differences)[2:-2]) < 2e-5
 

@@ -8,12 +8,14 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data, refined, without_outliers
+from stickslip.discovery.data import Data, refined, rounding, without_outliers
 from stickslip.discovery.solve import Fit
+from stickslip.errors import InputError
 
 Floats = NDArray[np.float64]
 LOW, HIGH = 3, 5  # orders of difference from which the noise is read
 AGREE = 0.1  # by which the two may differ: a misfit shows in them very unequally, white noise alike
+MOSTLY = 0.5  # noise over spread, from which a channel says nothing of the motion
 OFF = 0.2  # in the logarithm, from which a declared noise is not believed
 
 
@@ -36,9 +38,17 @@ def cleaned(
     for w, b in zip(first.windows, first.blocks, strict=True):
         unused = fitted[w.run].weight[w.start : w.stop] == 0
         residuals[w.run][w.start : w.stop] = np.where(unused, np.nan, b.r.reshape(-1, len(channels)))
+    coarse = [rounding(run.readings) / run.noise for run in fitted]
     factor, said = np.ones(len(channels)), []
     for c, channel in enumerate(channels):
         size, sure = noise_size([r[:, c] for r in residuals])
+        size = max(size, *(float(one[c]) for one in coarse))
+        spread = float(np.std(np.concatenate([run.readings[:, c] for run in fitted])))
+        if channel != "belt" and sure and size * float(fitted[0].noise[c]) > MOSTLY * spread:
+            raise InputError(
+                f"channel {channel} scatters from sample to sample nearly as much as it moves in all: is it the right "
+                "column, and is the sensor alive?"
+            )
         if channel not in declared:
             factor[c] = size
         elif sure and abs(np.log(size)) > OFF:

@@ -77,8 +77,14 @@ def _noise(runs: Sequence[Recording]) -> Floats:
     found = []
     for channel in channels:
         given = [run.noise[channel] for run in runs if channel in run.noise]
-        found.append(given[0] if given else float(np.median([_estimated(run, channel) for run in runs])))
+        size = given[0] if given else float(np.median([_estimated(run, channel) for run in runs]))
+        found.append(size)
     return np.array(found)
+
+
+def rounding(readings: Floats) -> Floats:
+    """Standard deviation that quantisation adds to the noise of readings (n, c): its step over root 12, (c,)."""
+    return np.array([signals.quantisation(one[np.isfinite(one)]).step for one in readings.T]) / math.sqrt(12)
 
 
 def _estimated(run: Recording, channel: str) -> float:
@@ -94,6 +100,7 @@ def _prepare(run: Recording, noise: Floats) -> Data:
         raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least 60 are needed")
     columns = [run.x1, run.y1] + ([run.belt] if len(noise) == 3 else [])
     readings = np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
+    noise = np.hypot(noise, rounding(readings))
     weight = np.where(np.isfinite(readings), 1.0 / noise, 0.0)
     readings = np.where(np.isfinite(readings), readings, 0.0)
     for c in range(readings.shape[1]):  # a reading at the end of its range says only that it is beyond

@@ -113,8 +113,8 @@ def _of_forecasts(error: ErrorBlock, clean: bool) -> list[str]:
     if clean and error.after > FAR * error.floor:
         out.append(
             f"nothing is left over on the train runs, yet the runs never fitted are forecast with an error of "
-            f"{error.after:.3g} where noise alone leaves {error.floor:.3g}: they show something that the train runs "
-            "do not; train on runs like them too"
+            f"{error.after:.3g} where noise alone leaves {error.floor:.3g}: the train runs do not tell all "
+            "that these need (another speed or direction?), or these show something new; train on runs like them too"
         )
     return out
 

@@ -23,8 +23,10 @@ from stickslip.units import default_speed_unit, factor
 Floats = NDArray[np.float64]
 BUMP = 0.6  # length of a test function, in cycles
 SURE = 0.97  # correlation of the two sides of the angle body's equation above which their ratio is believed
+CLOSE = 0.995  # the same where the equation holds but for noise
 RATIO = 1.6  # a ratio of y1 to x1 that no sensor of the list has
 SPEED = 2.5  # the same for the speed of the sticking block over the belt's
+ODD, ALIKE = 0.33, 0.03  # in the logarithm: a run's speed that is off, where the others' are right
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
 SHIFTED = 0.05  # share of the equation left over below which a shifted zero explains what is wrong
 FITS = 0.15  # how near a unit must bring a ratio to 1, in the logarithm, to be suggested
@@ -160,6 +162,7 @@ def plausible(case: Case, data: Sequence[Data]) -> None:
     if ratio.sure and not ratio.right:
         raise InputError(_displacement(case, ratio.gain, speed))
     if not ratio.sure:
+        _odd_run(data, rig)
         _columns(case, data)
     if speed is None:
         return
@@ -193,6 +196,17 @@ def _displacement(case: Case, gain: float, speed: float | None) -> str:
         else f", while {other} agrees with belt_speed"
     )
     return f"channel {name} {_reads(size)} what {other} asks for {law}{also}: {_advice(case, name, size)}"
+
+
+def _odd_run(data: Sequence[Data], rig: Rig) -> None:
+    """One run that does not meet the angle body's equation at all, where all others do closely."""
+    each = [body_ratio([run], rig).correlation for run in data]
+    for i, run in enumerate(data):
+        if len(data) > 2 and each[i] < 0.3 and min(each[:i] + each[i + 1 :]) > CLOSE:
+            raise InputError(
+                f"{run.name}: x1 and y1 do not meet the angle body's equation in (2.1), unlike in the other runs: "
+                "are they columns of one run?"
+            )
 
 
 def _columns(case: Case, data: Sequence[Data]) -> None:
@@ -257,23 +271,38 @@ def _oversized(case: Case, data: Sequence[Data], speed: float) -> bool:
 
 def _each_run(case: Case, data: Sequence[Data]) -> None:
     """One run whose belt speed is off, where the others' are right; and a belt channel that says otherwise."""
-    for run, recording in zip(data, (*case.train, *case.validate), strict=True):
-        v = stick_speed(run)
-        if v is None or not run.belt_speed:
+    unit = case.channels["belt"].unit if "belt" in case.channels else default_speed_unit(case.rig)
+    one = factor("belt", unit, case.rig)
+    ridden = [stick_speed(run) for run in data]
+    off = [
+        0.0 if v is None or v * run.belt_speed <= 0 else abs(float(np.log(v / run.belt_speed)))
+        for v, run in zip(ridden, data, strict=True)
+    ]
+    usual = float(np.median([abs(run.belt_speed) for run in data]))
+    for i, (run, v) in enumerate(zip(data, ridden, strict=True)):
+        if v is None:
             continue
-        if not 1 / SPEED < v / run.belt_speed < SPEED:
+        others = max((size for j, size in enumerate(off) if j != i), default=np.inf)
+        if (v * run.belt_speed < 0 or run.belt_speed == 0) and abs(v) > 0.2 * usual:
+            wrong = True
+        else:
+            wrong = off[i] > np.log(SPEED) or (off[i] > ODD and others < ALIKE and len(data) > 3)
+        if wrong:
             raise InputError(
-                f"{run.name}: the block sticks at a rate of x1 that is {_times(v / run.belt_speed)} the run's "
-                "belt_speed, unlike in the other runs: check its belt_speed (number and sign) and its file"
+                f"{run.name}: belt_speed is {_in(unit, run.belt_speed / one)}, but the block sticks at a rate of x1 of "
+                f"{_in(unit, v / one)}, unlike in the other runs: check its belt_speed (number and sign) and its file"
             )
-        if run.readings.shape[1] == 3:
+        if run.readings.shape[1] == 3 and run.belt_speed:
             share = float(np.median(run.readings[:, 2])) / run.belt_speed
             if not 1 / SPEED < share < SPEED:
-                unit = recording.unit("belt")
                 raise InputError(
                     f"{run.name}: channel belt reads {_times(share)} belt_speed, at which the block does ride by x1: "
                     f"check the belt's column, sign and unit '{unit}'"
                 )
+
+
+def _in(unit: str, value: float) -> str:
+    return f"{value:.3g} {_word(unit)}".rstrip()
 
 
 def _advice(case: Case, name: str, size: float) -> str:

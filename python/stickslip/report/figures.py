@@ -14,17 +14,19 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found, Part, RunView, Verdict
 from stickslip.model import Model
-from stickslip.plot import BAND, DOTS, GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
+from stickslip.plot import DOTS, GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
 from stickslip.report.motion import Measured, broken, measured
 from stickslip.report.units import Axes
 from stickslip.report.words import short
 
 BEFORE, AFTER = SIMULATED, LIMIT
 LineStyle = str | tuple[int, tuple[int, int]]
+AMBER = "#b07800"
 DASH: LineStyle = (0, (4, 2))
 MOST_RUNS = 3
 MOST_RIVALS = 12
@@ -197,7 +199,7 @@ def errors(found: Found, axes: Axes) -> Figure:
         if found.effects:
             ax.plot([after], [y], "o", color=AFTER, ms=6, label="after", zorder=4)
     ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
-    ax.set_xscale("log")
+    _plain_log(ax)
     ax.set_xlabel("forecast error over the standard deviation of the signal (NRMSE)")
     ax.grid(axis="x", color="#dddddd", lw=0.6)
     ax.set_ylim(-0.6, len(rows) - 0.4)
@@ -209,7 +211,6 @@ def errors(found: Found, axes: Axes) -> Figure:
 @styled
 def parts(found: Found, axes: Axes) -> Figure:
     """Where the residual sits: chi-squared per reading by channel, mode, speed, time, before and after."""
-    del axes
     before = {(p.what, p.name): p for p in found.residual_before.parts}
     after = {(p.what, p.name): p for p in found.residual_after.parts}
     names = sorted(before, key=_place)
@@ -220,13 +221,20 @@ def parts(found: Found, axes: Axes) -> Figure:
         if name in after and found.effects:
             _part(ax, after[name], y, AFTER, "o", "after")
     ax.axvline(1.0, color="black", lw=1.2, label="noise alone", zorder=0)
-    ax.set_yticks(range(len(names)), [f"{what}: {name}" for what, name in reversed(names)])
-    ax.set_xscale("log")
+    ax.set_yticks(range(len(names)), [_named(what, name, axes) for what, name in reversed(names)])
+    _plain_log(ax)
     ax.set_xlabel("chi-squared per reading on the training runs")
     ax.grid(axis="x", color="#dddddd", lw=0.6)
     handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
     figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
     return figure
+
+
+def _named(what: str, name: str, axes: Axes) -> str:
+    if what != "speed":
+        return f"{what}: {name}"
+    unit = "" if axes.x2.unit == "1" else f" {axes.x2.unit}"
+    return f"belt speed: {short(axes.x2.size * float(name), 3)}{unit}"
 
 
 def _place(part: tuple[str, str]) -> tuple[int, float, str]:
@@ -256,21 +264,38 @@ def _part(ax: Plot, part: Part, y: int, colour: str, marker: str, name: str) -> 
 
 @styled
 def ranking(found: Found, axes: Axes) -> Figure:
-    """How much worse each rival explains the training runs than the best, in -2 log likelihood with penalty."""
+    """What each rival leaves over on the training runs, in chi-squared per reading; BIC above the best beside it."""
     del axes
     rivals = list(found.ranking[:MOST_RIVALS])
     rivals += [one for one in found.ranking[MOST_RIVALS:] if not one.names]
-    figure = sheet(7.6, 0.27 * len(rivals) + 1.0)
+    figure = sheet(7.6, 0.27 * len(rivals) + 1.2)
     ax = figure.subplots()
-    worth = np.array([max(one.bic, 0.0) for one in rivals])[::-1]
-    colours = [AFTER if one.chosen else BAND if one.bic < 10 else "#bbbbbb" for one in reversed(rivals)]
-    ax.barh(range(len(rivals)), np.maximum(worth, 0.5), color=colours, height=0.7)
-    for y, value in enumerate(worth):
-        ax.annotate(f" {short(float(value), 3)}", (max(value, 0.5), y), va="center", fontsize=8)
-    names = [" + ".join(one.names) or "declared law alone" for one in reversed(rivals)]
-    ax.set_yticks(range(len(rivals)), names)
-    ax.set_xscale("log")
-    ax.set_xlim(0.3, 6 * max(float(worth.max()), 10.0))
-    ax.axvline(10.0, color="black", lw=1.0, ls=DASH)
-    ax.set_xlabel("evidence against, relative to the best (BIC difference); dashed: 10")
+    for y, one in enumerate(reversed(rivals)):
+        colour = AFTER if one.chosen else AMBER if one.bic < 10 else "#8a8f98"
+        ax.plot([1.0, one.chi2], [y, y], color=colour, lw=1.2, alpha=0.6, zorder=1)
+        ax.plot([one.chi2], [y], "o", color=colour, ms=7 if one.chosen else 5.5, zorder=2)
+        worse = "best" if one.bic <= 0 else f"+{short(float(one.bic), 3)}"
+        ax.annotate(
+            worse, (1.01, y), xycoords=("axes fraction", "data"), va="center", fontsize=8, color=colour
+        )
+    ax.axvline(1.0, color="black", lw=1.2, zorder=0)
+    ax.annotate(
+        "noise alone", (1.0, len(rivals) - 0.45), ha="center", va="bottom", fontsize=8, annotation_clip=False
+    )
+    ax.set_yticks(
+        range(len(rivals)), [" + ".join(one.names) or "declared law alone" for one in reversed(rivals)]
+    )
+    _plain_log(ax)
+    low = min(one.chi2 for one in rivals)
+    ax.set_xlim(min(0.9, 0.95 * low), 1.2 * max(2.0, *(one.chi2 for one in rivals)))
+    ax.set_ylim(-0.6, len(rivals) - 0.4)
+    ax.set_xlabel("chi-squared per reading that is left over; at the right: BIC above the best")
     return figure
+
+
+def _plain_log(ax: Plot) -> None:
+    """A logarithmic x axis with plain numbers."""
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())

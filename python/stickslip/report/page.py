@@ -11,7 +11,7 @@ from jinja2 import BaseLoader, Environment, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from stickslip.discovery.result import Found, Interval, Json, Verdict
+from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
 from stickslip.plot import save_figure
 from stickslip.records import Case
 from stickslip.report import figures, figures_residual, words
@@ -64,6 +64,8 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         "percent": percent,
         "tied": words.ties,
         "sentence": words.sentence,
+        "beneath": beneath,
+        "numbers": numbers,
     }
     text = (files("stickslip.report") / "report.html.j2").read_text(encoding="utf-8")
     return environment.from_string(text).render(
@@ -107,6 +109,21 @@ def span(one: Interval | None) -> str:
     return f"{number(one.low)} … {number(one.high)}"
 
 
+def beneath(one: Mapping[str, float]) -> bool:
+    """Is the difference of before and after below the floor?"""
+    return abs(one["before"] - one["after"]) < one["floor"]
+
+
+def numbers(rival: Rival) -> str:
+    """A rival's numbers: by their own names where it is one effect; phases, which differ by run, are left out."""
+    single = len(rival.names) == 1
+    return ", ".join(
+        f"{name.partition('.')[2] if single else name} = {number(value, 3)}"
+        for name, value in rival.parameters.items()
+        if not name.endswith(".phi")
+    )
+
+
 def percent(value: float | None) -> str:
     """A share as percent, two digits."""
-    return "–" if value is None or value != value else f"{100 * value:.2g} %"  # NaN
+    return "–" if value is None or value != value else f"{100 * value:.2g}\u00a0%"  # NaN

@@ -16,7 +16,7 @@ FORCE, STIFFNESS, DAMPING = (1, 0, 1), (0, 0, 1), (0, -1, 1)
 UNITS: Mapping[Dimension, str] = {
     NUMBER: "1",
     TIME: "s",
-    RATE: "1/s",
+    RATE: "1/s",  # of a growth; angular frequencies are in rad/s
     LENGTH: "m",
     SPEED: "m/s",
     FORCE: "N",
@@ -107,4 +107,5 @@ def to_si(name: str, value: float, rig: AnyRig) -> tuple[float, str] | None:
     dimension = EFFECTS.get(name, LAW.get(name))
     if scales is None or dimension is None or dimension == NUMBER:
         return None
-    return value * factor(dimension, scales), UNITS[dimension]
+    unit = "rad/s" if name.endswith(".w") else UNITS[dimension]
+    return value * factor(dimension, scales), unit

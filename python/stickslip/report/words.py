@@ -91,14 +91,22 @@ def headline(found: Found) -> str:
 
 def sureness(found: Found) -> list[str]:
     """How sure: of there being something, then of each name."""
-    g = found.gate
-    alarm = f"noise alone reaches {short(g.threshold, 3)} in {alarms(found)}"
+    g, count = found.gate, len(found.gate.draws)
     if found.verdict is Verdict.no_effect:
+        chance = (
+            f"; noise alone does that in {_share(found)} of {count} simulated records like these"
+            if count
+            else ""
+        )
         return [
-            f"The largest gain of any candidate is {short(g.observed, 3)}; {alarm}.",
+            f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. "
+            f"To be believed it must lower it by {short(g.threshold, 3)}.",
             "An effect too small to show above the noise of these runs is not excluded.",
         ]
-    lines = [f"Something is missing, that is sure: its gain is {short(g.observed, 3)}; {alarm}."]
+    lines = [
+        f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
+        f"{alarms(found)}."
+    ]
     if not found.residual_after.clean and found.verdict is Verdict.effect_found:
         names = joined([effect.name for effect in found.effects])
         lines.append(
@@ -108,11 +116,17 @@ def sureness(found: Found) -> list[str]:
 
 
 def alarms(found: Found) -> str:
-    """How often noise alone passes the gate's threshold."""
+    """What noise alone does to chi-squared."""
     g, count = found.gate, len(found.gate.draws)
-    if g.probability <= 0 and count:
-        return f"none of {count} simulated records like these"
-    return f"{100 * g.probability:.2g} % of simulated records like these"
+    if not count:
+        return f"at least {short(g.threshold, 3)} is asked for"
+    most = short(float(max(g.draws)), 3)
+    return f"in {count} simulated records with noise alone the best did so by at most {most}"
+
+
+def _share(found: Found) -> str:
+    share = sum(float(one) >= found.gate.observed for one in found.gate.draws) / len(found.gate.draws)
+    return f"{100 * share:.2g} %" if share else "none"
 
 
 def _of_the_name(effect: FoundEffect) -> str:
@@ -141,8 +155,8 @@ def short(value: float | None, digits: int = 4) -> str:
     size = abs(value)
     if size == 0 or 1e-3 <= size < 10**digits:
         text = f"{value:.{digits}g}"
-    elif size < 1e6 and size >= 1:
-        text = f"{value:.0f}"
+    elif 1 <= size < 1e7:
+        text = f"{float(f'{value:.{digits}g}'):,.0f}".replace(",", "\u202f")
     else:
         mantissa, _, power = f"{value:.{max(digits - 1, 0)}e}".partition("e")
         mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
