@@ -36,7 +36,7 @@ class Cycles:
     speed: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Result of `compare`.
 
@@ -64,6 +64,12 @@ class Comparison:
     model: Model
     recording: Recording
     belt_speed: float
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def __repr__(self) -> str:
+        return f"<Comparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.measured.t)} samples>"
 
     def row(self, quantity: str) -> Row:
         """The row of that name; KeyError if there is none."""

@@ -72,7 +72,7 @@ class Events:
     run: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Identified:
     """Result of `stickslip.identify.identify`.
 
@@ -114,6 +114,16 @@ class Identified:
     messages: tuple[str, ...] = ()
     channels: Mapping[str, Channel] | None = None
     reading_noise: Mapping[str, float] | None = None
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        unseen = f", {len(self.unidentified)} of them unidentified" if self.unidentified else ""
+        return (
+            f"<Identified: {self.law.kind} law, {len(self.estimates)} numbers{unseen}; "
+            f"chi2 per degree of freedom {self.reduced_chi2:.3g}>"
+        )
 
     @property
     def model(self) -> Model:

@@ -24,6 +24,7 @@ from stickslip.findings import (
 )
 from stickslip.friction import FrictionLaw
 from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.scale import scales
 from stickslip.tables import Columns, column_names, read_columns
 from stickslip.units import Channel, default_speed_unit, factor, is_electric, speed
 
@@ -33,7 +34,7 @@ Role = Literal["train", "validate"]
 FEWEST = 8  # samples below which no derivative, let alone a law, can be had
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """One recorded run of a rig.
 
@@ -89,6 +90,18 @@ class Recording:
 
     def __len__(self) -> int:
         return self.t.size
+
+    def __repr__(self) -> str:
+        units = scales(self.rig, self.channels)
+        names = ", ".join(
+            f"{n} [{c.unit}]" if c.unit != "1" else n for n, c in self.channels.items() if n != "t"
+        )
+        span = units["t"].of(float(self.t[-1] - self.t[0])) if len(self) else "nothing"
+        odd = f"; {len(self.findings)} findings" if self.findings else ""
+        return (
+            f"<Recording '{self.name}' ({self.role}): {names}, {len(self)} samples over {span}, "
+            f"belt speed {units['belt'].of(self.belt_speed)}{odd}>"
+        )
 
     def channel(self, name: str) -> str:
         """Return the channel that records a quantity: "spring_force" may stand for "x1".
@@ -217,7 +230,7 @@ def load_recording(
         The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
         do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
     """
-    must_be("rig", rig, (Rig, BlockOnBelt))
+    must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
     as_path("path", path)
     declared = dict(channels) if channels is not None else _bare_channels(path, rig)
     check_channels(declared, rig)

@@ -60,7 +60,7 @@ class _Case(_Strict):
     channels: dict[str, dict[str, object]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Case:
     """A rig and its runs.
 
@@ -89,6 +89,13 @@ class Case:
     runs: tuple[Recording, ...]
     channels: Mapping[str, Channel]
     path: Path
+
+    def __repr__(self) -> str:
+        roles = ", ".join(
+            f"{sum(r.role == role for r in self.runs)} {role}" for role in ("train", "validate")
+        )
+        odd = f"; {len(self.findings)} findings" if self.findings else ""
+        return f"<Case '{self.title}': {type(self.rig).__name__}, {len(self.runs)} runs ({roles}){odd}; {self.path}>"
 
     @property
     def train(self) -> tuple[Recording, ...]:

@@ -48,9 +48,12 @@ class Status(Enum):
         return self is Status.finished
 
 
-@dataclass(frozen=True)
+MODE_NAMES = {0: "stick", -1: "slip -", 1: "slip +"}
+
+
+@dataclass(frozen=True, repr=False)
 class Transitions:
-    """Changes of the contact mode, in time order.
+    """Changes of the contact mode, in time order; printed, one a line.
 
     Attributes
     ----------
@@ -71,8 +74,16 @@ class Transitions:
     def __len__(self) -> int:
         return len(self.t)
 
+    def __str__(self) -> str:
+        rows = zip(self.t, self.before, self.after, strict=True)
+        return "\n".join(f"{t:12.6f}  {MODE_NAMES[a]:<6} -> {MODE_NAMES[b]}" for t, a, b in rows)
 
-@dataclass(frozen=True)
+    def __repr__(self) -> str:
+        span = f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self) else ""
+        return f"<Transitions: {len(self)}{span}>"
+
+
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """What `simulate` returns.
 
@@ -101,6 +112,14 @@ class Trajectory:
     status: Status
     steps: int
     sensitivity_names: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
+        kept = f", {len(self.sensitivity_names)} sensitivities" if self.sensitivity_names else ""
+        return (
+            f"<Trajectory: {n} samples of {self.state.shape[1]} states{span}; {len(self.transitions)} transitions"
+            f"{kept}; {self.status}>"
+        )
 
 
 @explained

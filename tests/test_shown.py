@@ -1,0 +1,54 @@
+"""What a prompt shows of a result: a line, never pages of arrays."""
+
+import stickslip as ss
+from test_cli import folder  # noqa: F401  # a fixture
+
+MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+
+
+def run(**changed):
+    return ss.simulate(
+        MODEL,
+        **{
+            "belt_speed": 0.1,
+            "initial": (0.1, 0.1, 0, 0),
+            "t_end": 20,
+            "sensitivity": ("alpha1",),
+            **changed,
+        },
+    )
+
+
+def test_a_trajectory_is_one_line_and_its_end_a_sentence():
+    said = repr(run())
+    assert said.endswith("t = 0 to 20; 4 transitions, 1 sensitivities; reached the end time>")
+    assert "\n" not in said
+    assert str(run().status) == "reached the end time"
+
+
+def test_transitions_print_as_lines_with_the_modes_by_name():
+    transitions = run().transitions
+    lines = str(transitions).splitlines()
+    assert len(lines) == len(transitions) == 4
+    assert lines[0] == f"{transitions.t[0]:12.6f}  stick  -> slip -"
+    assert lines[1].endswith("slip - -> stick")
+    assert repr(transitions) == f"<Transitions: 4, t = {transitions.t[0]:.6g} to {transitions.t[-1]:.6g}>"
+    assert repr(run(t_end=0.5).transitions) == "<Transitions: 0>"
+
+
+def test_cases_and_recordings_are_one_line(folder):  # noqa: F811
+    case = ss.load_case(folder)
+    assert repr(case) == f"<Case 'made for a test': Rig, 2 runs (1 train, 1 validate); {folder}/rig.toml>"
+    assert repr(case.runs[0]).startswith("<Recording 'a' (train): x1, y1, ")
+    assert "belt speed 0.1" in repr(case.runs[0])
+    assert len(repr(case.runs[0])) < 160
+
+
+def test_identified_and_comparison_print_as_tables(folder):  # noqa: F811
+    case = ss.load_case(folder)
+    found = ss.identify(case)
+    assert repr(found).startswith("<Identified: paper law, 8 numbers, 2 of them unidentified; chi2")
+    assert str(found) == found.summary()
+    compared = ss.compare(found.model, case.validate[0])
+    assert repr(compared).startswith("<Comparison with 'b': ")
+    assert str(compared) == compared.table()
