@@ -256,8 +256,9 @@ _DRIVEN = (
         ("x1",),
     ),
     EffectKind("load_drift", "block", "+r t", (_free("r", "rate"),), ("t",)),
-    EffectKind(
-        "position_ripple", "block", "+a sin(2 pi x1/L + phi)", (_free("a", "amplitude"), _L, _PHI), ("x1",)
+    *(  # a screw with several ripples has one wavelength each
+        EffectKind(name, "block", "+a sin(2 pi x1/L + phi)", (_free("a", "amplitude"), _L, _PHI), ("x1",))
+        for name in ("position_ripple", "position_ripple_2", "position_ripple_3")
     ),
     EffectKind(
         "friction_ripple", "contact", "friction times 1 + a sin(2 pi x1/L + phi)", (_A, _L, _PHI), ("x1",)

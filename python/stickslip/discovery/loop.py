@@ -44,11 +44,12 @@ from stickslip.discovery.trace import (
     explained,
 )
 from stickslip.discovery.views import train_view, validate_view
+from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
 from stickslip.model import Model
 from stickslip.records import Case
-from stickslip.rig import Rig
+from stickslip.rig import DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
 BUDGET = 80.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
@@ -105,6 +106,8 @@ def discover(
     """
     began = time.monotonic()
     tell = progress or (lambda _: None)
+    if isinstance(case.rig, DrivenSlider):
+        return driven.discover(case, tell=tell, seed=seed)
     if not isinstance(case.rig, Rig):
         raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
     recordings = (*case.train, *case.validate)

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from stickslip.config import write_text
 from stickslip.discovery.result import Found
+from stickslip.driven import page as driven
+from stickslip.driven.result import DrivenFound
 from stickslip.errors import InputError
 from stickslip.records import Case
 from stickslip.report.contents import contents
@@ -57,6 +59,10 @@ def fill(into: Path, found: Found, case: Case) -> None:
     write_text(into / "report.json", json.dumps(report, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
     found.before.save(into / "model_before.toml")
     found.after.save(into / "model_after.toml")
+    if isinstance(found, DrivenFound):
+        drawings = driven.draw(found, into / "figures")
+        write_text(into / "report.html", driven.page(found, case, report, drawings))
+        return
     drawings = draw(found, case, into / "figures")
     write_text(into / "report.html", page(found, case, report, drawings))
 
