@@ -60,10 +60,14 @@ def evidence(
     rest = tuple(sorted(n for n in trial.names if n != name))
     without = search.tried.get(rest, null)
     gain, bic = without.fit.cost - trial.fit.cost, without.bic - trial.bic
-    others = [t for t in tried if name not in t.names and len(t.names) == 1 and t.names[0] not in trial.names]
-    control = min(others, key=lambda t: t.fit.cost, default=None)
-    fall = 0.0 if control is None else max(null.fit.cost - control.fit.cost, 0.0)
-    label = "" if control is None else control.names[0]
+    swapped = [  # another effect in the place of this one, beside the same others
+        t
+        for t in (*tried, *search.screened)
+        if name not in t.names and len(t.names) == len(trial.names) and set(rest) <= set(t.names)
+    ]
+    control = min(swapped, key=lambda t: t.fit.cost, default=None)
+    fall = 0.0 if control is None else max(without.fit.cost - control.fit.cost, 0.0)
+    label = "" if control is None else next((n for n in control.names if n not in rest), "")
     words = f"lowers chi-squared by {gain:.4g} (the gate is {threshold:.3g})"
     if label:
         words += f"; the best wrong effect, {label}, by {fall:.4g}"

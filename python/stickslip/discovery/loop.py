@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import arguments
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.cleaning import cleaned
@@ -70,6 +71,7 @@ class _Choice:
     place: tuple[str, str] | None = None
 
 
+@arguments.explained
 def discover(
     case: Case,
     *,
@@ -104,6 +106,7 @@ def discover(
     StickslipError
         The declared model cannot be simulated.
     """
+    arguments.must_be("case", case, Case, "load_case(path) gives one")
     began = time.monotonic()
     tell = progress or (lambda _: None)
     if isinstance(case.rig, DrivenSlider):

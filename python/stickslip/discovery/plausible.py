@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from stickslip.discovery.data import Data
 from stickslip.errors import InputError
@@ -133,7 +133,7 @@ def stick_speed(run: Data) -> float | None:
     if period < 25 * dt or run.t[-1] - run.t[0] < 2.5 * period:
         return None
     even = np.interp(np.arange(run.t[0], run.t[-1], dt), run.t, run.readings[:, 0])
-    v = np.sort(savgol_filter(even, max(7, int(period / 25 / dt) | 1), 2, deriv=1, delta=dt))
+    v = np.sort(scipy.signal.savgol_filter(even, max(7, int(period / 25 / dt) | 1), 2, deriv=1, delta=dt))
     count = len(v) // 5
     spans = v[count:] - v[:-count]
     at = int(np.argmin(spans))

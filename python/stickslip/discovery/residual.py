@@ -15,7 +15,7 @@ from stickslip.discovery.solve import Fit
 Floats = NDArray[np.float64]
 LAGS = 20
 NEAR = 4  # samples on either side that belong to a transition
-BINS = 160
+BINS = 120
 
 
 @dataclass
@@ -124,16 +124,17 @@ def whiteness(fit: Fit) -> float:
 
 
 def spectrum(before: Fit, after: Fit) -> Mapping[str, Floats]:
-    """Mean normalised power of the residuals over angular frequency; 1 for white noise."""
+    """Mean normalised power of residuals over angular frequency, in even bins of its logarithm; white noise is 1."""
     w, was = _power(before)
     _, now = _power(after)
-    return {"frequency": w, "before": was, "after": now}
+    filled = np.isfinite(was) & np.isfinite(now)
+    return {"frequency": w[filled], "before": was[filled], "after": now[filled]}
 
 
 def _power(fit: Fit) -> tuple[Floats, Floats]:
     data = fit.engine.data
     dt = float(np.median([np.median(np.diff(run.t)) for run in data]))
-    edges = np.linspace(0, np.pi / dt, BINS + 1)
+    edges = np.geomspace(np.pi / max(float(run.t[-1]) for run in data), np.pi / dt, BINS + 1)
     total, count = np.zeros(BINS), np.zeros(BINS)
     for k in range(len(data)):
         parts = [
@@ -142,9 +143,10 @@ def _power(fit: Fit) -> tuple[Floats, Floats]:
             if w.run == k
         ]
         r = np.concatenate(parts)
-        power = (np.abs(np.fft.rfft(r, axis=0)) ** 2 / len(r)).mean(axis=1)
-        w = 2 * np.pi * np.fft.rfftfreq(len(r), float(np.median(np.diff(data[k].t))))
+        power = (np.abs(np.fft.rfft(r, axis=0)) ** 2 / len(r)).mean(axis=1)[1:]
+        w = 2 * np.pi * np.fft.rfftfreq(len(r), float(np.median(np.diff(data[k].t))))[1:]
         bins = np.clip(np.searchsorted(edges, w) - 1, 0, BINS - 1)
         np.add.at(total, bins, power)
         np.add.at(count, bins, 1)
-    return 0.5 * (edges[1:] + edges[:-1]), total / np.maximum(count, 1)
+    mean = np.divide(total, count, out=np.full(BINS, np.nan), where=count > 0)
+    return np.sqrt(edges[1:] * edges[:-1]), mean

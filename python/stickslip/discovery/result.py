@@ -87,7 +87,7 @@ class Evidence:
     delta_chi2 : fall of chi-squared on the fitted windows when the effect joins, law refitted in both.
     delta_bic : the same with the penalty for its parameters.
     held_out_ratio : error with it over error without it, on windows held out of both fits.
-    control : delta_chi2 of the best of the wrong effects with at least as many parameters.
+    control : delta_chi2 of the best wrong effect in its place, beside the same others.
     control_name : which one that was.
     threshold : delta_chi2 that the gate demands.
     sentence : one line for a person.

@@ -18,6 +18,7 @@ from stickslip.lowering import WIDTH
 
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
+LOOSE = 3.0  # times wider a band is for its curve's mean, which the friction law takes up as well
 KNOTS, FINE = 7, 13
 TERMS = {
     "block": ("x1", "x2", "y1", "y2", "t"),
@@ -189,9 +190,12 @@ def curve(term: Term, trial: Trial) -> Curve:
     values, covariance = trial.fit.vector[index], trial.fit.covariance[np.ix_(index, index)]
     x = np.linspace(term.knots[0], term.knots[-1], 101)
     basis = Learned("x1", "x1", term.knots).basis(x)
+    half, less = _half(basis, covariance), ""
+    centred = basis - basis.mean(axis=0)
+    if half.mean() > LOOSE * _half(centred, covariance).mean():
+        basis, half, less = centred, _half(centred, covariance), ", less its mean"
     middle = basis @ values
-    std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0))
-    half = 1.96 * std * max(trial.chi2, 1.0) ** 0.5
+    half *= max(trial.chi2, 1.0) ** 0.5
     words = {
         "block": "force on the block",
         "angle_body": "force on the angle body",
@@ -199,9 +203,14 @@ def curve(term: Term, trial: Trial) -> Curve:
     }
     what = words.get(term.where, f"added to the {term.where[:2]} reading")
     return Curve(
-        term.where, term.variable, what, x, middle, middle - half, middle + half,
+        term.where, term.variable, what + less, x, middle, middle - half, middle + half,
         np.array(term.knots), guess(x, middle, np.maximum(half, 1e-12), term.variable),
     )  # fmt: skip
+
+
+def _half(basis: Floats, covariance: Floats) -> Floats:
+    """Half the width of the 95 % band of basis @ values."""
+    return np.asarray(1.96 * np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0)))
 
 
 _SHAPES: dict[str, Callable[[Floats], Floats]] = {
