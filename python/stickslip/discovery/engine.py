@@ -91,6 +91,7 @@ class Engine:
         for k in range(STATES):
             self.seeds[len(self.names) + k, WIDTH + k] = 1.0
         self.moving = [i for i, places in enumerate(self.slots) if places]
+        self.still = [i for i, places in enumerate(self.slots) if not places]
         self.centre, self.precision = hypothesis.prior(len(self.data))
         self.low, self.high = hypothesis.limits(len(self.data))
         self.reach = np.minimum(REACH / np.sqrt(self.precision), hypothesis.turns(len(self.data)))
@@ -166,23 +167,31 @@ class Engine:
         raw = self.simulate(vector, window, np.ascontiguousarray(self.seeds[asked]))
         if raw is None:
             return None
-        state = np.asarray(raw["state"])
+        state, sens = np.asarray(raw["state"]), np.asarray(raw["sensitivity"])
         n, p, q = len(state), len(self.names), len(window.free)
-        full = np.zeros((n, STATES, p + q))
-        full[:, :, [*moving, *range(p, p + q)]] = np.asarray(raw["sensitivity"])
-        if not np.isfinite(full).all():
+        still = [] if own_only else self.still  # what bears on the reading alone
+        names = (*(self.names[i] for i in moving), *("",) * q, *(self.names[i] for i in still))
+        if still:
+            sens = np.concatenate([sens, np.zeros((n, STATES, len(still)))], axis=2)
+        values, slopes = self._chain(vector, window, state, sens, names)
+        if not np.isfinite(slopes).all():
             return None
-        values, slopes = self._chain(vector, window, state, full)
         weight = self.data[window.run].weight[window.start : window.stop]
-        D = (slopes * weight[:, :, None]).reshape(-1, p + q)
-        _, values_by_name = self.parameters(vector, window.run)
-        J = D[:, :p] * np.array([u.slope(values_by_name[u.name]) for u in self.order])
-        return Block(self._weigh(values, window), J, D[:, p:], np.asarray(raw["mode"]))
+        D = (slopes * weight[:, :, None]).reshape(-1, len(names))
+        k = len(moving)
+        J = np.zeros((len(D), p))
+        if not own_only:
+            _, by_name = self.parameters(vector, window.run)
+            scale = np.array([u.slope(by_name[u.name]) for u in self.order])
+            J[:, moving] = D[:, :k] * scale[moving]
+            J[:, still] = D[:, k + q :] * scale[still]
+        return Block(self._weigh(values, window), J, D[:, k : k + q], np.asarray(raw["mode"]))
 
-    def _chain(self, vector: Floats, window: Window, state: Floats, sens: Floats) -> tuple[Floats, Floats]:
+    def _chain(
+        self, vector: Floats, window: Window, state: Floats, sens: Floats, names: tuple[str, ...] = ()
+    ) -> tuple[Floats, Floats]:
         run = self.data[window.run]
         _, p = self.parameters(vector, window.run)
-        names = (*self.names, *("",) * (sens.shape[2] - len(self.names))) if sens.shape[2] else ()
         t = run.t[window.start : window.stop]
         chain = read(t, state, sens, names, p, run.belt_speed, run.readings.shape[1], self.learned)
         return chain.values, chain.slopes

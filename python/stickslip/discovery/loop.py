@@ -229,15 +229,16 @@ def _verdict(choice: _Choice) -> Verdict:
 def _final(search: Search, trial: Trial) -> Trial:
     """The trial on long windows, which say more, where these are fitted as well as the short ones."""
     learned = trial.fit.engine.learned
-    h, vector = trial.hypothesis, _in_order(trial)
-    best = trial
+    best, vector = trial, _in_order(trial)
     for cycles in (SHORT, LONG):
         found = search.run(
-            h, cycles=cycles, tolerance=1e-9, learned=learned, vector=vector, anyway=True,
-            windows_of=trial if cycles == SHORT else None,
+            trial.hypothesis, cycles=cycles, tolerance=1e-9, learned=learned, vector=vector, anyway=True,
+            windows_of=trial if cycles == SHORT else None, states_of=best,
         )  # fmt: skip
-        if found is not None and found.excess < max(best.excess, 0.0) + 0.8:
-            best, vector = found, found.fit.vector
+        if found is not None:
+            found = search.trimmed(found)
+            if found.excess < max(best.excess, 0.0) + 0.8:
+                best, vector = found, found.fit.vector
     return best
 
 

@@ -13,7 +13,8 @@ from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import ATOL, RTOL, Engine, Window
 from stickslip.discovery.readings import Learned, read
-from stickslip.discovery.solve import fit, relax
+from stickslip.discovery.relax import relax
+from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.windows import start_window
 from stickslip.effects import Effect

@@ -108,8 +108,8 @@ def _read_x1(
     else:
         c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
         x, y = state[:, 0], state[:, 2]
-        out.values[:, 0] = x + c * y + q * x**2
-        out.slopes[:, 0] = sens[:, 0] * (1 + 2 * q * x)[:, None] + c * sens[:, 2]
+        out.values[:, 0] = x + c * y + q * x**2 if c or q else x
+        out.slopes[:, 0] = sens[:, 0] * (1 + 2 * q * x)[:, None] + c * sens[:, 2] if c or q else sens[:, 0]
         if "sensor_crosstalk.c" in where:
             out.slopes[:, 0, where["sensor_crosstalk.c"]] += y
         if "sensor_nonlinearity.q" in where:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window, moved, window_penalty
+from stickslip.discovery.engine import Block, Engine, Window, moved
+from stickslip.discovery.relax import followed, relax
 
 Floats = NDArray[np.float64]
 EDGE = 1e-9  # from a bound, in the fitted coordinate
@@ -203,62 +204,6 @@ def _relaxed(engine: Engine, point: Point) -> bool:
     return True
 
 
-def relax(
-    engine: Engine, vector: Floats, window: Window, steps: int = 8, before: Window | None = None
-) -> Window:
-    """The window with its own states at their best for fixed unknowns.
-
-    They are sought from where they are, from the readings around the window's start, and from where the window
-    `before` it ends.
-    """
-    run = engine.data[window.run]
-    measured = window.state.copy()
-    local = run.local_state(window.start)
-    for k in window.free:
-        if k < 4:
-            measured[k] = local[k]
-    starts = [window, replace(window, state=measured)]
-    if before is not None:
-        ended = engine.end(vector, before)
-        if ended is not None:
-            state = window.state.copy()
-            state[list(window.free)] = ended[list(window.free)]
-            starts.append(replace(window, state=state))
-    best, least = window, np.inf
-    for start in starts:
-        found, cost = _local(engine, vector, start, steps)
-        if cost < least:
-            best, least = found, cost
-        if least < 1.1 * max(int(np.count_nonzero(run.weight[window.start : window.stop])), 1):
-            break
-    return best
-
-
-def _local(engine: Engine, vector: Floats, window: Window, steps: int) -> tuple[Window, float]:
-    damping, free = 1e-3, list(window.free)
-    r = engine.residual(vector, window)
-    cost = np.inf if r is None else float(r @ r) + window_penalty(window)
-    for _ in range(steps):
-        block = engine.linearise(vector, window, own_only=True)
-        if block is None:
-            break
-        C = block.K.T @ block.K + np.diag(1.0 / window.spread[free] ** 2)
-        g = block.K.T @ block.r + (window.centre[free] - window.state[free]) / window.spread[free] ** 2
-        before = cost
-        for _ in range(6):
-            D = C + np.diag(damping * np.diag(C) + 1e-9 * np.trace(C))
-            trial = moved(window, np.asarray(np.linalg.solve(D, g), dtype=np.float64))
-            r = engine.residual(vector, trial)
-            new = np.inf if r is None else float(r @ r) + window_penalty(trial)
-            if new < cost:
-                window, cost, damping = trial, new, max(damping / 10, 1e-8)
-                break
-            damping *= 8
-        if before - cost < max(1e-3 * cost, 0.1):
-            break
-    return window, cost
-
-
 def conclude(
     engine: Engine, vector: Floats, windows: list[Window], blocks: list[Block], cost: float, done: int
 ) -> Fit:
@@ -297,7 +242,7 @@ def _improve(engine: Engine, point: Point) -> tuple[Floats, list[Window], float,
         costs = engine.costs(trial, shifted)
         trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
         if trial_cost >= cost and attempt < RESCUES and np.isfinite(trial_cost):
-            shifted, costs = _followed(engine, trial, shifted, costs, blocks)
+            shifted, costs = followed(engine, trial, shifted, costs, blocks)
             trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
         if trial_cost < cost:
             return trial, shifted, trial_cost - (say - 1.0) * engine.penalty(trial), max(damping / 10, 1e-7)
@@ -318,20 +263,6 @@ def _within(A: Floats, g: Floats, low: Floats, high: Floats) -> Floats:
         step[:] = 0.0
     step[~free] = 0.0
     return step
-
-
-def _followed(
-    engine: Engine, vector: Floats, windows: list[Window], costs: Floats, blocks: Sequence[Block]
-) -> tuple[list[Window], Floats]:
-    """Windows that a step made worse, their own states brought after it; with the costs of all."""
-    before = np.array([float(b.r @ b.r) for b in blocks])
-    worse = np.flatnonzero(costs > 1.02 * before + 1.0).tolist()
-    found = list(engine.pool.map(lambda i: _local(engine, vector, windows[i], 3), worse))
-    windows, costs = list(windows), costs.copy()
-    for i, (window, cost) in zip(worse, found, strict=True):
-        if cost < costs[i]:
-            windows[i], costs[i] = window, cost
-    return windows, costs
 
 
 def _shares(blocks: Sequence[Block], knee: Floats) -> Floats:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.engine import Engine
+from stickslip.discovery.engine import Engine, Window
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.readings import Learned
+from stickslip.discovery.relax import relax, rephased
 from stickslip.discovery.ripple import ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.solve import Fit, fit, relax
+from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.windows import cut, with_hidden
 from stickslip.effects import CATALOGUE, Effect
@@ -95,17 +96,23 @@ class Search:
         tolerance: float = 1e-4,
         rounds: int = 3,
         windows_of: Trial | None = None,
+        states_of: Trial | None = None,
         worst: float = math.inf,
         learned: tuple[Learned, ...] = (),
         vector: Floats | None = None,
         anyway: bool = False,
     ) -> Trial | None:
-        """Fit one hypothesis; `windows_of` lends its windows and states, `worst` is a hopeless cost; `anyway`
-        goes on when the time is up.
+        """Fit one hypothesis.
+
+        `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
+        `worst` is a hopeless cost; `anyway` goes on when the time is up.
         """
         engine = Engine(self.data, h, self.pool, learned)
         if windows_of is None:
             windows = cut(self.data, h.model, cycles)
+            if states_of is not None:
+                known = {(w.run, w.start): w for w in states_of.fit.windows}
+                windows = [_from(w, known.get((w.run, w.start))) for w in windows]
         else:
             windows = [with_hidden(w, h.model, self.data[w.run]) for w in windows_of.fit.windows]
         found = fit(
@@ -132,9 +139,12 @@ class Search:
                 break
             before = best.fit.cost
             for _ in range(3):
-                last, best = best, self._trimmed(best)
+                last, best = best, self.trimmed(best)
                 if best is last or best.fit.cost > 0.99 * last.fit.cost:
                     break
+            if best.excess < CLEAN:
+                break
+            best = self._rephased(best)
             if best.excess < CLEAN:
                 break
             long = self._again(best, LONG + turn, None)
@@ -148,7 +158,16 @@ class Search:
                 break
         return best
 
-    def _trimmed(self, trial: Trial) -> Trial:
+    def _rephased(self, trial: Trial) -> Trial:
+        """The trial fitted from the best of many phases of each run that it leaves above the noise; or itself."""
+        engine = trial.fit.engine
+        vector, windows = rephased(engine, trial.fit.vector, trial.fit.windows)
+        if np.array_equal(vector, trial.fit.vector):
+            return trial
+        again = fit(engine, vector, windows, iterations=30)
+        return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
+
+    def trimmed(self, trial: Trial) -> Trial:
         """The trial fitted without the few windows on the wrong side of a transition, which then follow; or itself."""
         engine, windows = trial.fit.engine, trial.fit.windows
         good = [float(b.r @ b.r) < TRIM * len(b.r) for b in trial.fit.blocks]
@@ -192,6 +211,13 @@ class Search:
             learned=trial.fit.engine.learned,
             vector=trial.fit.vector,
         )
+
+
+def _from(window: Window, known: Window | None) -> Window:
+    """The window with the state of another that starts where it does."""
+    if known is None or known.free != window.free:
+        return window
+    return replace(window, state=known.state, contact=known.contact)
 
 
 @dataclass
