@@ -11,11 +11,16 @@ namespace {
 
 constexpr int width = STICKSLIP_LANES;
 
+struct Alone {
+  Common common;
+  Member member;
+  Piece<double> scratch;
+};
+
 }  // namespace
 
 std::size_t sweep_workspace() {
-  return sizeof(Ensemble<width>) > sizeof(Member) + sizeof(Piece<double>) ? sizeof(Ensemble<width>)
-                                                                          : sizeof(Member) + sizeof(Piece<double>);
+  return sizeof(Ensemble<width>) > sizeof(Alone) ? sizeof(Ensemble<width>) : sizeof(Alone);
 }
 
 void sweep(const SweepRequest& q, void* workspace) {
@@ -24,11 +29,12 @@ void sweep(const SweepRequest& q, void* workspace) {
     ensemble->run();
     return;
   }
-  auto* member = new (workspace) Member;
-  auto* scratch = new (static_cast<char*>(workspace) + (sizeof(Member) + 127) / 128 * 128) Piece<double>;
-  for (member->index = q.take(q.context); member->index >= 0; member->index = q.take(q.context)) {
-    start_member(q, *member, *scratch);
-    run_alone(q, *member);
+  auto* alone = new (workspace) Alone;
+  Member& member = alone->member;
+  prepare(q, alone->common);
+  for (member.index = q.take(q.context); member.index >= 0; member.index = q.take(q.context)) {
+    start_member(q, alone->common, member, alone->scratch);
+    run_alone(q, member);
   }
 }
 

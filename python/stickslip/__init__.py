@@ -28,7 +28,8 @@ def __getattr__(name: str) -> str:
     if name == "__version__":
         from importlib.metadata import version  # slow to import, and seldom asked for
 
-        return version("stickslip")
+        globals()[name] = found = version("stickslip")
+        return found
     raise AttributeError(f"module 'stickslip' has no attribute '{name}'")
 
 

@@ -18,16 +18,37 @@ struct Member {
   Tally tally;
 };
 
+// What all members share, and whether the law is part of it.
+struct Common {
+  System<double> sys;
+  bool law;
+};
+
+inline void prepare(const SweepRequest& q, Common& c) {
+  c.law = true;
+  for (int j = 0; j < q.n_varied; ++j) c.law &= q.varied[j] < T_s_minus || q.varied[j] > quadratic_plus;
+  for (int i = 0; i < parameter_count; ++i) c.sys.p[i] = q.base[i];
+  c.sys.structure = *q.structure;
+  if (c.law) build_law(c.sys);
+}
+
 // Sets up member m.index from its row of values and finds its mode.
-inline void start_member(const SweepRequest& q, Member& m, Piece<double>& scratch) {
-  double all[parameter_count + state_count];
-  for (int i = 0; i < parameter_count + state_count; ++i) all[i] = q.base[i];
-  for (int j = 0; j < q.n_varied; ++j) all[q.varied[j]] = q.values[m.index * q.n_varied + j];
-  for (int i = 0; i < parameter_count; ++i) m.sys.p[i] = all[i];
-  for (int i = 0; i < state_count; ++i) m.s.z[i] = all[parameter_count + i];
+inline void start_member(const SweepRequest& q, const Common& common, Member& m, Piece<double>& scratch) {
+  for (int i = 0; i < parameter_count; ++i) m.sys.p[i] = q.base[i];
+  for (int i = 0; i < state_count; ++i) m.s.z[i] = q.base[parameter_count + i];
+  for (int j = 0; j < q.n_varied; ++j) {
+    const int slot = q.varied[j];
+    (slot < parameter_count ? m.sys.p[slot] : m.s.z[slot - parameter_count]) = q.values[m.index * q.n_varied + j];
+  }
   m.s.t = 0;
   m.sys.structure = *q.structure;
-  build(m.sys);
+  if (common.law) {
+    m.sys.minus = common.sys.minus;
+    m.sys.plus = common.sys.plus;
+  } else {
+    build_law(m.sys);
+  }
+  build_rig(m.sys);
   build_table(m.sys);
   Side on[watch_count] = {};
   m.mode = Mode{};

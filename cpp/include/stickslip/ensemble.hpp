@@ -18,13 +18,16 @@ inline int bin_of(const Mode& mode) {
 
 template <int W>
 struct Ensemble {
-  static constexpr int pool_size = 4 * W;
+  static constexpr int pool_size = 6 * W;
   const SweepRequest& q;
   int order;
   Batch<W> batch[bin_count];
   Member pool[pool_size];
+  Batch<W> lander;
   Member* waiting[bin_count][pool_size];
-  int queued[bin_count] = {};
+  Member* landing[bin_count][pool_size];  // may meet a surface in the step from where they are
+  int queued[bin_count] = {}, deferred[bin_count] = {};
+  Common common;
   Piece<double> scratch;
   Branch<double> minus, plus;
   bool first = true;
@@ -33,13 +36,21 @@ struct Ensemble {
       : q(request), order(order_for(tolerance_share * (request.rtol > 0 ? request.rtol : request.atol))) {}
 
   void run() {
+    prepare(q, common);
     for (Member& m : pool) next(m);
-    for (int b = fullest(); b >= 0; b = fullest()) {
-      refill(b);
-      do {
-        step(batch[b]);
+    for (;;) {
+      const int b = fullest(), due = longest();
+      if (due >= 0 && (deferred[due] >= W || b < 0 || load_of(b) < W)) {
+        land_deferred(due);
+      } else if (b >= 0) {
         refill(b);
-      } while (batch[b].active == W || (batch[b].active > 0 && batch[b].active + queued[b] >= others(b)));
+        do {
+          step(batch[b], false);
+          refill(b);
+        } while (deferred[b] < W && (batch[b].active == W || (batch[b].active > 0 && load_of(b) >= others(b))));
+      } else {
+        return;
+      }
     }
   }
 
@@ -50,6 +61,16 @@ struct Ensemble {
     for (int b = 1; b < bin_count; ++b)
       if (load_of(b) > load_of(best)) best = b;
     return load_of(best) > 0 ? best : -1;
+  }
+  int longest() const {  // line of members to be landed
+    int best = 0;
+    for (int b = 1; b < bin_count; ++b)
+      if (deferred[b] > deferred[best]) best = b;
+    return deferred[best] > 0 ? best : -1;
+  }
+  void land_deferred(int b) {
+    for (int i = 0; i < W && deferred[b] > 0; ++i) enter(lander, i, landing[b][--deferred[b]]);
+    step(lander, true);
   }
   int others(int b) const {
     int most = 0;
@@ -70,7 +91,7 @@ struct Ensemble {
   // Takes the next member. Lanes share the shape of their branches; one whose curve starts below its floor goes alone.
   void next(Member& m) {
     for (m.index = q.take(q.context); m.index >= 0; m.index = q.take(q.context)) {
-      start_member(q, m, scratch);
+      start_member(q, common, m, scratch);
       if (first) {
         minus = m.sys.minus;
         plus = m.sys.plus;
@@ -84,7 +105,9 @@ struct Ensemble {
     return a.shape == b.shape && a.has_kink == b.has_kink;
   }
 
-  void step(Batch<W>& b) {
+  // One step of all lanes. Lanes that may meet a surface are landed here if they are many, or if the batch is there `to_land`;
+  // else they leave as they are, until there is a register full of them.
+  void step(Batch<W>& b, bool to_land) {
     using L = Lanes<W>;
     if (b.active == 0) return;
     const int busy = __builtin_ctz(b.busy);
@@ -97,51 +120,59 @@ struct Ensemble {
     h = min(h, b.limit - b.s.t);
     const Watch<L>& watch = b.piece.watch[0];
     Side through[W];
-    const unsigned events = land_all(b, watch, p, !curved, h, through);
+    unsigned events = 0;
+    const L rest = tail(watch.c, p, h);
+    const unsigned lower = watch.has_lo ? suspects(b, watch, Side::lower, h, rest) : 0;
+    const unsigned upper = watch.has_hi ? suspects(b, watch, Side::upper, h, rest) : 0;
+    if (lower | upper) {
+      if (to_land || 2 * __builtin_popcount(lower | upper) >= W) {
+        const bool first_upper = __builtin_popcount(upper) > __builtin_popcount(lower);
+        land_side(b, watch, first_upper ? Side::upper : Side::lower, first_upper ? upper : lower, p, h, through,
+                  events);
+        unsigned other = first_upper ? lower : upper;
+        if (other != 0) {  // up to where the first side was met, less may be in doubt
+          const Side side = first_upper ? Side::lower : Side::upper;
+          if (events != 0) other = suspects(b, watch, side, h, tail(watch.c, p, h));
+          if (other != 0) land_side(b, watch, side, other, p, h, through, events);
+        }
+      } else {
+        for (unsigned left = lower | upper; left != 0; left &= left - 1) defer(b, __builtin_ctz(left));
+        if (b.busy == 0) return;
+      }
+    }
     if ((q.observe & (ob_range | ob_dissipated)) != 0) observe(b, p, h);
-    for (int k = 0; k < 4; ++k) b.s.z[k] = evaluate(state_series(b.piece, k), p, h);
+    evaluate_four<L>({b.piece.s.x1, b.piece.s.x2, b.piece.s.y1, b.piece.s.y2}, p, h, b.s.z);
     if (b.mode.contact == 0) b.s.z[1] = b.sys.rig.v_b;
     b.s.t = b.s.t + h;
-    finish_step(b, h, events, through);
+    finish_step(b, h, events, through, to_land);
   }
 
-  // Shortens h of the lanes that meet a surface first; they are returned as a mask, with the side they leave through.
-  unsigned land_all(const Batch<W>& b, const Watch<Lanes<W>>& watch, int p, bool linear, Lanes<W>& h, Side* through) {
-    const Lanes<W> rest = tail(watch.c, p, h);
-    unsigned events = 0;
-    const auto take = [&](int i, Side side, double t) {
+  void defer(Batch<W>& b, int i) {
+    Member* m = b.member[i];
+    m->side = b.on_lower[i] != 0 ? Side::lower : b.on_upper[i] != 0 ? Side::upper : Side::none;
+    leave(b, i);
+    const int bin = bin_of(m->mode);
+    landing[bin][deferred[bin]++] = m;
+  }
+
+  // Shortens h of the lanes that meet the surface first, and notes them in `events`.
+  void land_side(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, unsigned asked, int p, Lanes<W>& h,
+                 Side* through, unsigned& events) {
+    const auto take = [&](int i, double t) {
       h.set(i, t);
       events |= 1u << i;
       through[i] = side;
     };
-    for (const Side side : {Side::lower, Side::upper}) {
-      if (!(side == Side::lower ? watch.has_lo : watch.has_hi)) continue;
-      const unsigned mask = suspects(b, watch, side, h, rest);
-      if (mask == 0) continue;
-      const Landings<W> easy = land_lanes(watch, side, p, h, mask, b.standing(side));
-      for (unsigned left = easy.found; left != 0; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        take(i, side, easy.t[i]);
-      }
-      // nothing up to a horizon short of h: a linear piece may stop there, its steps being exact
-      unsigned hard = easy.undecided;
-      for (unsigned left = easy.clear; left != 0; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        if (easy.horizon[i] >= h[i]) continue;
-        if (linear && easy.horizon[i] > 0.02 * h[i]) {
-          h.set(i, easy.horizon[i]);
-          events &= ~(1u << i);  // of the other side, later
-        } else {
-          hard |= 1u << i;
-        }
-      }
-      for (unsigned left = hard; left != 0; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        double t = h[i];
-        if (locate(b, watch, side, i, p, t)) take(i, side, t);
-      }
+    Lanes<W> d[series_size];
+    positive_inside(b, watch, side, p, d);
+    const Landings<W> easy = land_lanes(d, p, h, asked);
+    for (unsigned left = easy.found; left != 0; left &= left - 1)
+      take(__builtin_ctz(left), easy.t[__builtin_ctz(left)]);
+    for (unsigned left = easy.undecided; left != 0; left &= left - 1) {
+      const int i = __builtin_ctz(left);
+      double t = h[i];
+      if (locate(b, watch, side, i, p, t)) take(i, t);
     }
-    return events;
   }
 
   void observe(Batch<W>& b, int p, const Lanes<W>& h) {
@@ -154,13 +185,13 @@ struct Ensemble {
     }
   }
 
-  void finish_step(Batch<W>& b, const Lanes<W>& h, unsigned events, const Side* through) {
+  void finish_step(Batch<W>& b, const Lanes<W>& h, unsigned events, const Side* through, bool all) {
     b.steps += Lanes<W>(1.0);
     if (b.mode.contact == 0) b.stick += h;
     b.on_lower = b.on_upper = typename Lanes<W>::Bits{};
     const unsigned going =
         mask_of<W>((b.s.t.v < b.limit.v) & (h.v > 0) & (b.steps.v < static_cast<double>(q.max_steps)));
-    for (unsigned left = (events | ~going) & b.busy; left != 0; left &= left - 1) {
+    for (unsigned left = (all ? b.busy : events | ~going) & b.busy; left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
       Member* m = b.member[i];
       const bool event = (events >> i & 1u) != 0;

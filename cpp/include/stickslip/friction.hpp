@@ -51,19 +51,25 @@ T magnitude(const Branch<T>& b, const T& u) {
   return curve(b, u);
 }
 
-// Where the falling curve meets its floor: bisection on the values, then one Newton step in T, which makes the
+// Where the falling curve meets its floor: Newton's steps inside a bracket on the values, then some in T, which make the
 // derivatives of the kink exact (and its value, to rounding).
 template <class T>
 T saturation_speed(const Branch<T>& b, double start) {
-  if (value(curve(b, T(0.0)) - b.saturated) <= 0) return T(0.0);
+  const auto above = [&](double u) { return static_cast<double>(value(curve(b, T(u)) - b.saturated)); };
+  if (above(0.0) <= 0) return T(0.0);
   double lo = 0, hi = start;
-  for (int i = 0; i < 60 && static_cast<double>(value(curve(b, T(hi)) - b.saturated)) > 0; ++i) hi *= 2;
-  if (static_cast<double>(value(curve(b, T(hi)) - b.saturated)) > 0) return T(std::numeric_limits<double>::infinity());
-  for (int i = 0; i < 60; ++i) {
-    const double mid = 0.5 * (lo + hi);
-    (static_cast<double>(value(curve(b, T(mid)) - b.saturated)) > 0 ? lo : hi) = mid;
+  for (int i = 0; i < 60 && above(hi) > 0; ++i) hi *= 2;
+  if (above(hi) > 0) return T(std::numeric_limits<double>::infinity());
+  double at = 0.5 * (lo + hi), last = hi;
+  for (int i = 0; i < 100 && last > 1e-12 * hi; ++i) {
+    const double height = above(at);
+    (height > 0 ? lo : hi) = at;
+    double next = at - height / static_cast<double>(value(curve_slope(b, T(at))));
+    if (!(next > lo && next < hi) || std::abs(next - at) > 0.75 * last) next = 0.5 * (lo + hi);
+    last = std::abs(next - at);
+    at = next;
   }
-  T u(0.5 * (lo + hi));
+  T u(at);
   for (int i = 0; i < 3; ++i) u = T(value(u)) - (curve(b, T(value(u))) - b.saturated) / curve_slope(b, T(value(u)));
   return u;
 }

@@ -1,5 +1,5 @@
-// Hénon landing in all lanes at once, for the common cases: S falls throughout the step, or is concave, so that it has
-// one root if it ends below zero and none otherwise. What is not that simple is left to the scalar code, lane by lane.
+// Hénon landing in all lanes at once, where the signs of S's Bernstein coefficients leave no doubt that it has no root in
+// the step or just one. What is not that simple is left to the scalar code, lane by lane.
 #pragma once
 
 #include "stickslip/batch.hpp"
@@ -8,71 +8,82 @@ namespace stickslip::inline STICKSLIP_ISA {
 
 template <int W>
 struct Landings {
-  Lanes<W> t, horizon;  // of the crossing; how far the answer holds
+  Lanes<W> t;  // of the crossing
   unsigned found = 0, clear = 0, undecided = 0;
 };
 
-// Of the lanes in `asked`: who crosses the surface within h, and when. Lanes in `standing` are leaving it.
+// S, positive inside, of every lane; of lanes that are leaving the surface S/t, whose root at 0 is divided out.
 template <int W>
-Landings<W> land_lanes(const Watch<Lanes<W>>& watch, Side side, int order, const Lanes<W>& h, unsigned asked,
-                       const typename Lanes<W>::Bits& on_surface) {
+void positive_inside(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, int order, Lanes<W>* d) {
   using Vec = typename Lanes<W>::Vec;
-  const unsigned standing = mask_of<W>(on_surface);
   const double sign = side == Side::lower ? 1.0 : -1.0;
-  Vec c0 = sign * (watch.c[0].v - (side == Side::lower ? watch.lo.v : watch.hi.v));
-  c0 = on_surface ? Vec{} : c0;
-  const Vec c1 = sign * watch.c[1].v, c2 = sign * watch.c[2].v;
-  // look no further than a little beyond the root of c0 + c1 t + c2 t^2: bounds are sharp on short intervals
-  const Vec near = square_root(Lanes<W>(c2 < 0 ? c1 * c1 - 4.0 * c2 * c0 : Vec{})).v;
-  const Vec reach = 1.25 * (c1 + near) / (-2.0 * c2);
-  const Vec hv = ((c2 < 0) & (reach > 0) & (reach < h.v)) ? reach : h.v;
-  Vec slope_rest = Vec{}, bend_rest = Vec{};  // bounds of S' and S''/2 beyond their first terms
-  for (int k = order; k >= 3; --k) {
-    const Vec c = watch.c[k].v, size = (c < 0 ? -c : c) * static_cast<double>(k);
-    slope_rest = slope_rest * hv + size;
-    bend_rest = bend_rest * hv + size * (0.5 * (k - 1));
+  d[0].v = sign * (watch.c[0].v - (side == Side::lower ? watch.lo.v : watch.hi.v));
+  for (int k = 1; k <= order; ++k) d[k].v = sign * watch.c[k].v;
+  const typename Lanes<W>::Bits standing = b.standing(side);
+  if (mask_of<W>(standing) == 0) return;
+  for (int k = 0; k < order; ++k) d[k].v = standing ? d[k + 1].v : d[k].v;
+  d[order].v = standing ? Vec{} : d[order].v;
+}
+
+// S on [0, h] in Bernstein's form, lane by lane: how often its coefficients change sign, and the first zero of the line
+// through them, as a share of h.
+template <int W>
+struct Signs {
+  typename Lanes<W>::Vec below, changes, first;  // below: 1 where S may get below zero
+};
+
+template <int W>
+Signs<W> count_signs(const Lanes<W>* d, int n, const Lanes<W>& h) {
+  using Vec = typename Lanes<W>::Vec;
+  Lanes<W> b[series_size];
+  Vec scale = Vec{} + 1.0, largest = Vec{};
+  for (int k = 0; k <= n; ++k) {  // d_k h^k / binomial(n, k)
+    b[k].v = d[k].v * scale;
+    if (k < n) scale *= h.v * ((k + 1) * reciprocals.r[n - k]);
   }
-  const auto value_at = [&](const Vec& t, Vec& s, Vec& slope) {
-    s = sign * watch.c[order].v;
-    slope = Vec{};
-    for (int k = order - 1; k >= 0; --k) {
-      slope = slope * t + s;
-      s = s * t + (k == 0 ? c0 : sign * watch.c[k].v);
-    }
-  };
-  Vec s1, slope1;
-  value_at(hv, s1, slope1);
-  const Vec c1_end = c1 + c2 * hv * 2.0;
-  const auto falling = (c1 > c1_end ? c1 : c1_end) < -(slope_rest * hv * hv);
-  const auto concave = c2 < -(bend_rest * hv);
-  // start: where S falls, the cubic t(S) through both ends with their slopes; else the parabola through S(0), S'(0)
-  // and S(h), whose far root is meant
-  const Vec span = s1 - c0, x = -c0 / span, q = (span - c1 * hv) / (hv * hv);
-  const Vec hermite = x * x * (3.0 - 2.0 * x) * hv + x * (1.0 - x) * ((1.0 - x) * (span / c1) - x * (span / slope1));
-  Vec root = c1 * c1 - 4.0 * q * c0;
-  root = square_root(Lanes<W>(root > 0 ? root : Vec{})).v;
-  const Vec parabola = (c1 + root) / (-2.0 * q);
-  Vec t = falling ? hermite : parabola;
-  t = ((t > 0) & (t < hv)) ? t : hv * 0.5;
-  const auto inside = c0 > 0;
-  const auto leaving = c1 > 0;
-  const unsigned within = (mask_of<W>(inside) & ~standing) | (mask_of<W>(leaving) & standing);
-  const unsigned simple = (mask_of<W>(concave) | (mask_of<W>(falling) & ~standing)) & within & asked;
-  const unsigned crossing = simple & mask_of<W>(s1 < 0);
+  for (int i = 1; i <= n; ++i)
+    for (int j = n; j >= i; --j) b[j].v += b[j - 1].v;
+  for (int k = 0; k <= n; ++k) largest = max(Lanes<W>(largest), abs(b[k])).v;
+  const Vec zero = Vec{}, one = zero + 1.0, noise = largest * (2.0 * std::numeric_limits<double>::epsilon());
+  Signs<W> out{zero, zero, zero};
+  Vec sign = one;
+  for (int k = 1; k <= n; ++k) {
+    const Vec now = b[k].v > 0 ? one : (b[k].v < -noise ? -one : sign);
+    const auto turned = now != sign;
+    const auto newly = turned & (out.changes == 0);
+    out.first = newly ? static_cast<double>(k) - b[k].v / (b[k].v - b[k - 1].v) : out.first;
+    out.changes += turned ? one : zero;
+    out.below = b[k].v < -noise ? one : out.below;
+    sign = now;
+  }
+  out.first *= reciprocals.r[n];
+  return out;
+}
+
+// Of the lanes in `asked`: who crosses S = 0 within h, and when. Decided are those whose coefficients are all positive,
+// and those that change sign once, ending below zero: then the root is the only one.
+template <int W>
+Landings<W> land_lanes(const Lanes<W>* d, int order, const Lanes<W>& h, unsigned asked) {
+  using L = Lanes<W>;
+  using Vec = typename L::Vec;
+  const Signs<W> signs = count_signs(d, order, h);
+  // a start so near to the surface that rounding decides is no simple case
+  const unsigned inside = asked & mask_of<W>(d[0].v > 1e-9 * h.v * (abs(d[1]).v + abs(d[2]).v * h.v));
+  const unsigned crossing = inside & mask_of<W>((signs.changes == 1.0) & (signs.below == 1.0));
+  Vec t = signs.first * h.v;
   unsigned settled = 0;
-  for (int i = 0; i < 5 && (crossing & ~settled) != 0; ++i) {  // Hénon: dt = -S/S'
-    Vec s, slope;
-    value_at(t, s, slope);
-    const Vec step = -s / slope;
+  for (int i = 0; i < 8 && (crossing & ~settled) != 0; ++i) {  // Hénon: dt = -S/S'
+    L s, slope;
+    value_and_slope(d, order, L(t), s, slope);
+    const Vec step = -s.v / slope.v;
     t += step;
-    settled = mask_of<W>(((step < 0 ? -step : step) <= 1e-9 * hv) & (t > 0) & (t <= hv));
+    settled = mask_of<W>((abs(L(step)).v <= 1e-9 * h.v) & (t > 0) & (t <= h.v));
   }
   Landings<W> out;
   out.found = crossing & settled;
-  out.clear = simple & ~crossing;
-  out.undecided = (asked & ~simple) | (crossing & ~out.found);
-  out.t = Lanes<W>(t);
-  out.horizon = Lanes<W>(hv);
+  out.clear = inside & mask_of<W>(signs.below == 0.0);
+  out.undecided = asked & ~(out.found | out.clear);
+  out.t = L(t);
   return out;
 }
 

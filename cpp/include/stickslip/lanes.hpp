@@ -90,6 +90,18 @@ Lanes<W> min(const Lanes<W>& a, const Lanes<W>& b) {
   return Lanes<W>(a.v < b.v ? a.v : b.v);
 }
 
+template <int W>
+[[gnu::always_inline]] inline Lanes<W> square_root(Lanes<W> x) {
+#ifdef __AVX512F__
+  if constexpr (W == 8) return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vec>(_mm512_sqrt_pd(x.v)));
+#endif
+#ifdef __AVX2__
+  if constexpr (W == 4) return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vec>(_mm256_sqrt_pd(x.v)));
+#endif
+  for (int i = 0; i < W; ++i) x.set(i, std::sqrt(x[i]));
+  return x;
+}
+
 // Bit i of the result: is lane i of a comparison true?
 template <int W>
 [[gnu::always_inline]] inline unsigned mask_of(const typename Register<W>::Bits& x) {

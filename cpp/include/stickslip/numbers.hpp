@@ -85,11 +85,6 @@ Dual<N> square_root(const Dual<N>& x) {
   const double s = std::sqrt(x.v);
   return chain(x, s, s > 0 ? 0.5 / s : 0.0);
 }
-template <int W>
-Lanes<W> square_root(Lanes<W> x) {
-  for (int i = 0; i < W; ++i) x.set(i, std::sqrt(x[i]));
-  return x;
-}
 
 // Rough logarithm to base 2 of a positive real, the same in every width (step-size control must not depend on it).
 inline double rough_log2(double x) { return detail::log2_rough<double, std::int64_t>(x); }

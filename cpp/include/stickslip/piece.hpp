@@ -22,10 +22,13 @@ struct System {
 };
 
 template <class T>
-void build(System<T>& sys) {  // from sys.structure and sys.p
-  sys.rig = make_rig(sys.structure.rig, sys.p);
+void build_law(System<T>& sys) {
   sys.minus = branch(sys.structure.law, sys.p, -1);
   sys.plus = branch(sys.structure.law, sys.p, 1);
+}
+template <class T>
+void build_rig(System<T>& sys) {  // after the law
+  sys.rig = make_rig(sys.structure.rig, sys.p);
   const Rig<T>& r = sys.rig;
   const auto real = [](const T& x) { return magnitude(value(x)); };
   // rates of |A|: root of the stiffness plus the damping, row by row; of the leg alone in stick
@@ -39,6 +42,11 @@ void build(System<T>& sys) {  // from sys.structure and sys.p
   sys.floor_step = reach / rate(Real<T>(0.0));
   sys.line_step = reach / rate(largest(Real<T>(real(sys.minus.c1)), Real<T>(real(sys.plus.c1))));
   sys.frequency = square_root(Real<T>(value(r.kx)));
+}
+template <class T>
+void build(System<T>& sys) {  // from sys.structure and sys.p
+  build_law(sys);
+  build_rig(sys);
 }
 
 template <class T>

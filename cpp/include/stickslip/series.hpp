@@ -129,27 +129,22 @@ T evaluate(const T* c, int order, const H& h) {
   return s;
 }
 
-// The same for four series in step, in even and odd powers: short chains that do not wait for each other.
+// The same for four series in step, in even and odd powers: short chains that do not wait for each other. order >= 2.
 template <class T>
 void evaluate_four(const T* const (&c)[4], int order, const T& h, T* out) {
   const T square = h * h;
+  const int top = order - 1 + order % 2;  // the highest odd power
   T even[4], odd[4];
-  int k = order;
   for (int i = 0; i < 4; ++i) {
-    odd[i] = T(0.0);
-    even[i] = c[i][k];
+    odd[i] = c[i][top];
+    even[i] = c[i][top - 1];
   }
-  if (k % 2 == 1) {
+  if (top != order)
+    for (int i = 0; i < 4; ++i) even[i] = even[i] + c[i][order] * square;
+  for (int k = top - 2; k > 0; k -= 2) {
     for (int i = 0; i < 4; ++i) {
-      odd[i] = even[i];
-      even[i] = c[i][k - 1];
-    }
-    --k;
-  }
-  for (k -= 2; k >= 0; k -= 2) {
-    for (int i = 0; i < 4; ++i) {
-      odd[i] = odd[i] * square + c[i][k + 1];
-      even[i] = even[i] * square + c[i][k];
+      odd[i] = odd[i] * square + c[i][k];
+      even[i] = even[i] * square + c[i][k - 1];
     }
   }
   for (int i = 0; i < 4; ++i) out[i] = even[i] + odd[i] * h;
