@@ -18,6 +18,8 @@ from stickslip.lowering import SLOTS, WIDTH, lower
 Floats = NDArray[np.float64]
 RTOL, ATOL = 1e-7, 1e-8
 ATTEMPTS = ((0.0, 0, RTOL), (1e-9, 20, RTOL), (0.0, 24, 1e-12), (1e-6, 24, 1e-12), (-5e-6, 0, RTOL))
+MOST_TRANSITIONS, MOST_STEPS = 500, 20_000  # in a window: beyond, its parameters are no rig's
+HOPELESS = (_core.Outcome.too_many_transitions, _core.Outcome.too_many_steps)
 STATES = len(_core.STATES)
 W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
 AUTO, STICK = 2, 0
@@ -138,11 +140,14 @@ class Engine:
                 atol=ATOL,
                 locator=_core.Locator.henon,
                 seeds=seeds,
-                max_transitions=2000,
+                max_transitions=MOST_TRANSITIONS,
+                max_steps=MOST_STEPS,
                 order=order,
             )
             if raw["outcome"] == _core.Outcome.finished:
                 return raw
+            if raw["outcome"] in HOPELESS:
+                break
         return None
 
     def end(self, vector: Floats, window: Window) -> Floats | None:
