@@ -53,7 +53,7 @@ from stickslip.records import Case
 from stickslip.rig import DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
-BUDGET = 80.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+BUDGET = 150.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
@@ -133,7 +133,7 @@ def _choose(search: Search) -> _Choice:
     null, best = search.tried[()], trials[0]
     if explained(best, null):
         return _Choice(null, best, None, trials)
-    curves = unlisted.learn(search, null, search.progress)
+    curves = unlisted.learn(search, null, search.progress, beat=best)
     if not (curves and _clearly(curves[0][1], best) and explained(curves[0][1], null)):
         trials = decide_pairs(search, trials)
         best = trials[0]

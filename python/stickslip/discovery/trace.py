@@ -133,7 +133,7 @@ class Search:
 
     def polish(self, trial: Trial, turns: int = 2) -> Trial:
         """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
-        best = self.close(trial)
+        best, idle = self.close(trial), 0
         for turn in range(turns + 2):
             if best.excess < CLEAN or best.chi2 > (NEAR if turn < turns else ALMOST) or self.left < 0:
                 break
@@ -154,8 +154,10 @@ class Search:
                 short = None if origin is None else self._again(origin, SHORT, None)
                 if short is not None and short.fit.cost < best.fit.cost:
                     best = short
-            if best.fit.cost > 0.998 * before and turn >= turns:
-                break
+            if best.fit.cost > 0.998 * before:
+                idle += 1
+                if idle > 1 or turn >= turns:
+                    break
         return best
 
     def _rephased(self, trial: Trial) -> Trial:

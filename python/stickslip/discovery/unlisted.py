@@ -20,6 +20,9 @@ Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 LOOSE = 3.0  # times wider a band is for its curve's mean, which the friction law takes up as well
 KNOTS, FINE = 7, 13
+PROMISING = (
+    0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
+)
 TERMS = {
     "block": ("x1", "x2", "y1", "y2", "t"),
     "angle_body": ("y1", "y2", "x1", "x2", "t"),
@@ -135,9 +138,12 @@ def gain(base: Trial, term: Term) -> float:
 
 
 def learn(
-    search: Search, base: Trial, progress: Callable[[str], None], most: int = 6
+    search: Search, base: Trial, progress: Callable[[str], None], most: int = 6, beat: Trial | None = None
 ) -> list[tuple[Term, Trial]]:
-    """Curves added to `base`: screened by their scores, the best `most` fitted, the best two closely; best first."""
+    """Curves added to `base`: screened by their scores, the best `most` fitted, the best two closely; best first.
+
+    One that does no better than `beat` is not fitted closely.
+    """
     promised = []
     for term in terms(base):
         progress(f"scoring a curve: {term.where} against {term.variable}")
@@ -156,6 +162,8 @@ def learn(
     found.sort(key=lambda one: one[1].bic)
     close = []
     for term, trial in found[:2]:
+        if beat is not None and trial.chi2 - 1 > PROMISING * (beat.chi2 - 1):
+            break
         progress(f"learning closely: {term.where} against {term.variable}")
         close.append((term, search.polish(trial, turns=1)))
         if close[-1][1].excess < CLEAN:
