@@ -1,0 +1,51 @@
+"""Rebuild the figures of the documents: `python tools/figures.py`, or with names: story branch derivatives.
+
+The story is the search of the demonstration's second half and takes a minute or two.
+"""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+
+import stickslip as ss
+from stickslip.plot import save_figure
+from stickslip.plot_branch import plot_branch
+from stickslip.story import story as tell
+
+ROOT = Path(__file__).parent.parent
+FIGURES = ROOT / "docs" / "figures"
+
+
+def story() -> None:
+    """The README's picture: portraits before and after."""
+    with tempfile.TemporaryDirectory() as folder:
+        tell(Path(folder), Console(stderr=True))
+        shutil.copyfile(
+            Path(folder) / "rotated_portrait" / "found" / "figures" / "portrait.png", FIGURES / "story.png"
+        )
+
+
+def branch() -> None:
+    """Leine's damped oscillator over the belt speed."""
+    leine = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    found = ss.continuation(leine, 2.0, parameter="belt_speed", span=(0.5, 3.5), guess=(3.0, 0.0))
+    save_figure(plot_branch(found), FIGURES / "branch")
+
+
+def derivatives() -> None:
+    """Velocity and acceleration from noisy readings, by method."""
+    program = ROOT / "bench" / "bench_derivatives.py"
+    subprocess.run([sys.executable, program, "--figure", FIGURES / "derivatives"], check=True)
+
+
+KNOWN = {"story": story, "branch": branch, "derivatives": derivatives}
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or KNOWN:
+        if name not in KNOWN:
+            sys.exit(f"figures: no figure '{name}'; known are {', '.join(KNOWN)}")
+        KNOWN[name]()
