@@ -44,13 +44,14 @@ from stickslip.discovery.trace import (
     declared,
     explained,
 )
+from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
 from stickslip.model import Model
 from stickslip.records import Case
-from stickslip.rig import DrivenSlider, Rig
+from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
 BUDGET = 150.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
@@ -111,6 +112,8 @@ def discover(
     tell = progress or (lambda _: None)
     if isinstance(case.rig, DrivenSlider):
         return driven.discover(case, tell=tell, seed=seed)
+    if isinstance(case.rig, BlockOnBelt):
+        return slider.discover(case, progress=progress, seed=seed)
     if not isinstance(case.rig, Rig):
         raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
     recordings = (*case.train, *case.validate)

@@ -1,0 +1,1 @@
+"""Discovery for a block on a belt whose friction differs from event to event."""

@@ -1,0 +1,169 @@
+"""Forecasts of a block on a belt: the state and the level of friction from the past alone, then the model's own run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.slider.cycle import S
+from stickslip.discovery.slider.table import Measured
+from stickslip.effects import Effect
+from stickslip.errors import StickslipError
+from stickslip.friction import CoulombFriction
+from stickslip.model import Model
+from stickslip.rig import BlockOnBelt
+from stickslip.simulate import simulate
+
+Floats = NDArray[np.float64]
+RECENT = 3  # events whose mean level is carried on
+HELD = 0.1  # s, or a third of a natural period: the end of a stick that its height is taken from
+PHASES = 48
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the channel makes of the deflection x: gain x + curvature x^2 + drift t."""
+
+    gain: float
+    curvature: float
+    drift: float
+
+    def of(self, x: Floats, t: Floats) -> Floats:
+        """Readings of deflections at times t."""
+        return np.asarray(self.gain * x + self.curvature * x**2 + self.drift * t)
+
+    def undone(self, reading: Floats, t: Floats) -> Floats:
+        """Deflections behind readings."""
+        flat = (reading - self.drift * t) / self.gain
+        return np.asarray(flat - self.curvature / self.gain * flat**2)
+
+
+def reading_of(model: Model, force_channel: bool) -> Reading:
+    """The chain from deflection to reading: a force is recorded by the true spring, and read by the declared one."""
+    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
+    gain = 1 + known.get("sensor_gain", {}).get("e", 0.0)
+    if force_channel:
+        gain *= 1 + known.get("rig_stiffness", {}).get("e", 0.0)
+    curvature = known.get("sensor_nonlinearity", {}).get("q", 0.0)
+    return Reading(gain, curvature, known.get("sensor_drift", {}).get("r", 0.0))
+
+
+def true_stiffness(model: Model) -> float:
+    """The spring's stiffness, a declared one that is wrong corrected."""
+    assert isinstance(model.rig, BlockOnBelt)
+    wrong = next((one for one in model.effects if one.name == "rig_stiffness"), None)
+    return model.rig.stiffness * (1 + (wrong.parameters["e"] if wrong else 0.0))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Readings x, deflections and velocities, modes and belt's-frame speeds at times t, (n,)."""
+
+    t: Floats
+    reading: Floats
+    state: Floats
+    mode: NDArray[np.int8]
+
+
+@dataclass
+class Forecaster:
+    """Forecasts one run with one model; x rises in its sticks, as in `Run`."""
+
+    model: Model
+    measured: Measured
+
+    def __post_init__(self) -> None:
+        run = self.measured.run
+        assert isinstance(self.model.friction, CoulombFriction)
+        self.model = replace(self.model, rig=_of_run(self.model, run.rig))
+        self.reading = reading_of(self.model, run.force_channel)
+
+    def state(self, stop: int) -> tuple[float, float]:
+        """Deflection and velocity at sample `stop`, from the readings before it."""
+        run = self.measured.run
+        t0 = float(run.t[stop - 1])
+        stick = next((s for s in reversed(run.track.sticks) if s.start < stop), None)
+        if stick is not None and stop <= stick.stop:
+            first = max(stick.start, int(np.searchsorted(run.t, t0 - HELD)))
+            at = np.arange(min(first, stop - 4), stop)
+            at = at[np.isfinite(run.x[at])]
+            x = self.reading.undone(run.x[at], run.t[at]) + run.belt_speed * (t0 - run.t[at])
+            return float(np.median(x)), run.belt_speed
+        at = np.arange(max(0, stop - 16), stop)
+        at = at[np.isfinite(run.x[at])]
+        x = self.reading.undone(run.x[at], run.t[at])
+        c = np.polynomial.polynomial.polyfit(run.t[at] - t0, x, 2)
+        return float(c[0]), min(float(c[1]), run.belt_speed)
+
+    def level(self, before: float) -> float:
+        """The friction of the last events before a time over the law's: no law predicts how runs differ."""
+        e = self.measured.events
+        past = np.flatnonzero(e.t < before)[-RECENT:]
+        law = self.model.friction
+        assert isinstance(law, CoulombFriction)
+        if not len(past):
+            return 1.0
+        top = self.reading.undone(e.p[past, S], e.t[past])
+        return float(np.mean(true_stiffness(self.model) * top) / law.static)
+
+    def forecast(self, stop: int, future: Floats) -> Prediction:
+        """Readings at `future` times from samples before `stop`."""
+        run = self.measured.run
+        t0 = float(run.t[stop - 1])
+        x, v = self.state(stop)
+        factor = self.level(t0)
+        law = self.model.friction
+        assert isinstance(law, CoulombFriction)
+        now = replace(
+            self.model, friction=CoulombFriction(static=law.static * factor, kinetic=law.kinetic * factor)
+        )
+        now = now.with_effects(self._without_slow(now))
+        if v == run.belt_speed:  # a stick cannot begin above its limit
+            x = min(x, 0.9999 * law.static * factor / true_stiffness(self.model))
+        t = future - t0
+        out = simulate(
+            now,
+            belt_speed=run.belt_speed,
+            initial=(x, v),
+            t_end=float(t[-1]),
+            t_eval=t,
+            rtol=1e-7,
+            atol=1e-10,
+        )
+        if len(out.t) != len(future):
+            raise StickslipError("the model's run stopped before the horizon")
+        x1, mode = np.asarray(out.state[:, 0]), np.asarray(out.mode, dtype=np.int8)
+        return Prediction(future, self.reading.of(x1, future), np.asarray(out.state), mode)
+
+    def _without_slow(self, model: Model) -> list[Effect]:
+        """What varies over many events is in the level of the last ones already."""
+        slow = ("belt_seam", "harmonic_forcing", "friction_drift")
+        return [one for one in model.effects if isinstance(one, Effect) and one.name not in slow]
+
+
+def _of_run(model: Model, rig: BlockOnBelt) -> BlockOnBelt:
+    """The rig of the run: its own declared stiffness and mass, which the model's relative errors then correct."""
+    assert isinstance(model.rig, BlockOnBelt)
+    return replace(rig, damping=model.rig.damping)
+
+
+def instants(measured: Measured, cycle: float, most: int) -> list[int]:
+    """Samples to forecast from: the middles of sticks, after the first few events and before the last cycle."""
+    run, e = measured.run, measured.events
+    if len(e) < RECENT + 1:
+        return []
+    first, last = float(e.t[RECENT - 1]), float(run.t[-1]) - cycle
+    middles = [(s.start + s.stop) // 2 for s in run.track.sticks if s.stop - s.start >= 12]
+    kept = [i for i in middles if first < run.t[i] < last]
+    if len(kept) > most:
+        kept = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
+    return kept
+
+
+def cycle_of(measured: Measured) -> float:
+    """Mean time from event to event."""
+    e = measured.events
+    gaps = np.diff(e.t)
+    return float(np.median(gaps)) if len(gaps) else float(measured.run.t[-1])

@@ -1,0 +1,120 @@
+"""Sentences a person should read beside the verdict on a block on a belt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stickslip.discovery.result import FoundEffect
+from stickslip.discovery.slider.choose import Choice
+from stickslip.discovery.slider.cycle import S
+from stickslip.discovery.slider.model import block_of
+from stickslip.discovery.slider.table import Measured
+
+GRADUAL = 3.0  # standard errors
+
+
+def remarks(choice: Choice, train: Sequence[Measured], effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+    """What to know about this case's data and verdict."""
+    return (
+        _noise(train),
+        _process(choice, train),
+        *_gradual(choice),
+        *_waves(choice, effects),
+        *_speeds(train),
+        "a constant load on the block is absorbed whole by the friction law: every run slips one way only",
+        *_ties(effects),
+    )
+
+
+def _noise(train: Sequence[Measured]) -> str:
+    one = train[0].run
+    unit = f"; readings come in steps of {one.step / one.noise:.2g} of it" if one.step else ""
+    share = 100 * float(np.mean([m.run.glitches for m in train]))
+    return (
+        f"noise of the deflection estimated as {one.noise:.3g}{unit}; {share:.2g} % of the readings are glitches of a "
+        "single sample, left out"
+    )
+
+
+def _process(choice: Choice, train: Sequence[Measured]) -> str:
+    level = block_of(choice, "level")
+    drop = np.concatenate([0.5 * (m.events.p[:, S] - m.events.arrest) for m in train])
+    off = np.concatenate([m.events.p[:, S] - m.events.p[:, S].mean() for m in train if len(m.events)])
+    sigma, length, tau = level.wander
+    return (
+        f"{len(level)} events; breakaway scatters by {float(np.std(off) / np.mean(drop)):.2g} times the mean drop: "
+        f"it wanders by {100 * sigma:.2g} % over {length:.3g} of belt travel, {100 * tau:.2g} % from event to event. "
+        f"Stick rates scatter by {100 * _spread(choice, 'rate'):.2g} %, "
+        f"slip frequencies by {50 * _spread(choice, 'frequency'):.2g} %"
+    )
+
+
+def _spread(choice: Choice, name: str) -> float:
+    block = block_of(choice, name)
+    return float(np.median(block.spread)) if len(block) else float("nan")
+
+
+def _gradual(choice: Choice) -> tuple[str, ...]:
+    """A slip that starts slowly has a negative damping: said, never named."""
+    block = block_of(choice, "damping")
+    if not len(block):
+        return ()
+    w = 1 / (block.noise + block.spread**2)
+    mean = float(w @ block.y / w.sum())
+    groups = np.unique(block.group)
+    std = float(np.sqrt(1 / w.sum() + block.shared**2 / len(groups)))
+    if mean > -GRADUAL * std:
+        return ()
+    return (
+        f"slips start slower and end faster than under constant sliding friction (damping {mean:.2f} +- {std:.2f}): "
+        "friction falls over a distance or with speed after breakaway, or the surface is uneven at that scale; these "
+        "runs do not tell which, so that none is named",
+    )
+
+
+def _waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+    """Friction along the belt, or a reading that follows the drive? The latter would also bend the sticks."""
+    found = next((one for one in effects if one.name == "belt_seam"), None)
+    if found is None:
+        return ()
+    rate, level = block_of(choice, "rate"), block_of(choice, "level")
+    length, a = found.parameters["L"].value, found.parameters["a"].value
+    angle = 2 * np.pi * rate.travel / length
+    columns = [np.where(rate.run == r, f(angle), 0.0) for r in np.unique(rate.run) for f in (np.sin, np.cos)]
+    means = [np.where(rate.run == r, 1.0, 0.0) for r in np.unique(rate.run)]
+    root = 1 / np.sqrt(rate.noise + rate.spread**2)
+    X = np.column_stack([*columns, *means]) * root[:, None]
+    theta = np.linalg.lstsq(X, rate.y * root, rcond=None)[0][: len(columns)]
+    seen = float(np.sqrt(np.mean(np.sum(theta.reshape(-1, 2) ** 2, axis=1))))
+    implied = 2 * np.pi * a * float(np.mean(level.x)) / length
+    if seen >= 0.5 * implied:
+        return ()
+    return (
+        f"a reading that followed the drive with this wavelength would make sticks rise {100 * implied:.2g} % faster "
+        f"and slower in turn; they vary by {100 * seen:.2g} %: it is the friction that varies",
+    )
+
+
+def _speeds(train: Sequence[Measured]) -> tuple[str, ...]:
+    speeds = {round(m.run.belt_speed, 12) for m in train}
+    if len(speeds) > 1:
+        return ()
+    return ("all train runs have one belt speed: a gain, a drift and a wrong set-point look alike",)
+
+
+def _ties(effects: Sequence[FoundEffect]) -> list[str]:
+    out = []
+    for one in effects:
+        exact = [a.name for a in one.alternatives if a.exact]
+        near = [a.name for a in one.alternatives if a.tied and not a.exact]
+        if exact:
+            out.append(f"{one.name} and {', '.join(exact)} give the same readings by algebra: {_why(one)}")
+        if near:
+            out.append(f"these runs do not tell {one.name} from {', '.join(near)}")
+    return out
+
+
+def _why(one: FoundEffect) -> str:
+    return next(a.reason for a in one.alternatives if a.exact)

@@ -1,0 +1,112 @@
+"""Runs as the report draws them, and the spectrum of what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.result import RunView
+from stickslip.discovery.slider.held import Held, motion
+from stickslip.discovery.slider.outcome import Ahead
+from stickslip.discovery.slider.predict import reading_of, true_stiffness
+from stickslip.discovery.slider.table import Measured
+from stickslip.model import Model
+from stickslip.rig import BlockOnBelt
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int8]
+Motion = tuple[Floats, Floats, Ints]
+MOST = 20_000  # samples of a run drawn
+THINNEST = 4
+BINS = 120
+
+
+def train_view(one: Measured, before: Model, after: Model, helds: tuple[Held, Held]) -> RunView:
+    """A run that was learned from: single events with their own levels under both models."""
+    was, now = (motion(one, h) for h in helds)
+    return _view(one, before, after, was, now)
+
+
+def validate_view(one: Measured, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
+    """A run that was forecast; NaN where no forecast was made."""
+    was, now = (_forecast(one, f) for f in forecasts)
+    return _view(one, before, after, was, now)
+
+
+def _forecast(one: Measured, ahead: Ahead) -> Motion:
+    n = len(one.run.t)
+    x, v, mode = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+    for p in ahead.predictions:
+        a, b = np.searchsorted(one.run.t, [p.t[0], p.t[-1]])
+        t = one.run.t[a : b + 1]
+        x[a : b + 1] = np.interp(t, p.t, p.reading)
+        v[a : b + 1] = np.interp(t, p.t, p.state[:, 1])
+        mode[a : b + 1] = p.mode[np.clip(np.searchsorted(p.t, t), 0, len(p.t) - 1)]
+    return x, v, mode
+
+
+def _view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -> RunView:
+    run = one.run
+    step = min(max(1, len(run.t) // MOST), THINNEST)
+    at = slice(0, MOST * step, step)
+    states = [_state(one, model, m) for model, m in ((before, was), (after, now))]
+    forces = [_force(one, model, s, at) for model, s in zip((before, after), states, strict=True)]
+    sign = run.sign
+    return RunView(
+        name=run.name,
+        role=run.role,
+        belt_speed=sign * run.belt_speed,
+        t=run.t[at],
+        measured={"x1": sign * run.x[at]},
+        noise={"x1": run.noise},
+        before={"x1": sign * was[0][at]},
+        after={"x1": sign * now[0][at]},
+        state_before=sign * states[0][at],
+        state_after=sign * states[1][at],
+        mode_before=(sign * was[2][at]).astype(np.int8),
+        mode_after=(sign * now[2][at]).astype(np.int8),
+        force_before=sign * forces[0],
+        force_after=sign * forces[1],
+        speed_before=sign * (was[1][at] - run.belt_speed),
+        speed_after=sign * (now[1][at] - run.belt_speed),
+    )
+
+
+def _state(one: Measured, model: Model, m: Motion) -> Floats:
+    """(n, 4) deflections and velocities behind predicted readings; there are no legs."""
+    x = reading_of(model, one.run.force_channel).undone(m[0], one.run.t)
+    none = np.zeros(len(x))
+    return np.column_stack([x, m[1], none, none])
+
+
+def _force(one: Measured, model: Model, state: Floats, at: slice) -> Floats:
+    """T that the equation of motion needs, -(m x'' + k x)."""
+    assert isinstance(model.rig, BlockOnBelt)
+    stiffness = one.run.rig.stiffness * true_stiffness(model) / model.rig.stiffness
+    acceleration = np.gradient(state[:, 1], one.run.t)
+    return np.asarray(-(one.run.rig.mass * acceleration + stiffness * state[:, 0]))[at]
+
+
+def spectrum(runs: Sequence[Measured], before: Sequence[Held], after: Sequence[Held]) -> Mapping[str, Floats]:
+    """Mean power of the residuals of single events over angular frequency; 1 for white noise."""
+    dt = float(np.median(np.diff(runs[0].run.t)))
+    edges = np.linspace(0, np.pi / dt, BINS + 1)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return {"frequency": middle, "before": _power(before, edges, dt), "after": _power(after, edges, dt)}
+
+
+def _power(helds: Sequence[Held], edges: Floats, dt: float) -> Floats:
+    total, count = np.zeros(BINS), np.zeros(BINS)
+    for h in helds:
+        for row in h.residual:
+            last = np.flatnonzero(np.isfinite(row))
+            if len(last) < 32:
+                continue
+            r = np.nan_to_num(row[: last[-1] + 1])
+            power = np.abs(np.fft.rfft(r)) ** 2 / len(last)
+            bins = np.clip(np.searchsorted(edges, 2 * np.pi * np.fft.rfftfreq(len(r), dt)) - 1, 0, BINS - 1)
+            np.add.at(total, bins, power)
+            np.add.at(count, bins, 1)
+    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), 1.0))
