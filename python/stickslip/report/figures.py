@@ -178,6 +178,7 @@ def errors(found: Found, axes: Axes) -> Figure:
         (f"{run.run}, {cycles}", one)
         for run in found.error.runs
         for cycles, one in (("one cycle", run.one_cycle), ("two cycles", run.two_cycles))
+        if np.isfinite(one["before"])
     ]
     rows.append(
         ("all", {"before": found.error.before, "after": found.error.after, "floor": found.error.floor})

@@ -86,22 +86,28 @@ def spectrum(found: Found, axes: Axes) -> Figure:
 def against_variable(found: Found, axes: Axes) -> Figure:
     """Mean residual of the training runs against the variable (or phase) of each effect, before and after."""
     effects = found.effects or (None,)
-    figure = sheet(4.8 * max(len(effects), 1.4), 4.2)
-    grid = figure.subplots(2, len(effects), squeeze=False, sharex="col")
+    channels = _channels(found)
+    figure = sheet(4.8 * max(len(effects), 1.4), 2.1 * len(channels))
+    grid = figure.subplots(len(channels), len(effects), squeeze=False, sharex="col")
     for column, effect in zip(grid.T, effects, strict=True):
         name, variable = (effect.name, main_variable(found, effect)) if effect else ("", "v_w")
         phases = effect.phases if effect else {}
         values, words = _values(found, axes, name, variable, phases)
-        for ax, channel in zip(column, CHANNELS, strict=True):
+        for ax, channel in zip(column, channels, strict=True):
             for which, colour in _columns(found):
                 _binned(ax, values, _all(found, which, channel), colour, which)
             ax.axhline(0.0, color="black", lw=0.8, ls=DASH, zorder=0)
             ax.set_ylabel(f"{channel} residual / noise")
-        column[1].set_xlabel(words)
+        column[-1].set_xlabel(words)
         column[0].set_title(name or "relative velocity", fontsize=10)
     handles, names = grid[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=4)
     return figure
+
+
+def _channels(found: Found) -> tuple[str, ...]:
+    """Displacements that the runs record: x1, and y1 where the rig has an angle body."""
+    return tuple(channel for channel in CHANNELS if channel in found.runs[0].measured)
 
 
 def main_variable(found: Found, effect: FoundEffect) -> str:
@@ -114,7 +120,7 @@ def main_variable(found: Found, effect: FoundEffect) -> str:
         return effect.curve.variable
     if "memory" in effect.depends_on:
         names += ["x2", "y2"] if effect.where.endswith("channel") else ["v_w"]
-    z = [_all(found, "before", channel) for channel in CHANNELS]
+    z = [_all(found, "before", channel) for channel in _channels(found)]
     return max(names or ["v_w"], key=lambda name: sum(_ordered(_column(found, name), one) for one in z))
 
 

@@ -42,7 +42,7 @@ def _forecast(one: Measured, ahead: Ahead) -> Motion:
         a, b = np.searchsorted(one.run.t, [p.t[0], p.t[-1]])
         t = one.run.t[a : b + 1]
         x[a : b + 1] = np.interp(t, p.t, p.reading)
-        v[a : b + 1] = np.interp(t, p.t, p.state[:, 1])
+        v[a : b + 1] = np.interp(t, p.t, np.gradient(p.reading, p.t))
         mode[a : b + 1] = p.mode[np.clip(np.searchsorted(p.t, t), 0, len(p.t) - 1)]
     return x, v, mode
 
@@ -63,8 +63,8 @@ def _view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) 
         noise={"x1": run.noise},
         before={"x1": sign * was[0][at]},
         after={"x1": sign * now[0][at]},
-        state_before=sign * states[0][at],
-        state_after=sign * states[1][at],
+        state_before=sign * _seen(was)[at],
+        state_after=sign * _seen(now)[at],
         mode_before=(sign * was[2][at]).astype(np.int8),
         mode_after=(sign * now[2][at]).astype(np.int8),
         force_before=sign * forces[0],
@@ -75,10 +75,15 @@ def _view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) 
 
 
 def _state(one: Measured, model: Model, m: Motion) -> Floats:
-    """(n, 4) deflections and velocities behind predicted readings; there are no legs."""
-    x = reading_of(model, one.run.force_channel).undone(m[0], one.run.t)
-    none = np.zeros(len(x))
-    return np.column_stack([x, m[1], none, none])
+    """(n, 2) deflections and velocities behind predicted readings and their rates."""
+    reading = reading_of(model, one.run.force_channel)
+    return np.column_stack([reading.undone(m[0], one.run.t), m[1] / reading.gain])
+
+
+def _seen(m: Motion) -> Floats:
+    """(n, 4) readings and their rates, for portraits of readings."""
+    none = np.zeros(len(m[0]))
+    return np.column_stack([m[0], m[1], none, none])
 
 
 def _force(one: Measured, model: Model, state: Floats, at: slice) -> Floats:
