@@ -33,7 +33,9 @@ from stickslip.discovery.result import (
     RunView,
     Verdict,
 )
+from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import (
+    CLEAN,
     LONG,
     MARGIN,
     SHORT,
@@ -44,7 +46,6 @@ from stickslip.discovery.trace import (
     declared,
     explained,
 )
-from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
@@ -61,8 +62,8 @@ BETTER = 0.5  # share of the excess that a learned curve may leave of what the b
 
 @dataclass
 class _Choice:
-    """What was chosen: the declared law, the trial, the curve in it if any, all trials, and the likely place of what
-    neither a name nor a curve explains.
+    """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
+    neither a name nor a curve explains, and the error on windows held out over what it was.
     """
 
     null: Trial
@@ -70,6 +71,7 @@ class _Choice:
     term: unlisted.Term | None
     trials: list[Trial]
     place: tuple[str, str] | None = None
+    held: float = 1.0
 
 
 @arguments.explained
@@ -127,7 +129,7 @@ def discover(
         first = declared(search)
         data, corrected = cleaned(data, None if first is None else first.fit, case.noise)
         search = Search(data[:count], model, pool, tell, budget)
-        choice = _choose(search)
+        choice = _held(_choose(search))
         return _found(case, choice, search, data[count:], tell, seed, began, corrected)
 
 
@@ -154,6 +156,17 @@ def _choose(search: Search) -> _Choice:
     ):  # no name and no curve explains it: say so, and guess the place
         return _Choice(null, null, None, trials, _place(null, best))
     return _Choice(null, best, None, trials)
+
+
+def _held(choice: _Choice) -> _Choice:
+    """The choice if it does better on windows held out of the fit; else the declared law, and a place at most."""
+    if not choice.trial.names:
+        return choice
+    held = ev.held_out(choice.null, choice.trial)
+    if held < 1.0:
+        return replace(choice, held=held)
+    place = _place(choice.null, choice.trial) if choice.null.excess > CLEAN else None
+    return _Choice(choice.null, choice.null, None, choice.trials, place)
 
 
 def _place(null: Trial, best: Trial) -> tuple[str, str]:
@@ -284,11 +297,10 @@ def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) ->
         return (FoundEffect("unlisted", where, (variable,), {}, proof, (), "not described"),)
     if not choice.trial.names:
         return ()
-    held = ev.held_out(choice.null, choice.trial)
     tried = list(search.tried.values())
     out = []
     for name in choice.trial.names:
-        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, held)
+        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
         others = ev.alternatives(choice.trial, tried, name)
         if unlisted.is_tabulated(name):
             assert choice.term is not None
