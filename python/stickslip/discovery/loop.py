@@ -120,7 +120,7 @@ def discover(
         raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
-    plausible(case, data)
+    data, notes = plausible(case, data)
     with ThreadPoolExecutor(threads) as pool:
         count = len(case.train)
         model = Model(case.rig, friction=case.friction)
@@ -130,7 +130,7 @@ def discover(
         data, corrected = cleaned(data, None if first is None else first.fit, case.noise)
         search = Search(data[:count], model, pool, tell, budget)
         choice = _held(_choose(search))
-        return _found(case, choice, search, data[count:], tell, seed, began, corrected)
+        return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 
 def _choose(search: Search) -> _Choice:
@@ -327,7 +327,7 @@ def _ranking(search: Search, choice: _Choice) -> tuple[Rival, ...]:
         {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
         key=lambda one: one.bic,
     )
-    least = trials[0].bic
+    least, chosen = trials[0].bic, tuple(sorted(choice.trial.names))
     out, seen = [], set()
     for t in trials:
         key = tuple(sorted(t.names))
@@ -336,7 +336,7 @@ def _ranking(search: Search, choice: _Choice) -> tuple[Rival, ...]:
         seen.add(key)
         values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
         numbers = {k: v for k, v in values.items() if "." in k and not unlisted.is_tabulated(k)}
-        out.append(Rival(t.names, t.chi2, t.bic - least, numbers, None, t is choice.trial))
+        out.append(Rival(t.names, t.chi2, t.bic - least, numbers, None, key == chosen))
     return tuple(out)
 
 

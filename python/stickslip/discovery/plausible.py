@@ -8,7 +8,7 @@ of x1 is the belt's speed. An effect moves these numbers by a tenth or two; a wr
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.errors import InputError
+from stickslip.findings import FindingKind
 from stickslip.records import Case
 from stickslip.rig import Rig
 from stickslip.units import default_speed_unit, factor
@@ -27,8 +28,9 @@ CLOSE = 0.995  # the same where the equation holds but for noise
 RATIO = 1.6  # a ratio of y1 to x1 that no sensor of the list has
 SPEED = 2.5  # the same for the speed of the sticking block over the belt's
 ODD, ALIKE = 0.33, 0.03  # in the logarithm: a run's speed that is off, where the others' are right
+GAIN = 1.15  # a belt channel off by more, where block and set-point agree, is not believed
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
-SHIFTED = 0.05  # share of the equation left over below which a shifted zero explains what is wrong
+SHIFTED = 0.08  # share of the equation left over below which a shifted zero explains what is wrong
 FITS = 0.15  # how near a unit must bring a ratio to 1, in the logarithm, to be suggested
 TIMES = ("s", "ms", "us", "min", "hour")
 LENGTHS = ("m", "cm", "mm", "um", "inch")
@@ -142,8 +144,12 @@ def stick_speed(run: Data) -> float | None:
     return middle if 0 < 2 * half < PRONOUNCED * abs(middle) and opposite < 0.4 * count else None
 
 
-def plausible(case: Case, data: Sequence[Data]) -> None:
+def plausible(case: Case, data: Sequence[Data]) -> tuple[list[Data], tuple[str, ...]]:
     """Refuse a case whose channels cannot be what it says: a wrong unit, sign or column.
+
+    Returns
+    -------
+    The runs, without the readings of a belt channel that the block contradicts, and what is to be said of that.
 
     Raises
     ------
@@ -164,11 +170,38 @@ def plausible(case: Case, data: Sequence[Data]) -> None:
     if not ratio.sure:
         _odd_run(data, rig)
         _columns(case, data)
-    if speed is None:
-        return
-    if not 1 / SPEED < speed < SPEED:
+    if speed is not None and not 1 / SPEED < speed < SPEED:
         raise InputError(_belt(case, data, speed, ratio))
-    _each_run(case, data)
+    if speed is not None:
+        _each_run(case, data)
+    for one in (finding for run in case.runs for finding in run.findings if finding.kind is FindingKind.SIZE):
+        agree = (
+            "x1, y1, t and belt_speed agree with each other, but "
+            if ratio.right and speed is not None
+            else ""
+        )
+        size = str(one).replace(":", "", 1).removesuffix("; is the unit right?")
+        raise InputError(f"{agree}{size}: check the rig's numbers (length, k1, k2), [friction] and the units")
+    return _without_belt(data)
+
+
+def _without_belt(data: Sequence[Data]) -> tuple[list[Data], tuple[str, ...]]:
+    """Leave out a belt channel that reads otherwise than the block rides, where that agrees with the set-points."""
+    ridden = [(run, stick_speed(run)) for run in data if run.readings.shape[1] == 3 and run.belt_speed]
+    known = [(run, v) for run, v in ridden if v is not None]
+    by_block = [abs(float(np.log(abs(v / run.belt_speed)))) for run, v in known]
+    by_belt = [float(np.median(run.readings[:, 2])) / v for run, v in known]
+    if len(known) < 3 or max(by_block) > 0.1 or not (min(by_belt) > GAIN or max(by_belt) < 1 / GAIN):
+        return list(data), ()
+    left = []
+    for run in data:
+        weight = run.weight.copy()
+        weight[:, 2] = 0.0
+        left.append(replace(run, weight=weight))
+    return left, (
+        f"channel belt reads {_times(float(np.median(by_belt)))} the speed at which the block rides, which is the "
+        "set-point by x1: its readings are left out; check its unit and calibration",
+    )
 
 
 def _speed(data: Sequence[Data]) -> float | None:
