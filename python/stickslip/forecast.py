@@ -17,6 +17,7 @@ from stickslip.discovery.readings import curves_of
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.model import Model
 from stickslip.records import Recording
+from stickslip.rig import BlockOnBelt
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Returns
     -------
     DataFrame
-        Columns t, x1, y1 in the recording's own units, at its sampling rate, from the next sample on.
+        Columns t, x1, y1 in the recording's own units, at its sampling rate, from the next sample on; for a block
+        on a belt t and the channel recorded, x1 or spring_force.
 
     Raises
     ------
@@ -67,11 +69,14 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     must_be("model", model, Model, "load_model(file) gives one")
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
-    run = prepare([replace(recording, belt_speed=speed)])[0]
+    past_run = replace(recording, belt_speed=speed)
     dt = float(np.median(np.diff(recording.t)))
     steps = int(np.floor(span / dt + SLACK))
     if steps < 1:
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
+    if isinstance(model.rig, BlockOnBelt):
+        return _slider(model, past_run, dt, steps)
+    run = prepare([past_run])[0]
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     with ThreadPoolExecutor(2) as pool:
         forecaster = Forecaster(model, run, pool, curves_of(model))
@@ -84,6 +89,24 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     columns = {"t": future + float(recording.t[0])}
     columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
     return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
+
+
+def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.DataFrame:
+    """A block on a belt: the level of friction is that of the last events of the past."""
+    import pandas as pd
+
+    from stickslip.discovery.slider.predict import Forecaster as Slider
+    from stickslip.discovery.slider.table import measure
+    from stickslip.discovery.slider.table import prepare as ready
+
+    measured = measure(ready(recording))
+    run = measured.run
+    future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
+    readings = run.sign * Slider(model, measured).forecast(len(run.t), future).reading
+    columns = {"t": future + float(recording.t[0]), recording.channel("x1"): readings}
+    return pd.DataFrame(
+        {name: values / recording.factor("t" if name == "t" else "x1") for name, values in columns.items()}
+    )
 
 
 def _doubt(difference: NDArray[np.float64], run: Data) -> None:

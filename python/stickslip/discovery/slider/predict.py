@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.table import Measured
 from stickslip.effects import Effect
 from stickslip.errors import StickslipError
-from stickslip.friction import CoulombFriction
+from stickslip.friction import FrictionLaw
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt
 from stickslip.simulate import simulate
@@ -76,8 +76,12 @@ class Forecaster:
 
     def __post_init__(self) -> None:
         run = self.measured.run
-        assert isinstance(self.model.friction, CoulombFriction)
-        self.model = replace(self.model, rig=_of_run(self.model, run.rig))
+        rig = (
+            replace(run.rig, damping=self.model.rig.damping)
+            if isinstance(self.model.rig, BlockOnBelt)
+            else run.rig
+        )
+        self.model = replace(self.model, rig=rig, friction=seen(self.model.friction, run.sign))
         self.reading = reading_of(self.model, run.force_channel)
 
     def state(self, stop: int) -> tuple[float, float]:
@@ -101,12 +105,10 @@ class Forecaster:
         """The friction of the last events before a time over the law's: no law predicts how runs differ."""
         e = self.measured.events
         past = np.flatnonzero(e.t < before)[-RECENT:]
-        law = self.model.friction
-        assert isinstance(law, CoulombFriction)
         if not len(past):
             return 1.0
         top = self.reading.undone(e.p[past, S], e.t[past])
-        return float(np.mean(true_stiffness(self.model) * top) / law.static)
+        return float(np.mean(true_stiffness(self.model) * top) / self.model.friction.static_limits[0])
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`."""
@@ -114,14 +116,10 @@ class Forecaster:
         t0 = float(run.t[stop - 1])
         x, v = self.state(stop)
         factor = self.level(t0)
-        law = self.model.friction
-        assert isinstance(law, CoulombFriction)
-        now = replace(
-            self.model, friction=CoulombFriction(static=law.static * factor, kinetic=law.kinetic * factor)
-        )
-        now = now.with_effects(self._without_slow(now))
+        law = seen(self.model.friction, 1.0, factor)
+        now = replace(self.model, friction=law).with_effects(self._without_slow())
         if v == run.belt_speed:  # a stick cannot begin above its limit
-            x = min(x, 0.9999 * law.static * factor / true_stiffness(self.model))
+            x = min(x, 0.9999 * law.static_limits[0] / true_stiffness(self.model))
         t = future - t0
         out = simulate(
             now,
@@ -137,16 +135,21 @@ class Forecaster:
         x1, mode = np.asarray(out.state[:, 0]), np.asarray(out.mode, dtype=np.int8)
         return Prediction(future, self.reading.of(x1, future), np.asarray(out.state), mode)
 
-    def _without_slow(self, model: Model) -> list[Effect]:
+    def _without_slow(self) -> list[Effect]:
         """What varies over many events is in the level of the last ones already."""
         slow = ("belt_seam", "harmonic_forcing", "friction_drift")
-        return [one for one in model.effects if isinstance(one, Effect) and one.name not in slow]
+        return [one for one in self.model.effects if isinstance(one, Effect) and one.name not in slow]
 
 
-def _of_run(model: Model, rig: BlockOnBelt) -> BlockOnBelt:
-    """The rig of the run: its own declared stiffness and mass, which the model's relative errors then correct."""
-    assert isinstance(model.rig, BlockOnBelt)
-    return replace(rig, damping=model.rig.damping)
+def seen(law: FrictionLaw, sign: float, factor: float = 1.0) -> FrictionLaw:
+    """The law times a factor, as the block feels it when the belt's direction is turned to be positive."""
+    values = {one.name: getattr(law, one.name) for one in fields(law)}
+    if sign < 0:
+        own = {n: values.get(f"{n}_plus") for n in values if f"{n}_plus" in values}
+        turned = {n: values[n] if v is None else v for n, v in own.items()}
+        values |= turned | {f"{n}_plus": values[n] for n, v in own.items() if v is not None}
+    sized = {n: v if v is None or n.startswith("decay") else v * factor for n, v in values.items()}
+    return type(law)(**sized)
 
 
 def instants(measured: Measured, cycle: float, most: int) -> list[int]:
