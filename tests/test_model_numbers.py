@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,22 +10,33 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 pytest.importorskip("stickslip._core")
-from stickslip.effects import effect
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from known_numbers import (
+    COULOMB,
+    DEN_HARTOG,
+    HARD_MEMBERS,
+    LEINE_CAPTURE,
+    LEINE_HIGHEST,
+    LEINE_PERIOD,
+    POPP_STELTER_MODES,
+    POPP_STELTER_PERIOD,
+    POPP_STELTER_STROBE,
+    POPP_STELTER_TIMES,
+    RIG,
+    START,
+    TRUTH_P1,
+    TRUTH_P2,
+    den_hartog,
+    energy,
+    leine,
+    paper_model,
+    popp_stelter,
+)
+from stickslip.friction import CoulombFriction, PaperFriction
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt, Rig
 from stickslip.simulate import simulate
 
-DATA = Path(__file__).parent / "data"
-TRUTH_P1 = json.loads((DATA / "truth_p1.json").read_text())
-TRUTH_P2 = json.loads((DATA / "truth_p2.json").read_text())
-RIG = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2}
-START = (0.1, 0.1, 0.0, 0.0)
 TIGHT = {"rtol": 1e-13, "atol": 1e-13}
-
-
-def paper_model(*effects, **changes):
-    return Model(Rig(**(RIG | changes)), friction=PaperFriction(), effects=effects)
 
 
 def frictionless(**changes):
@@ -50,11 +59,7 @@ def turning_point(model, v_b, start, low, high):
 
 @pytest.mark.parametrize(
     ("static", "kinetic", "v_b", "slip", "stick", "high", "low"),
-    [
-        (1, 0.5, 0.2, 3.902605407814523, 5, 1.0385164807134504, -0.0385164807134504),
-        (1, 0.5, 0.5, 4.71238898038469, 2, 1.2071067811865475, -0.2071067811865475),
-        (1, 0.25, 0.1, 3.406695718183141, 15, 1.0066372975210778, -0.5066372975210778),
-    ],
+    COULOMB,
 )
 @pytest.mark.parametrize("direction", [1, -1])
 def test_coulomb_block_on_belt(static, kinetic, v_b, slip, stick, high, low, direction):
@@ -80,25 +85,20 @@ def test_coulomb_block_on_belt(static, kinetic, v_b, slip, stick, high, low, dir
 
 
 def test_leine_period_return_and_extreme():
-    model = Model(BlockOnBelt(), friction=HyperbolicFriction(scale=1, decay=3))
+    model = leine()
     run = simulate(model, belt_speed=0.2, initial=(0.0, 0.2), t_end=90, **TIGHT)
     starts = run.transitions.t[run.transitions.after == -1]
     assert starts.size == 8
-    assert np.diff(starts) == pytest.approx(12.00103129483057865, abs=1e-10)
-    assert run.transitions.state[1::2, 0] == pytest.approx(-0.54100635387008475, abs=1e-10)
-    assert turning_point(model, 0.2, (0.0, 0.2), 5.5, 7.5) == pytest.approx(1.13394467644165684, abs=1e-10)
+    assert np.diff(starts) == pytest.approx(LEINE_PERIOD, abs=1e-10)
+    assert run.transitions.state[1::2, 0] == pytest.approx(LEINE_CAPTURE, abs=1e-10)
+    assert turning_point(model, 0.2, (0.0, 0.2), 5.5, 7.5) == pytest.approx(LEINE_HIGHEST, abs=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("r", "friction", "amplitude"), [(0.8, 0.3, 2.62610487572348), (1.5, 0.2, 0.765941686205071)]
-)
+@pytest.mark.parametrize(("r", "friction", "amplitude"), DEN_HARTOG)
 def test_den_hartog_amplitude(r, friction, amplitude):
-    law = CoulombFriction(static=friction, kinetic=friction)
-
     def half_period(unknowns):
         x, phase = unknowns
-        force = effect("harmonic_forcing", a=1.0, w=r, phi=phase)
-        model = Model(BlockOnBelt(), friction=law, effects=[force])
+        model = den_hartog(r, friction, phase)
         run = simulate(model, belt_speed=0.0, initial=(x, 0.0), t_end=math.pi / r, **TIGHT)
         return run.state[-1] + np.array([x, 0.0])
 
@@ -108,21 +108,14 @@ def test_den_hartog_amplitude(r, friction, amplitude):
 
 
 def test_forced_popp_stelter():
-    law = HyperbolicFriction(scale=3, decay=1.42, constant=1, quadratic=0.1)
-    force = effect("harmonic_forcing", a=3.6, w=1.067, phi=math.pi / 2)
-    model = Model(BlockOnBelt(), friction=law, effects=[force])
-    t_end = 75 * 2 * math.pi / 1.067
-    run = simulate(model, belt_speed=1.0, initial=(0.0, 0.0), t_end=t_end, rtol=1e-12, atol=1e-12)
-    told = [0.155498543, 2.037675319, 4.934553429, 5.362742380, 6.697629823, 7.955663971]
-    assert run.transitions.t[:6] == pytest.approx(told, abs=1e-8)
-    assert run.transitions.after[:6].tolist() == [0, -1, 0, 1, 0, -1]
-    assert run.state[-1, 0] == pytest.approx(-0.2806365463, abs=1e-8)
+    model = popp_stelter()
+    run = simulate(
+        model, belt_speed=1.0, initial=(0.0, 0.0), t_end=75 * POPP_STELTER_PERIOD, rtol=1e-12, atol=1e-12
+    )
+    assert run.transitions.t[:6] == pytest.approx(POPP_STELTER_TIMES, abs=1e-8)
+    assert run.transitions.after[:6].tolist() == POPP_STELTER_MODES
+    assert run.state[-1, 0] == pytest.approx(POPP_STELTER_STROBE, abs=1e-8)
     assert run.mode[-1] == 0
-
-
-def energy(z, s=1.0):
-    x1, x2, y1, y2 = z
-    return (16 * x2**2 + 8 * y2**2 + 16 * x1**2 + 4 * y1**2) / 2 + s * x1 * y1
 
 
 def test_energy_identity_without_friction():
@@ -177,7 +170,7 @@ def test_long_run_of_the_reference_rig():
     assert run.state[-1] == pytest.approx(TRUTH_P1["final"], abs=1e-9)
 
 
-@pytest.mark.parametrize("member", [3382, 3505, 1489, 1871, 1929, 3316, 4001])
+@pytest.mark.parametrize("member", HARD_MEMBERS)
 def test_hard_members_of_the_grid_at_a_loose_tolerance(member):
     i, j = divmod(member, 64)
     alpha1 = float(np.linspace(8.0, 40.0, 64)[j])

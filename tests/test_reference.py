@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from itertools import pairwise
 from pathlib import Path
@@ -11,21 +10,32 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 
+from known_numbers import (
+    COULOMB,
+    DEN_HARTOG,
+    HARD_MEMBERS,
+    LEINE_CAPTURE,
+    LEINE_HIGHEST,
+    LEINE_PERIOD,
+    POPP_STELTER_MODES,
+    POPP_STELTER_PERIOD,
+    POPP_STELTER_STROBE,
+    POPP_STELTER_TIMES,
+    RIG,
+    START,
+    TRUTH_P1,
+    TRUTH_P2,
+    den_hartog,
+    energy,
+    leine,
+    paper_model,
+    popp_stelter,
+)
 from stickslip import reference
 from stickslip.effects import effect, tabulated
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.friction import CoulombFriction
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt, Rig
-
-DATA = Path(__file__).parent / "data"
-TRUTH_P1 = json.loads((DATA / "truth_p1.json").read_text())
-TRUTH_P2 = json.loads((DATA / "truth_p2.json").read_text())
-RIG = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2}
-START = (0.1, 0.1, 0.0, 0.0)
-
-
-def paper_model(*effects, **changes):
-    return Model(Rig(**(RIG | changes)), friction=PaperFriction(), effects=effects)
 
 
 def turning_points(run):
@@ -51,11 +61,7 @@ def quadrature(run, value):
 
 @pytest.mark.parametrize(
     ("static", "kinetic", "v_b", "slip", "stick", "high", "low"),
-    [
-        (1, 0.5, 0.2, 3.902605407814523, 5, 1.0385164807134504, -0.0385164807134504),
-        (1, 0.5, 0.5, 4.71238898038469, 2, 1.2071067811865475, -0.2071067811865475),
-        (1, 0.25, 0.1, 3.406695718183141, 15, 1.0066372975210778, -0.5066372975210778),
-    ],
+    COULOMB,
 )
 @pytest.mark.parametrize("direction", [1, -1])
 def test_coulomb_block_on_belt_in_closed_form(static, kinetic, v_b, slip, stick, high, low, direction):
@@ -81,25 +87,19 @@ def test_different_limits_in_each_direction_are_taken_on_their_side():
 
 
 def test_leine_block_on_belt():
-    model = Model(BlockOnBelt(), friction=HyperbolicFriction(scale=1, decay=3))
+    model = leine()
     run = reference.simulate(model, belt_speed=0.2, initial=(0.0, 0.2), t_end=45)
     starts = run.transitions.t[run.transitions.after == -1]
-    assert np.diff(starts) == pytest.approx(12.00103129483057865, abs=1e-10)
-    assert run.transitions.state[1::2, 0] == pytest.approx(-0.54100635387008475, abs=1e-10)
-    assert max(turning_points(run)) == pytest.approx(1.13394467644165684, abs=1e-10)
+    assert np.diff(starts) == pytest.approx(LEINE_PERIOD, abs=1e-10)
+    assert run.transitions.state[1::2, 0] == pytest.approx(LEINE_CAPTURE, abs=1e-10)
+    assert max(turning_points(run)) == pytest.approx(LEINE_HIGHEST, abs=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("r", "friction", "amplitude"), [(0.8, 0.3, 2.62610487572348), (1.5, 0.2, 0.765941686205071)]
-)
+@pytest.mark.parametrize(("r", "friction", "amplitude"), DEN_HARTOG)
 def test_den_hartog_amplitude(r, friction, amplitude):
-    law = CoulombFriction(static=friction, kinetic=friction)
-
     def half_period(unknowns):
         x, phase = unknowns
-        model = Model(
-            BlockOnBelt(), friction=law, effects=(effect("harmonic_forcing", a=1.0, w=r, phi=phase),)
-        )
+        model = den_hartog(r, friction, phase)
         run = reference.simulate(model, belt_speed=0.0, initial=(x, 0.0), t_end=math.pi / r)
         return run.state[-1] + np.array([x, 0.0])
 
@@ -114,27 +114,23 @@ def test_den_hartog_amplitude(r, friction, amplitude):
 
 
 def test_forced_popp_stelter_transitions_and_strobe():
-    law = HyperbolicFriction(scale=3, decay=1.42, constant=1, quadratic=0.1)
-    force = effect("harmonic_forcing", a=3.6, w=1.067, phi=math.pi / 2)
-    model = Model(BlockOnBelt(), friction=law, effects=(force,))
-    period = 2 * math.pi / 1.067
+    model = popp_stelter()
     run = reference.simulate(
-        model, belt_speed=1.0, initial=(0.0, 0.0), t_end=75 * period, t_eval=[75 * period]
+        model,
+        belt_speed=1.0,
+        initial=(0.0, 0.0),
+        t_end=75 * POPP_STELTER_PERIOD,
+        t_eval=[75 * POPP_STELTER_PERIOD],
     )
-    told = [0.155498543, 2.037675319, 4.934553429, 5.362742380, 6.697629823, 7.955663971]
-    assert run.transitions.t[:6] == pytest.approx(told, abs=1e-9)
-    assert run.transitions.after[:6].tolist() == [0, -1, 0, 1, 0, -1]
-    assert run.state[-1, 0] == pytest.approx(-0.2806365463, abs=1e-9)
+    assert run.transitions.t[:6] == pytest.approx(POPP_STELTER_TIMES, abs=1e-9)
+    assert run.transitions.after[:6].tolist() == POPP_STELTER_MODES
+    assert run.state[-1, 0] == pytest.approx(POPP_STELTER_STROBE, abs=1e-9)
     assert run.mode[-1] == 0
 
 
 def test_energy_falls_at_the_dampers_rate_without_friction():
     model = Model(Rig(**RIG), friction=CoulombFriction(static=0.0, kinetic=0.0))
     run = reference.simulate(model, belt_speed=0.1, initial=(0.4, -0.2, 0.3, 0.1), t_end=30, tol=1e-13)
-
-    def energy(z):
-        x1, x2, y1, y2 = z
-        return (16 * x2**2 + 8 * y2**2 + 16 * x1**2 + 4 * y1**2) / 2 + x1 * y1
 
     lost = quadrature(run, lambda z: 0.1 * (z[1] + z[3]) ** 2 + 0.1 * z[3] ** 2)
     assert energy(run.state[0]) - energy(run.state[-1]) == pytest.approx(lost, abs=1e-12)
@@ -171,7 +167,7 @@ def test_reference_rig_has_the_transitions_of_the_extended_precision_run():
     assert run.transitions.after.tolist() == [-(row[2] != 0) for row in told]
 
 
-@pytest.mark.parametrize("member", [3382, 3505, 1489, 1871, 1929, 3316, 4001])
+@pytest.mark.parametrize("member", HARD_MEMBERS)
 def test_hard_members_of_the_grid_lose_no_slip(member):
     i, j = divmod(member, 64)
     alpha1 = float(np.linspace(8.0, 40.0, 64)[j])
