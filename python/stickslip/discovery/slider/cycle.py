@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 S, K, RELEASE, RATE, LOG_W2, ZETA = range(6)
 NUMBERS = 6
 STEEPEST = 0.7  # largest |zeta|
+TURNS = np.linspace(0.2, 1.0, 33)  # of a period: where the end of a slip is looked for
 
 
 def positions(p: Floats, t: Floats) -> Floats:
@@ -47,10 +48,15 @@ def duration(p: Floats) -> Floats:
     n = zeta * w
     # x' = exp(-n u) (c cos + d sin), which is r at u = 0 and falls below it
     c, d = b * wd - n * a, -(a * wd + n * b)
-    drop = np.maximum(p[:, S] - p[:, K], 1e-12)
-    u = 2 * (np.pi - np.arctan2(drop * w, np.abs(rate) + 1e-15)) / wd
-    low, high = 0.25 * u, np.minimum(1.75 * u, 2 * np.pi / wd)
-    for _ in range(40):
+    grid = 2 * np.pi / wd[:, None] * TURNS
+    speed = np.exp(-n[:, None] * grid) * (
+        c[:, None] * np.cos(wd[:, None] * grid) + d[:, None] * np.sin(wd[:, None] * grid)
+    )
+    back = speed >= rate[:, None]
+    first = np.where(back.any(axis=1), np.argmax(back, axis=1), len(TURNS) - 1)
+    high = np.take_along_axis(grid, first[:, None], axis=1)[:, 0]
+    low = np.where(first > 0, np.take_along_axis(grid, np.maximum(first - 1, 0)[:, None], axis=1)[:, 0], 0.0)
+    for _ in range(36):
         middle = 0.5 * (low + high)
         speed = np.exp(-n * middle) * (c * np.cos(wd * middle) + d * np.sin(wd * middle))
         below = speed < rate
