@@ -100,7 +100,10 @@ def simulated(tmp_path, model, *arguments):
     return result.output, pd.read_csv(tmp_path / "run.csv")
 
 
-@pytest.mark.parametrize("units", [("14 mm/s", "9 s", "0.01 s"), ("0.014", "9", "0.01"), (None, None, None)])
+@pytest.mark.parametrize(
+    "units",
+    [("14 mm/s", "9 s", "0.01 s"), ("14mm/s", "9000ms", "1e-2s"), ("0.014", "9", "0.01"), (None, None, None)],
+)
 def test_simulate_of_an_si_rig_takes_and_writes_units(tmp_path, units):
     scales = MODEL_SI.rig.scales
     v, end, step = 0.014 / scales.velocity, 9 / scales.time, 0.01 / scales.time

@@ -74,7 +74,10 @@ def test_no_verdict_is_one_line_and_not_zero(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace('"validate"', '"train"'), encoding="utf-8")
     result = invoke("discover", path, "--out", tmp_path / "out")
     assert result.exit_code == 2
-    assert result.stderr.replace(f"{tmp_path}/", "") == "stickslip: rig.toml: no [[run]] has role = 'validate'; give it to at least one\n"
+    assert (
+        result.stderr.replace(f"{tmp_path}/", "")
+        == "stickslip: rig.toml: no [[run]] has role = 'validate'; give it to at least one\n"
+    )
     assert not (tmp_path / "out").exists()
 
 

@@ -67,7 +67,8 @@ def simulate(
     _say_understood(loaded, units, v_b, times, start)
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
-        run = run_model(loaded, belt_speed=v_b, initial=start, t_end=float(times[-1]), t_eval=times)
+        with Console(stderr=True).status("simulating"):  # on a terminal alone
+            run = run_model(loaded, belt_speed=v_b, initial=start, t_end=float(times[-1]), t_eval=times)
     for doubt in doubts:
         console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
     written = [out]

@@ -9,7 +9,7 @@ from typing import Literal
 
 from stickslip.errors import InputError, number
 from stickslip.rig import AnyRig, BlockOnBelt, Rig
-from stickslip.units import Channel, default_speed_unit, factor, in_si, is_angle
+from stickslip.units import Channel, default_speed_unit, factor, in_si, is_angle, with_unit
 
 Quantity = Literal["t", "x1", "x2", "y1", "y2", "belt", "force"]
 
@@ -111,16 +111,15 @@ def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyR
     InputError
         Not a finite number, or a unit that does not measure the quantity.
     """
-    value, _, own = str(text).strip().partition(" ")
     try:
-        size = float(value)
+        size, own = with_unit(str(text))
     except ValueError:
         example = {"t": "60 s", "x1": "1.5 mm", "y1": "1.5 mm"}.get(quantity, "12 mm/s")
         words = f"not a number with a unit; give one like 0.1 or '{example}'"
         raise InputError(words, key=key, value=text) from None
     number(key, size)
     try:
-        return size * (_factor(quantity, own.strip(), rig) if own.strip() else 1 / usual.size)
+        return size * (_factor(quantity, own, rig) if own else 1 / usual.size)
     except InputError as error:
         raise InputError(error.what, key=key, value=text) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -158,6 +159,24 @@ def _scales(rig: Rig, unit: str) -> Scales:
     return rig.scales
 
 
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+def with_unit(text: str) -> tuple[float, str]:
+    """Return the number and the unit of "14 mm/s" or "14mm/s"; the unit is "" where there is none.
+
+    Raises
+    ------
+    ValueError
+        It does not begin with a number.
+    """
+    text = text.strip()
+    found = _NUMBER.match(text)
+    if found is None:
+        return float(text), ""  # nan and inf are numbers too
+    return float(found[0]), text[found.end() :].strip()
+
+
 def speed(given: float | str, unit: str, rig: AnyRig) -> float:
     """Return a belt set-point as the model's number.
 
@@ -177,14 +196,13 @@ def speed(given: float | str, unit: str, rig: AnyRig) -> float:
     """
     if not isinstance(given, str):
         return number("belt_speed", given) * factor("belt", unit, rig)
-    value, _, own = given.strip().partition(" ")
     try:
-        size = float(value)
+        size, own = with_unit(given)
     except ValueError:
         words = "not a number with a unit; give one like 0.1 or '12 mm/s'"
         raise InputError(words, key="belt_speed", value=given) from None
     try:
-        return number("belt_speed", size) * factor("belt", own.strip() or unit, rig)
+        return number("belt_speed", size) * factor("belt", own or unit, rig)
     except InputError as error:
         raise InputError(error.what, key="belt_speed", value=given) from None
 

@@ -1,11 +1,15 @@
-"""Identification, comparison and forecasts of what is no case, no recording or no model."""
+"""Identification, comparison and forecasts of what is no case, no recording or no model; and commands given them."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from click.testing import CliRunner
+
+import found_by_hand
 import stickslip as ss
 from bad_input import bad_input
+from stickslip.cli import main
 
 MEETING = "Identification and comparison"
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
@@ -39,3 +43,41 @@ def compare_none(_folder: Path) -> None:
 @bad_input(MEETING, "forecast from a path")
 def forecast_path(_folder: Path) -> None:
     ss.forecast(MODEL, "CASE/run_01.csv", belt_speed=0.1, horizon=10)  # type: ignore[arg-type]
+
+
+COMMANDS = "Commands"
+RUN = ("--belt-speed", "14 mm/s", "--t-end", "60 s")
+for tried, arguments in (
+    ("identify, a recording instead of the case", ("identify", "{folder}/run_01.csv")),
+    ("identify, a model instead of the case", ("identify", "{folder}/model.toml")),
+    ("compare, the case first", ("compare", "{folder}/rig.toml", "{folder}/model.toml")),
+    ("compare, a folder without a model", ("compare", "{folder}/empty", "{folder}/rig.toml")),
+    ("compare, a run that is none", ("compare", "{folder}/model.toml", "{folder}", "--run", "run_9")),
+    ("simulate, a case instead of a model", ("simulate", "{folder}/rig.toml", *RUN)),
+    (
+        "simulate, a speed in a unit of length",
+        ("simulate", "{folder}/model.toml", "--belt-speed", "14 mm", *RUN[2:]),
+    ),
+    (
+        "simulate, a speed of another kind",
+        ("simulate", "{folder}/model.toml", "--belt-speed", "14 kg", *RUN[2:]),
+    ),
+    ("simulate, an end before the start", ("simulate", "{folder}/model.toml", *RUN[:2], "--t-end", "-1 s")),
+    ("simulate, a step beyond the end", ("simulate", "{folder}/model.toml", *RUN, "--dt", "90 s")),
+    ("simulate, a start too short", ("simulate", "{folder}/model.toml", *RUN, "--initial", "1 mm, 0")),
+    (
+        "simulate, a displacement in seconds",
+        ("simulate", "{folder}/model.toml", *RUN, "--initial", "1 s, 0, 0, 0"),
+    ),
+):
+
+    @bad_input(COMMANDS, tried)
+    def command(folder: Path, arguments: tuple[str, ...] = arguments) -> None:
+        case = ss.load_case(found_by_hand.write_case(folder, si=True))
+        case.model().save(folder / "model.toml")
+        (folder / "empty").mkdir()
+        given = [one.format(folder=folder) for one in arguments]
+        result = CliRunner().invoke(main, [*given, "--out", str(folder / "out")])
+        assert not (folder / "out").exists()
+        assert result.exit_code == 2
+        raise ss.InputError(result.stderr.removeprefix("stickslip: ").strip())
