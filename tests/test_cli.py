@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -255,6 +257,13 @@ def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
     result = stickslip("demo", "--first-half", "--out", tmp_path)
     assert result.exit_code == 0, result.output
     saved = json.loads((tmp_path / "identified.json").read_text())
+    readme = (Path(__file__).parent.parent / "README.md").read_text().replace("\n", " ")
+    told = re.search(
+        r"coefficient of ([\d.]+) at breakaway and ([\d.]+) in sliding, from (\d+) slips", readme
+    )
+    said = " ".join(result.output.split())
+    assert f"coefficient {told[1]} at breakaway, {told[2]} in sliding" in said
+    assert f"{told[3]} slips in the first part" in said
     weight = 30.7e-3 * 9.81
     # paper on paper: the spring force was 0.25 to 0.42 of the weight at breakaway
     assert 0.33 < saved["diagnostics"]["static_mean"] / weight < 0.40
