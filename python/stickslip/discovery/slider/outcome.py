@@ -22,6 +22,7 @@ METRIC = (
     "in the event; median over events, mean over runs"
 )
 FORECASTS = 60  # a run
+WORSE = 1.02  # growth of an error that is said aloud
 POINTS = 160  # readings of a forecast
 NAN = float("nan")
 
@@ -100,6 +101,11 @@ def error_block(
         forecasts = (ahead(before, one), ahead(after, one))
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
+        if now > WORSE * was:
+            words.append(
+                f"{one.run.name}: the error of single events RISES from {was:.3g} to {now:.3g}: what was found does not "
+                "carry over to this run"
+            )
         words.append(
             f"{one.run.name}: forecasts of one cycle from the past alone are off by {forecasts[0].nrmse:.2f} of the "
             f"readings' standard deviation before and {forecasts[1].nrmse:.2f} after: what the next event's friction "
