@@ -103,8 +103,8 @@ def error_block(
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
         if now > WORSE * was:
             words.append(
-                f"{one.run.name}: the error of single events RISES from {was:.3g} to {now:.3g}: what was found does not "
-                "carry over to this run"
+                f"{one.run.name}: the error of single events RISES from {was:.3g} to {now:.3g}: what was found does "
+                "not carry over to this run"
             )
         words.append(
             f"{one.run.name}: forecasts of one cycle from the past alone are off by {forecasts[0].nrmse:.2f} of the "
