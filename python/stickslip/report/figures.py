@@ -175,7 +175,7 @@ def errors(found: Found, axes: Axes) -> Figure:
     """Forecast error before and after with its floor, by validate run, at one and two cycles; logarithmic."""
     del axes
     rows = [
-        (f"{run.run}, {cycles}", one)
+        (f"{run.run}, {cycles}" if np.isfinite(run.two_cycles["before"]) else run.run, one)
         for run in found.error.runs
         for cycles, one in (("one cycle", run.one_cycle), ("two cycles", run.two_cycles))
         if np.isfinite(one["before"])
@@ -201,7 +201,9 @@ def errors(found: Found, axes: Axes) -> Figure:
             ax.plot([after], [y], "o", color=AFTER, ms=6, label="after", zorder=4)
     ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
     _plain_log(ax)
-    ax.set_xlabel("forecast error over the standard deviation of the signal (NRMSE)")
+    whole = any(np.isfinite(run.two_cycles["before"]) for run in found.error.runs)
+    what = "forecast error" if whole else "error of single events"
+    ax.set_xlabel(f"{what} over the standard deviation of the signal (NRMSE)")
     ax.grid(axis="x", color="#dddddd", lw=0.6)
     ax.set_ylim(-0.6, len(rows) - 0.4)
     handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
