@@ -49,7 +49,7 @@ def plateau_messages(runs: Sequence[tuple[float, float, float]], belt: str) -> l
     used = (
         "the plateau speed is used"
         if belt == "plateau"
-        else "the set-point is used; belt_speed='plateau' changes that"
+        else "the set-point is used; belt_speed='plateau' (--belt-speed-from plateau) changes that"
     )
     return [f"the sticks ride at {ratio:.3f} times the set-point ({len(off)} of {len(runs)} runs); {used}"]
 
