@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Verdict
+from stickslip.rig import BlockOnBelt
 
 PLAIN: Mapping[str, str] = {
     "block_viscous_damping": "viscous damping of the block",
@@ -71,6 +72,8 @@ def ties(effect: FoundEffect) -> list[Alternative]:
 
 def headline(found: Found) -> str:
     """The verdict as one sentence; a tie is part of it."""
+    if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt):
+        return "Nothing can be named: no cause stands out from friction that differs from event to event."
     if found.verdict is Verdict.no_effect:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
