@@ -55,7 +55,7 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
-BUDGET = 150.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+BUDGET = 110.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 

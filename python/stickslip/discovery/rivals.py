@@ -103,7 +103,7 @@ def shapes(name: str, data: Sequence[Data]) -> list[Start]:
         "stribeck_peak": [{"dT": 0.3, "v_s": v} for v in (0.02, 0.07)],
         "static_aging": [{"dT": 0.3, "tau": tau} for tau in (0.5, 2.0)],
         "friction_memory": [{"tau": tau} for tau in (0.05,)],
-        "contact_compliance": [{"k": k, "c": c} for k, c in ((350.0, 0.5),)],
+        "contact_compliance": [{"k": k, "c": c} for k, c in ((350.0, 0.5), (1500.0, 1.0))],
         "belt_load_droop": [{"k": 0.002, "tau": tau} for tau in (0.7,)],
         "sensor_lag": [{"tau": 0.05}],
     }
