@@ -11,8 +11,8 @@ from stickslip.discovery.engine import Window
 from stickslip.discovery.intervals import of_effect
 from stickslip.discovery.relax import relax
 from stickslip.discovery.result import Alternative, Evidence
+from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.solve import fit
-from stickslip.discovery.trace import Search, Trial
 
 TIED = 8.0  # difference in -2 log likelihood below which two rivals are not told apart
 

@@ -33,19 +33,9 @@ from stickslip.discovery.result import (
     RunView,
     Verdict,
 )
+from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
-from stickslip.discovery.trace import (
-    CLEAN,
-    LONG,
-    MARGIN,
-    SHORT,
-    Search,
-    Trial,
-    decide_pairs,
-    decide_single,
-    declared,
-    explained,
-)
+from stickslip.discovery.trace import MARGIN, decide_pairs, decide_single, declared, explained, settled
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
@@ -55,7 +45,8 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
-BUDGET = 110.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
+BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
@@ -155,7 +146,8 @@ def _choose(search: Search) -> _Choice:
         null.chi2 - 1
     ):  # no name and no curve explains it: say so, and guess the place
         return _Choice(null, null, None, trials, _place(null, best))
-    return _Choice(null, best, None, trials)
+    search.extend(SETTLING)
+    return _Choice(null, settled(search, best), None, trials)
 
 
 def _held(choice: _Choice) -> _Choice:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.discovery.data import Data
 from stickslip.discovery.plausible import body_ratio
 from stickslip.discovery.result import ErrorBlock, FoundEffect, Residual
-from stickslip.discovery.trace import Trial
+from stickslip.discovery.search import Trial
 from stickslip.errors import InputError
 from stickslip.rig import Rig
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.result import Experiment, FoundEffect
-from stickslip.discovery.trace import Search, Trial
+from stickslip.discovery.search import Search, Trial
 from stickslip.errors import StickslipError
 from stickslip.simulate import simulate
 

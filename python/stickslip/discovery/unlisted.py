@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.engine import Engine
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
-from stickslip.discovery.trace import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.effects import Tabulated, tabulated
 from stickslip.lowering import WIDTH
@@ -19,7 +19,7 @@ from stickslip.lowering import WIDTH
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 LOOSE = 3.0  # times wider a band is for its curve's mean, which the friction law takes up as well
-KNOTS, FINE = 7, 13
+KNOTS, FINE = 7, 15
 PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
@@ -66,9 +66,13 @@ def ranges(trial: Trial) -> dict[str, Floats]:
 
 
 def knots_for(values: Floats, count: int) -> tuple[float, ...]:
-    """Even knots over what was visited, but for its rarest thousandth."""
+    """Even knots over what was visited, but for its rarest thousandth, and one more beyond each end.
+
+    A natural spline has no curvature at its last knots: these must not lie where the readings are.
+    """
     low, high = np.quantile(values, [0.001, 0.999])
-    return tuple(np.linspace(low, high, count).tolist())
+    step = (high - low) / (count - 1)
+    return tuple(np.linspace(low - step, high + step, count + 2).tolist())
 
 
 def terms(trial: Trial, count: int = KNOTS) -> Iterator[Term]:
@@ -182,7 +186,8 @@ def learn(
 def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Term, Trial]:
     """The same curve on more knots, started from the coarse one."""
     term, trial = coarse
-    fine = Term(term.where, term.variable, tuple(np.linspace(term.knots[0], term.knots[-1], FINE).tolist()))
+    visited = np.array([term.knots[1], term.knots[-2]])
+    fine = Term(term.where, term.variable, knots_for(visited, FINE))
     added = with_term(search, base, fine, iterations=25, rounds=2)
     if added is None:
         return coarse
@@ -196,7 +201,7 @@ def curve(term: Term, trial: Trial) -> Curve:
     names = [u.name for u in h.shared]
     index = [names.index(f"{term.prefix}.value_{i}") for i in range(len(term.knots))]
     values, covariance = trial.fit.vector[index], trial.fit.covariance[np.ix_(index, index)]
-    x = np.linspace(term.knots[0], term.knots[-1], 101)
+    x = np.linspace(term.knots[1], term.knots[-2], 101)  # what was visited
     basis = Learned("x1", "x1", term.knots).basis(x)
     half, less = _half(basis, covariance), ""
     centred = basis - basis.mean(axis=0)

@@ -1,0 +1,245 @@
+"""What the tracing shares: the data, the clock, what was tried; and how one hypothesis is fitted in earnest."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.data import Data
+from stickslip.discovery.engine import Engine, Window
+from stickslip.discovery.readings import Learned
+from stickslip.discovery.relax import relax, rephased
+from stickslip.discovery.solve import Fit, fit
+from stickslip.discovery.unknowns import Hypothesis
+from stickslip.discovery.windows import cut, with_hidden
+from stickslip.model import Model
+
+Floats = NDArray[np.float64]
+SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
+CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
+NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
+ALMOST = 1.5  # and below which it is worth two more turns
+TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
+MORE = 6  # times that a fit goes on while it still falls fast
+
+
+@dataclass
+class Trial:
+    """A hypothesis fitted: `names` of its effects, the fit, its penalised -2 log likelihood."""
+
+    names: tuple[str, ...]
+    fit: Fit
+
+    @property
+    def chi2(self) -> float:
+        """Per degree of freedom."""
+        return self.fit.per_reading
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The hypothesis with the fit's numbers in its model."""
+        return self.fit.engine.hypothesis.at(self.fit.vector, len(self.fit.engine.data))
+
+    @property
+    def extra(self) -> int:
+        """Numbers added to the law's."""
+        h = self.fit.engine.hypothesis
+        return len(self.fit.vector) - sum("." not in u.name for u in h.unknowns)
+
+    @property
+    def bic(self) -> float:
+        """chi-squared with ln N for each added number, and 1 for each hidden state that a window starts from."""
+        hidden = sum(k >= 4 for w in self.fit.windows for k in w.free)
+        return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + hidden
+
+    @property
+    def excess(self) -> float:
+        """chi-squared per reading above 1, in its sampling errors."""
+        return (self.chi2 - 1.0) / math.sqrt(2.0 / self.fit.readings)
+
+
+@dataclass
+class Search:
+    """Everything the tracing shares: data, threads, the clock, and what was tried."""
+
+    data: list[Data]
+    model: Model
+    pool: ThreadPoolExecutor
+    progress: Callable[[str], None]
+    budget: float
+    began: float = field(default_factory=time.process_time)
+    tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
+    screened: list[Trial] = field(default_factory=list)
+
+    @property
+    def left(self) -> float:
+        """Processor seconds of the budget that remain."""
+        return self.budget - (time.process_time() - self.began)
+
+    def extend(self, seconds: float) -> None:
+        """See to it that at least so many processor seconds are left."""
+        self.budget += max(0.0, seconds - self.left)
+
+    def run(
+        self,
+        h: Hypothesis,
+        *,
+        cycles: float,
+        iterations: int = 40,
+        tolerance: float = 1e-4,
+        rounds: int = 3,
+        windows_of: Trial | None = None,
+        states_of: Trial | None = None,
+        worst: float = math.inf,
+        learned: tuple[Learned, ...] = (),
+        vector: Floats | None = None,
+        anyway: bool = False,
+    ) -> Trial | None:
+        """Fit one hypothesis.
+
+        `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
+        `worst` is a hopeless cost; `anyway` goes on when the time is up.
+        """
+        engine = Engine(self.data, h, self.pool, learned)
+        if windows_of is None:
+            windows = cut(self.data, h.model, cycles)
+            if states_of is not None:
+                known = {(w.run, w.start): w for w in states_of.fit.windows}
+                windows = [_from(w, known.get((w.run, w.start))) for w in windows]
+        else:
+            windows = [with_hidden(w, h.model, self.data[w.run]) for w in windows_of.fit.windows]
+        found = fit(
+            engine,
+            h.start(len(self.data)) if vector is None else vector,
+            windows,
+            iterations=iterations,
+            tolerance=tolerance,
+            rounds=rounds,
+            give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
+        )
+        return None if found is None else Trial(_names(h, learned), found)
+
+    def keep(self, trial: Trial | None, key: tuple[str, ...]) -> None:
+        """Remember a trial if it is the best of its names."""
+        if trial is not None and (key not in self.tried or trial.fit.cost < self.tried[key].fit.cost):
+            self.tried[key] = trial
+
+    def polish(self, trial: Trial, turns: int = 2) -> Trial:
+        """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
+        best, idle = self.close(trial), 0
+        for turn in range(turns + 2):
+            if best.excess < CLEAN or best.chi2 > (NEAR if turn < turns else ALMOST) or self.left < 0:
+                break
+            before = best.fit.cost
+            for _ in range(3):
+                last, best = best, self.trimmed(best)
+                if best is last or best.fit.cost > 0.99 * last.fit.cost:
+                    break
+            if best.excess < CLEAN:
+                break
+            best = self._rephased(best)
+            if best.excess < CLEAN:
+                break
+            long = self._again(best, LONG + turn, None)
+            for origin in (long, self._declared_law(best)):
+                if best.excess < CLEAN:
+                    break
+                short = None if origin is None else self._again(origin, SHORT, None)
+                if short is not None and short.fit.cost < best.fit.cost:
+                    best = short
+            if best.fit.cost > 0.998 * before:
+                idle += 1
+                if idle > 1 or turn >= turns:
+                    break
+        return best
+
+    def _rephased(self, trial: Trial) -> Trial:
+        """The trial fitted from the best of many phases of each run that it leaves above the noise; or itself."""
+        engine = trial.fit.engine
+        vector, windows = rephased(engine, trial.fit.vector, trial.fit.windows)
+        if np.array_equal(vector, trial.fit.vector):
+            return trial
+        again = fit(engine, vector, windows, iterations=30)
+        return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
+
+    def trimmed(self, trial: Trial) -> Trial:
+        """The trial fitted without the few windows on the wrong side of a transition, which then follow; or itself."""
+        engine, windows = trial.fit.engine, trial.fit.windows
+        good = [float(b.r @ b.r) < TRIM * len(b.r) for b in trial.fit.blocks]
+        if not 0.6 * len(good) <= sum(good) < len(good):
+            return trial
+        part = fit(engine, trial.fit.vector, [w for w, g in zip(windows, good, strict=True) if g], rounds=0)
+        if part is None:
+            return trial
+        kept = iter(part.windows)
+        every = [
+            next(kept) if g else relax(engine, part.vector, w) for w, g in zip(windows, good, strict=True)
+        ]
+        again = fit(engine, part.vector, every, iterations=20, rounds=1)
+        return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
+
+    def close(self, trial: Trial) -> Trial:
+        """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
+        best = self._again(trial, SHORT, trial, 25) or trial
+        for _ in range(MORE):
+            if best.excess < CLEAN or best.fit.iterations < 25 or self.left < 0:
+                break
+            on = self._again(best, SHORT, best, 25)
+            if on is None or on.fit.cost > 0.7 * best.fit.cost:
+                break
+            best = on
+        if best.excess < CLEAN or not trial.names:
+            return best
+        fresh = self._again(self._declared_law(trial), SHORT, None, 25)
+        return fresh if fresh is not None and fresh.fit.cost < best.fit.cost else best
+
+    def _declared_law(self, trial: Trial) -> Trial:
+        """The trial with its law back at the declared start: another way into the minimum."""
+        vector = trial.fit.vector.copy()
+        for i, u in enumerate(trial.fit.engine.hypothesis.shared):
+            if "." not in u.name:
+                vector[i] = u.coordinate(self.model.parameters[u.name])
+        return Trial(trial.names, replace(trial.fit, vector=vector))
+
+    def _again(
+        self, trial: Trial, cycles: float, windows_of: Trial | None, iterations: int = 40
+    ) -> Trial | None:
+        return self.run(
+            trial.hypothesis,
+            cycles=cycles,
+            iterations=iterations,
+            tolerance=2e-5 if trial.chi2 < NEAR else 1e-3,
+            windows_of=windows_of,
+            learned=trial.fit.engine.learned,
+            vector=trial.fit.vector,
+        )
+
+
+def _from(window: Window, known: Window | None) -> Window:
+    """The window with the state of another that starts where it does."""
+    if known is None or known.free != window.free:
+        return window
+    return replace(window, state=known.state, contact=known.contact)
+
+
+@dataclass
+class _Patience:
+    """When to give a fit up: no better than `worst` after four turns and no longer falling fast, or out of time."""
+
+    worst: float
+    late: Callable[[], bool]
+    last: float = math.inf
+
+    def __call__(self, done: int, cost: float) -> bool:
+        falling, self.last = cost < 0.8 * self.last, cost
+        return (done >= 4 and cost > self.worst and not falling) or self.late()
+
+
+def _names(h: Hypothesis, learned: tuple[Learned, ...]) -> tuple[str, ...]:
+    return (*h.effects, *(one.name for one in learned))
