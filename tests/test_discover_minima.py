@@ -1,0 +1,130 @@
+"""How fits get out of poor minima: bounds, windows that weigh little, phases sought anew, the law held."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from discover_cases import LAW, RIG, make_case
+from stickslip import _core
+from stickslip.discovery.data import prepare
+from stickslip.discovery.engine import MOST_STEPS, Engine
+from stickslip.discovery.relax import relax, rephased
+from stickslip.discovery.rivals import Start, hypothesis
+from stickslip.discovery.solve import Point, _shares, _total, _within, fit
+from stickslip.discovery.windows import cut
+from stickslip.effects import effect
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
+from stickslip.records import Recording
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with ThreadPoolExecutor(2) as threads:
+        yield threads
+
+
+def test_a_step_from_a_bound_is_the_constrained_one():
+    rng = np.random.default_rng(2)
+    root = rng.standard_normal((6, 4))
+    A, target = root.T @ root, np.array([3.0, -2.0, 1.0, 0.5])
+    low, high = np.full(4, -np.inf), np.array([0.0, np.inf, np.inf, np.inf])
+    step = _within(A, A @ target, low, high)
+    known = lsq_linear(root, root @ target, (low, np.array([1e-12, np.inf, np.inf, np.inf])))
+    assert step == pytest.approx(known.x, abs=1e-8)
+
+
+def test_beyond_the_knee_a_window_counts_by_its_logarithm():
+    costs, knee = np.array([80.0, 300.0]), np.array([100.0, 100.0])
+    assert _total(costs, knee) == pytest.approx(80 + 100 * (1 + math.log(3)))
+    assert _total(costs, None) == 380
+    h = 1e-5
+    slope = (_total(np.array([80.0, 300 + h]), knee) - _total(np.array([80.0, 300 - h]), knee)) / (2 * h)
+    assert slope == pytest.approx(100 / 300, rel=1e-6)
+
+
+def test_shares_are_the_slopes_of_the_total(pool):
+    data = prepare(make_case().train)
+    h = hypothesis(Model(RIG, friction=PaperFriction()), [])
+    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    point = Point.at(engine, h.start(len(data)), windows)
+    assert point is not None
+    assert point.soften()
+    size = np.array([float(b.r @ b.r) for b in point.blocks])
+    expected = np.where(size > point.knee, point.knee / size, 1.0)
+    assert _shares(point.blocks, point.knee) == pytest.approx(expected)
+    assert expected.min() < 1.0
+
+
+def test_a_wrong_phase_of_one_run_is_found_again(pool):
+    cause = effect("belt_speed_ripple", a=0.12, w=2.2, phi=0.0)
+    data = prepare(make_case((cause,), seed=7).train)
+    h = hypothesis(Model(RIG, friction=LAW), [Start(cause, tuple(0.3 for _ in data))])
+    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    vector = h.start(len(data))
+    vector, windows = rephased(engine, vector, windows)
+    first = fit(engine, vector, windows)
+    assert first is not None
+    assert abs(first.per_reading - 1) < 5 * math.sqrt(2 / first.readings)
+    wrong = first.vector.copy()
+    wrong[-1] += math.pi
+    moved = [relax(engine, wrong, w) for w in first.windows]
+    assert engine.cost(wrong, moved) > 2 * first.cost
+    again, windows = rephased(engine, wrong, moved)
+    found = fit(engine, again, windows)
+    assert found is not None
+    assert found.cost == pytest.approx(first.cost, rel=1e-3)
+    assert math.cos(found.vector[-1] - first.vector[-1]) == pytest.approx(1, abs=1e-3)
+
+
+def test_the_law_stays_about_the_declared_one():
+    far = Model(RIG, friction=PaperFriction(A1=3.2345 * math.e**4))
+    held = {u.name: u for u in hypothesis(far, [], Model(RIG, friction=PaperFriction())).shared}
+    assert held["A1"].centre == pytest.approx(math.log(3.2345))
+    assert held["A1"].start == pytest.approx(held["A1"].bounds[1])
+    assert held["T_s_minus"].bounds[0] < 5.94 < held["T_s_minus"].bounds[1]
+
+
+def from_stick(run: Recording) -> Recording:
+    """The recording from the middle of its longest stick among the first 400 samples."""
+    riding = np.abs(np.gradient(run.x1, run.t)[:400] - run.belt_speed) < 0.5 * abs(run.belt_speed)
+    length = np.zeros(len(riding), dtype=int)
+    for i in np.flatnonzero(riding):
+        length[i] = length[i - 1] + 1 if i else 1
+    first = int(np.argmax(length) - length.max() // 2)
+    return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
+
+
+def test_a_window_that_starts_in_stick_does_not_know_for_how_long(pool):
+    case = make_case((effect("static_aging", dT=0.8, tau=1.0),))
+    data = prepare([from_stick(run) for run in case.train])
+    h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.5, tau=1.5))])
+    windows = cut(data, h.model, 1.0)
+    stuck = [w for w in windows if w.contact == 0]
+
+    assert any(w.start == 0 for w in stuck)
+    assert all(8 in w.free for w in stuck)
+    found = fit(Engine(data, h, pool), h.start(len(data)), windows)
+    assert found is not None
+    assert abs(found.per_reading - 1) < 5 * math.sqrt(2 / found.readings)
+
+
+def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(pool, monkeypatch):
+    data = prepare(make_case().train)
+    h = hypothesis(Model(RIG, friction=LAW), [])
+    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    asked = []
+
+    def simulate(**given):
+        asked.append(given["max_steps"])
+        return {"outcome": _core.Outcome.too_many_steps}
+
+    monkeypatch.setattr(_core, "simulate", simulate)
+    assert engine.residual(h.start(len(data)), windows[0]) is None
+    assert asked == [MOST_STEPS]
