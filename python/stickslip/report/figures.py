@@ -200,7 +200,8 @@ def errors(found: Found, axes: Axes) -> Figure:
         if found.effects:
             ax.plot([after], [y], "o", color=AFTER, ms=6, label="after", zorder=4)
     ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
-    _plain_log(ax)
+    if any(np.isfinite(one["before"]) for _, one in rows):
+        _plain_log(ax)
     whole = any(np.isfinite(run.two_cycles["before"]) for run in found.error.runs)
     what = "forecast error" if whole else "error of single events"
     ax.set_xlabel(f"{what} over the standard deviation of the signal (NRMSE)")
@@ -298,8 +299,7 @@ def ranking(found: Found, axes: Axes) -> Figure:
 
 def _plain_log(ax: Plot) -> None:
     """A logarithmic x axis with plain numbers."""
-    if any(np.isfinite(one["before"]) for _, one in rows):
-        ax.set_xscale("log")
+    ax.set_xscale("log")
     ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_formatter(NullFormatter())
