@@ -73,6 +73,8 @@ def broken(t: Floats, state: Floats, *columns: Floats) -> tuple[Floats, ...]:
 
     A join shows as a step of x1 that its velocity does not account for.
     """
+    if not np.isfinite(state[:, 0]).any():  # nothing was predicted
+        return columns
     step = np.diff(state[:, 0])
     implied = 0.5 * np.diff(t) * (state[1:, 1] + state[:-1, 1])
     miss = np.abs(step - implied)
