@@ -101,6 +101,9 @@ def error_block(
         forecasts = (ahead(before, one), ahead(after, one))
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
+        if not len(one.events):
+            words.append(f"{one.run.name}: no slip between sticks is in this run, so that no error is measured on it")
+            continue
         if now > WORSE * was:
             words.append(
                 f"{one.run.name}: the error of single events RISES from {was:.3g} to {now:.3g}: what was found does "
