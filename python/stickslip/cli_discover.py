@@ -14,14 +14,14 @@ from rich.console import Console
 from rich.table import Table
 
 from stickslip.discovery.result import Found
-from stickslip.errors import InputError, ModelWarning, Place, StickslipError
+from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import whole
-from stickslip.findings import FindingKind
 from stickslip.model import Model, load_model
-from stickslip.recording import load_recording
+from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
 from stickslip.report import words
 from stickslip.report.si import to_si
+from stickslip.report.units import axes_of
 from stickslip.rig import Rig
 from stickslip.scale import read_quantity, scales
 from stickslip.tables import column_names
@@ -80,27 +80,13 @@ def discover(case: Path, out: Path, seed: int) -> None:
     with folder(out) as temporary, telling("discovering") as tell:
         for finding in loaded.findings:
             tell(f"note: {finding}")
-        with unit_doubted(loaded):
-            found = search(loaded, progress=tell, seed=seed)
+        found = search(loaded, progress=tell, seed=seed)
         tell("drawing the report")
         fill(temporary, found, loaded)
     say(found, loaded, console)
     console.print("written:")
     for path in written(out):
         console.print(f"  {path}", soft_wrap=True, markup=False)
-
-
-@contextmanager
-def unit_doubted(case: Case) -> Iterator[None]:
-    """Where the search fails and readings are of a size that the rig cannot reach, say that instead of its symptom."""
-    try:
-        yield
-    except StickslipError:
-        for run in case.runs:
-            for finding in run.findings:
-                if finding.kind is FindingKind.SIZE:
-                    raise InputError(f"no verdict: {run.name}: {finding}") from None
-        raise
 
 
 def say(found: Found, case: Case, to: Console) -> None:
@@ -116,7 +102,9 @@ def say(found: Found, case: Case, to: Console) -> None:
     if found.experiments:
         best = found.experiments[0]
         enough = "" if best.sufficient else " (not enough by itself)"
-        at = "" if best.belt_speed is None else f" at belt speed {best.belt_speed:.3g}"
+        axis = axes_of(case).x2
+        unit = "" if axis.unit == "1" else f" {axis.unit}"
+        at = "" if best.belt_speed is None else f" at belt speed {axis.size * best.belt_speed:.3g}{unit}"
         to.print(
             f"Next experiment: {best.what}{at}, to tell {' from '.join(best.between)}{enough}.", markup=False
         )
@@ -125,28 +113,23 @@ def say(found: Found, case: Case, to: Console) -> None:
 def effects_table(found: Found, case: Case) -> Table:
     """The effects found, with their numbers and intervals."""
     table = Table(title="what the declared model lacks")
-    for name in ("effect", "where", "parameter"):
-        table.add_column(name)
+    table.add_column("number", no_wrap=True)
     for name in ("value", "95 % interval", "in SI"):
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", no_wrap=True)
     for effect in found.effects:
-        first = True
-        for parameter, one in effect.parameters.items() or {"-": None}.items():
-            head = (effect.name, effect.where) if first else ("", "")
-            if one is None:
-                table.add_row(*head, "-", "-", "-", "-")
-                continue
+        table.add_row(f"[bold]{effect.name}[/bold]", "", "", "")
+        for parameter, one in effect.parameters.items():
             si = to_si(f"{effect.name}.{parameter}", one.value, case.rig)
-            span = "-" if one.low is None or one.high is None else f"{one.low:.4g} .. {one.high:.4g}"
             in_si = "-" if si is None else f"{si[0]:.4g} {si[1]}"
-            table.add_row(*head, parameter, f"{one.value:.5g}", span, in_si)
-            first = False
+            table.add_row(f"  {parameter}", *words.spanned(one), in_si)
+        if effect.curve is not None:
+            table.add_row("  a curve", effect.curve.guess or "-", "", "")
     return table
 
 
 def errors_table(found: Found) -> Table:
     """Error on the validate runs, before and after, with its floor."""
-    table = Table(title=f"error on runs never fitted: {found.error.metric}")
+    table = Table(title="error on runs never fitted", caption=found.error.metric)
     table.add_column("run")
     for name in ("before", "after", "floor"):
         table.add_column(name, justify="right")
@@ -199,16 +182,22 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
         frame.to_csv(temporary, index=False, float_format="%.10g")
     for doubt in doubts:
         console.print(f"- {doubt.message}; is the belt speed right?", markup=False, soft_wrap=True)
-    t, own = units["t"].unit, "" if units["belt"].unit == "1" else f" ({v_b:.5g} in the model)"
+    t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
     console.print(
         f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to "
         f"{frame['t'].iloc[-1]:.6g}{'' if t == '1' else f' {t}'}; "
-        + ", ".join(units[name].head(name) for name in ("x1", "y1") if name in frame),
+        + ", ".join(_column(past, str(name)) for name in frame if name != "t"),
         markup=False,
         soft_wrap=True,
     )
     console.print("written:")
     console.print(f"  {out}", soft_wrap=True, markup=False)
+
+
+def _column(past: Recording, name: str) -> str:
+    """A column and its unit; without one where the column is a multiple of it."""
+    channel = past.channels[name]
+    return name if channel.scale != 1 or channel.unit == "1" else f"{name} [{channel.unit}]"
 
 
 def _channels(model: Model, run: Path) -> dict[str, Channel] | None:

@@ -158,7 +158,11 @@ def _values(
 ) -> tuple[Array, str]:
     folded = [phase_of(found.after, run, name, phases.get(run.name, 0.0)) for run in _train(found)]
     if phases and all(one is not None for one in folded):
-        return np.concatenate([one for one in folded if one is not None]), f"phase of {name} [rad]"
+        phase = np.concatenate([one for one in folded if one is not None])
+        z = [_all(found, "before", channel) for channel in _channels(found)]
+        if sum(_ordered(phase, one) for one in z) > sum(_ordered(_column(found, "v_w"), one) for one in z):
+            return phase, f"phase of {name} [rad]"
+        variable = "v_w"  # what a phase does to the motion may show at another one
     axis = axes.variable(variable)
     symbols = {"v_w": "relative velocity $v_w$", "t": "time in the run $t$"}
     symbol = symbols.get(variable, f"${variable[0]}_{variable[1:]}$")

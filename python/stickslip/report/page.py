@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
 from jinja2 import BaseLoader, Environment, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
@@ -15,6 +16,7 @@ from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
 from stickslip.plot import save_figure
 from stickslip.records import Case
 from stickslip.report import figures, figures_residual, words
+from stickslip.report.motion import residual
 from stickslip.report.units import Axes, axes_of
 
 Drawer = Callable[[Found, Axes], Figure]
@@ -61,6 +63,7 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
     environment.filters |= {
         "num": number,
         "span": span,
+        "valued": valued,
         "percent": percent,
         "tied": words.ties,
         "sentence": words.sentence,
@@ -81,7 +84,29 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         caveats=words.caveats(found),
         plain=words.plain,
         place=words.PLACE,
+        excursion=excursion(found, axes_of(case)),
         figures={name: inline(path, name) for name, path in drawings.items()},
+    )
+
+
+def excursion(found: Found, axes: Axes) -> str:
+    """Where the residual is largest on the train runs, in words."""
+    which = "after" if found.effects else "before"
+    worst = ("", "", 0.0, 0.0)
+    for run in found.runs:
+        for channel in run.measured if run.role == "train" else ():
+            z = residual(run, which, channel)
+            if np.isfinite(z).any():
+                at = int(np.nanargmax(np.abs(z)))
+                if abs(z[at]) > abs(worst[2]):
+                    worst = (run.name, channel, float(z[at]), float(run.t[at]))
+    name, channel, size, at_time = worst
+    if not name:
+        return ""
+    unit = "" if axes.t.unit == "1" else f" {axes.t.unit}"
+    when = f"{axes.t.size * at_time:.3g}{unit}"
+    return (
+        f"The largest that is left over: {number(size, 2)} times the noise, in {channel} of {name} at {when}."
     )
 
 
@@ -106,7 +131,12 @@ def span(one: Interval | None) -> str:
     """A 95 % interval for a table."""
     if one is None or (one.low is None and one.high is None):
         return "–"
-    return f"{number(one.low)} … {number(one.high)}"
+    return words.spanned(one)[1]
+
+
+def valued(one: Interval) -> str:
+    """A value with the digits that its interval leaves it."""
+    return words.spanned(one)[0]
 
 
 def beneath(one: Mapping[str, float]) -> bool:

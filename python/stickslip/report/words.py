@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from stickslip.discovery.result import Alternative, Found, FoundEffect, Verdict
+from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
 from stickslip.rig import BlockOnBelt
 
 PLAIN: Mapping[str, str] = {
@@ -35,6 +35,20 @@ PLAIN: Mapping[str, str] = {
     "rig_mass": "a mass other than the declared one",
     "rig_stiffness": "a spring stiffness other than the declared one",
     "sensor_gain": "a sensor gain other than the declared one",
+    "viscous_asymmetry": "a viscous damping that differs by direction",
+    "viscous_saturation": "friction that rises at low speed and levels off",
+    "position_load": "a load that grows with the position, like a spring",
+    "position_friction": "friction that grows along the track",
+    "load_drift": "a load that drifts within each run",
+    "position_ripple": "a load that waves along the track",
+    "position_ripple_2": "a second wave of the load along the track",
+    "position_ripple_3": "a third wave of the load along the track",
+    "friction_ripple": "friction that waves along the track",
+    "drive_ripple": "a drive whose gain waves along the track",
+    "drive_gain_drift": "a drive whose gain drifts within each run",
+    "drive_nonlinearity": "a drive whose gain changes with the force",
+    "drive_lag": "a drive that lags behind its command",
+    "drive_delay": "a drive that acts late",
     "unlisted": "something that has no name in the catalogue",
 }
 PLACE: Mapping[str, str] = {
@@ -43,6 +57,7 @@ PLACE: Mapping[str, str] = {
     "both": "between block and angle body",
     "contact": "in the contact",
     "belt": "in the belt drive",
+    "drive": "in the drive",
     "x1 channel": "in the x1 channel",
     "y1 channel": "in the y1 channel",
 }
@@ -134,7 +149,8 @@ def _share(found: Found) -> str:
 
 def _of_the_name(effect: FoundEffect) -> str:
     equal = ties(effect)
-    who = "Its place and variable" if effect.name == "unlisted" else f"The name {effect.name}"
+    curve = effect.name == "unlisted"
+    who = "Where it acts and on what" if curve else f"The name {effect.name}"
     if equal:
         odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
         exact = " The tie is exact: no run of this kind can break it." if any(a.exact for a in equal) else ""
@@ -149,6 +165,15 @@ def _odds(odds: float) -> str:
     if odds >= 0.01:
         return f"odds {odds:.2g} to 1"
     return f"1 to {short(1 / odds, 2)}" if odds > 1e-12 else "under 1 to 10¹²"
+
+
+def spanned(one: Interval) -> tuple[str, str]:
+    """A value and its 95 % interval, with as many digits as the interval has two of."""
+    if one.low is None or one.high is None:
+        return short(one.value), "–"
+    width, size = abs(one.high - one.low), max(abs(one.low), abs(one.high), abs(one.value))
+    digits = 4 if width <= 0 or size <= 0 else max(3, min(9, 2 + math.floor(math.log10(size / width) + 1)))
+    return short(one.value, digits), f"{short(one.low, digits)} … {short(one.high, digits)}"
 
 
 def short(value: float | None, digits: int = 4) -> str:
