@@ -8,7 +8,7 @@ import pytest
 from stickslip.catalogue import CATALOGUE, CONSTANTS
 from stickslip.effects import Effect, effect, tabulated
 from stickslip.errors import InputError
-from stickslip.friction import CoulombFriction
+from stickslip.friction import CoulombFriction, PaperFriction
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt, Rig
 from stickslip.simulate import simulate
@@ -118,3 +118,10 @@ def test_tabulated_curve_repeats_in_time() -> None:
         tabulated("block", "x1", t, wave, period=2.0)
     with pytest.raises(InputError, match="equal first and last"):
         tabulated("block", "t", t, wave + t, period=2.0)
+
+
+def test_a_motion_has_one_tabulated_term() -> None:
+    one, other = (tabulated(where, "x1", [0.0, 1.0, 2.0], [0.0, 0.1, 0.3]) for where in ("contact", "block"))
+    rig = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    with pytest.raises(InputError, match="one tabulated term"):
+        Model(rig, friction=PaperFriction(), effects=[one, other])

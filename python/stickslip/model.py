@@ -300,6 +300,13 @@ def _check_belt(effects: Iterable[AnyEffect]) -> None:
             raise InputError(
                 f"effect '{one.name}' is for a DrivenSlider; {did_you_mean(one.name, CATALOGUE)}"
             )
+    curves = [one.name for one in effects if isinstance(one, Tabulated) and not one.of_reading]
+    if len(curves) > 1:
+        raise InputError(
+            f"effects '{curves[0]}' and '{curves[1]}': a motion can have one tabulated term; name what the other "
+            "stands for, or put both into one curve",
+            key="effects",
+        )
 
 
 def _needs_angle_body(one: AnyEffect) -> bool:
