@@ -5,7 +5,8 @@ Usage: python bench/bench_sweep.py [--peers DIR] [--repeats 7] [--large 1000000]
 P2 is 4096 members (64 belt speeds x 64 alpha1, alpha2 = alpha1/2) to t = 200 at tolerance 1e-8; P2eq 64 of them on
 one thread, 16 times over, the rival at the loosest tolerance that leaves a median error of the final state of at most
 1e-8, ours at the loosest that leaves no more than the rival's.
-The rival, with --peers, is the jitted DOP853 mode machine `ensemble` of DIR/peer_numba.py, timed in turn with ours.
+The rivals, with --peers, are the jitted DOP853 mode machine `ensemble` of DIR/peer_numba.py, timed in turn with ours,
+and the batched Taylor integrator of DIR/peer_heyoka.py where heyoka is installed.
 Every answer is held to the truth (tests/data/truth_p2.json) before a time is taken. Measure on a quiet machine.
 """
 
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import importlib.util
 import json
 import os
 import statistics
@@ -27,6 +29,8 @@ from typing import Any
 import numpy as np
 
 import stickslip
+from stickslip import _core
+from stickslip.lowering import lower
 
 TRUTH = json.loads((Path(__file__).parents[1] / "tests/data/truth_p2.json").read_text())
 MODEL = stickslip.Model(
@@ -117,7 +121,9 @@ def against_rivals(folder: Path, repeats: int) -> dict[str, object]:
         {"stickslip": lambda: sweep(every, ours[0]), "jitted DOP853": lambda: rival(every, theirs[0])},
         max(3, repeats // 2),
     )
+    taylor = heyoka_batch(few)
     return {
+        **({"P2eq_heyoka_batch": taylor} if taylor else {}),
         "tolerance": {"stickslip": ours[0], "jitted DOP853": theirs[0]},
         "error": {"stickslip": ours[1], "jitted DOP853": theirs[1]},
         "P2eq_per_s": {name: len(often) / statistics.median(t) for name, t in equal.items()},
@@ -126,6 +132,26 @@ def against_rivals(folder: Path, repeats: int) -> dict[str, object]:
         "P2_at_equal_error_per_s": {name: 4096 / statistics.median(t) for name, t in full.items()},
         "P2_at_equal_error_ratio": ratio(full, "stickslip", "jitted DOP853"),
     }
+
+
+def heyoka_batch(index: np.ndarray) -> dict[str, float]:
+    """Rate of the folder's batched Taylor integrator at the loosest tolerance that is good enough, if it is there."""
+    if not importlib.util.find_spec("heyoka") or not importlib.util.find_spec("peer_heyoka"):
+        return {}
+    peer, heyoka = importlib.import_module("peer_heyoka"), importlib.import_module("heyoka")
+    lanes = int(heyoka.recommended_simd_size())
+    grid = np.stack([SPEEDS[index // 64], ALPHAS[index % 64], ALPHAS[index % 64] / 2], 1)
+
+    def run(batch: Any) -> np.ndarray:
+        return np.concatenate([batch.run(grid[k : k + lanes], T_END) for k in range(0, len(grid), lanes)])
+
+    def final(tolerance: float) -> np.ndarray:
+        return run(peer.Batch(tolerance, lanes))[:, :4]
+
+    tolerance, e = loosest(final, index)
+    batch = peer.Batch(tolerance, lanes)
+    times = in_turn({"heyoka": lambda: run(batch)}, 3)["heyoka"]
+    return {"tolerance": tolerance, "error": e, "per_s": len(index) / statistics.median(times)}
 
 
 def counts() -> dict[str, object]:
@@ -207,8 +233,45 @@ def memory(count: int) -> float:
     return float(run.stdout.split()[-1])
 
 
+def arithmetic() -> dict[str, float]:
+    """What P2 asks of the arithmetic units, counted, against what they give in a product of large matrices.
+
+    Counted are the expansions alone, each step as one along the exponentials at the order of tolerance 1e-8: for each
+    order k the two convolutions of k - 1 products and 33 other operations.
+    """
+    order = 12
+    a_step = sum(4 * (k - 1) + 33 for k in range(1, order + 1))
+    lowered = lower(MODEL, 0.1)
+    every = members(np.arange(4096))
+    slots = [lowered.slots[name][0] for name in every]
+    rows, _ = _core.sweep(
+        structure=lowered.structure,
+        base=np.concatenate([lowered.parameters, lowered.initial(START)]),
+        varied=np.array(slots, dtype=np.int32),
+        values=np.ascontiguousarray(np.stack([column for _, column in every.values()], axis=1)),
+        t_end=T_END, after=T_END / 2, rtol=1e-8, atol=1e-8, observe=0, points=0, lanes=True, threads=1,
+        max_transitions=10**6,
+    )  # fmt: skip
+    steps = float(np.asarray(rows)[:, _core.SWEEP_ROW.index("steps")].mean())
+    return {"steps_per_trajectory": steps, "operations_per_step": a_step, "peak_Gflop_per_s": peak() / 1e9}
+
+
+def peak() -> float:
+    """Floating-point operations a second of one core, by a product of matrices on one thread."""
+    code = (
+        "import numpy as np, time; a = np.ones((1536, 1536)); a @ a; t = []\n"
+        "for _ in range(5):\n b = time.perf_counter(); a @ a; t.append(time.perf_counter() - b)\n"
+        "print(2 * 1536**3 / min(t))"
+    )
+    one = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    run = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, **one}, capture_output=True, text=True
+    )
+    return float(run.stdout)
+
+
 def clock() -> float:
-    """Clock in Hz as the system tells it; 0 if it does not."""
+    """Clock in Hz as the system tells it (a virtual machine tells the nominal one); 0 if it does not."""
     lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
     speeds = [float(line.split(":")[1]) for line in lines if line.startswith("cpu MHz")]
     return 1e6 * max(speeds, default=0.0)
@@ -236,6 +299,9 @@ def main() -> None:
     results["P2_per_s"] = {name: 4096 / statistics.median(t) for name, t in threads.items()}
     results["two_threads_over_one"] = ratio(threads, "2", "1")
     results["cycles_per_trajectory"] = clock() / results["P2_per_s"]["1"]
+    work = results["arithmetic"] = arithmetic()
+    asked = work["steps_per_trajectory"] * work["operations_per_step"] * results["P2_per_s"]["1"]
+    work["share_of_peak"] = asked / 1e9 / work["peak_Gflop_per_s"]
     sets = results["P2_per_s_by_instruction_set"] = instruction_sets(max(3, options.repeats // 2))
     if "avx2" in sets:
         results["avx2_over_scalar"] = sets["avx2"] / sets["avx2, scalar kernel"]

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "stickslip/interface.hpp"
 #include "stickslip/isa.hpp"
+#include "stickslip/sweep_request.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 

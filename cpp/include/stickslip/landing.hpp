@@ -41,8 +41,12 @@ Signs<W> count_signs(const Lanes<W>* d, int n, const Lanes<W>& h) {
     b[k].v = d[k].v * scale;
     if (k < n) scale *= h.v * ((k + 1) * reciprocals.r[n - k]);
   }
-  for (int i = 1; i <= n; ++i)
-    for (int j = n; j >= i; --j) b[j].v += b[j - 1].v;
+  int i = 1;
+  for (; i < n; i += 2) {  // two rows of the triangle of sums at once
+    for (int j = n; j > i; --j) b[j].v = (b[j].v + b[j - 2].v) + 2.0 * b[j - 1].v;
+    b[i].v += b[i - 1].v;
+  }
+  if (i == n) b[n].v += b[n - 1].v;
   for (int k = 0; k <= n; ++k) largest = max(Lanes<W>(largest), abs(b[k])).v;
   const Vec zero = Vec{}, one = zero + 1.0, noise = largest * (2.0 * std::numeric_limits<double>::epsilon());
   Signs<W> out{zero, zero, zero};

@@ -184,7 +184,7 @@ V exp2_rough(V x) {
   x = x < lo ? lo : (x > hi ? hi : x);
   constexpr double magic = 0x1.8p52;
   const V n = x + magic, r = x - (n - magic);  // |r| <= 1/2
-  const V p = 1.0 + r * (0.693147 + r * (0.240227 + r * (0.0557 + r * 0.0096)));
+  const V r2 = r * r, p = (1.0 + 0.693147 * r) + r2 * ((0.240227 + 0.0557 * r) + 0.0096 * r2);
   if constexpr (sizeof(V) == sizeof(double)) {
     return p * std::bit_cast<V>((std::bit_cast<B>(n) + 1023) << 52);
   } else {

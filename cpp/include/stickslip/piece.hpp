@@ -1,6 +1,7 @@
 // One piece of a trajectory: its series, the surfaces that end it, and what happens at them.
 #pragma once
 
+#include "stickslip/expand.hpp"
 #include "stickslip/switching.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {

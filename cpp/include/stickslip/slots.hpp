@@ -1,4 +1,4 @@
-// The public names of the slots of interface.hpp, in their order.
+// The public names of the slots of structure.hpp, in their order.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "stickslip/interface.hpp"
+#include "stickslip/sweep_request.hpp"
 
 namespace stickslip {
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stickslip/piece.hpp"
+#include "stickslip/sweep_request.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
