@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.slider.candidates import Candidate
 from stickslip.discovery.slider.population import Block, without
+from stickslip.effects import CONSTANTS
 
 Floats = NDArray[np.float64]
 
@@ -147,9 +148,9 @@ def beside_wander(white: White, one: Weighed, taken: Sequence[Candidate]) -> Wei
 
 
 def best_of(weighed: Sequence[Weighed]) -> list[Weighed]:
-    """The best of each name, best first."""
+    """The best of each name, best first; of equals a declared constant first."""
     best: dict[str, Weighed] = {}
     for one in weighed:
         if one.candidate.name not in best or one.score > best[one.candidate.name].score:
             best[one.candidate.name] = one
-    return sorted(best.values(), key=lambda one: -one.score)
+    return sorted(best.values(), key=lambda one: (-round(one.score, 6), one.candidate.name not in CONSTANTS))
