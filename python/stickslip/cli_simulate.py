@@ -120,7 +120,7 @@ def _say_understood(
     model: Model, units: dict[Quantity, Scale], v_b: float, times: Array, start: list[float] | None
 ) -> None:
     """Print what was understood of the numbers, in their units."""
-    own = "" if units["belt"].unit == "1" else f" ({v_b:.5g} in the model)"
+    own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
     at = "rest at the origin"
     if start is not None:
         names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
