@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.catalogue import CATALOGUE, CONSTANTS, EffectKind
+from stickslip.catalogue import CATALOGUE, CONSTANTS, DRIVEN, EffectKind
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 
@@ -26,6 +26,15 @@ For a block on a belt, whose declared constants are taken at their word unless t
 
 | name | where | what is true instead | parameters |
 |---|---|---|---|
+"""
+
+DRIVEN_HEAD = """
+## A driven slider
+
+No belt, no spring; SI. F is the drive, T the friction of the law. Beside these: SHARED.
+
+| name | where | what it adds | depends on | parameters |
+|---|---|---|---|---|
 """
 
 TAIL = """
@@ -64,7 +73,11 @@ def page() -> str:
     """Return the page as the code says it."""
     rows = [row(kind) for kind in CATALOGUE.values()]
     wrong = [f"| `{k.name}` | {k.where} | {k.formula} | {numbers(k)} |" for k in CONSTANTS.values()]
-    return HEAD + "\n".join(rows) + "\n" + CONSTANTS_HEAD + "\n".join(wrong) + "\n" + TAIL
+    others = [row(kind) for kind in DRIVEN.values() if kind.name not in CATALOGUE and kind.name not in CONSTANTS]
+    shared = ", ".join(f"`{name}`" for name in DRIVEN if name in CATALOGUE or name in CONSTANTS)
+    driven = DRIVEN_HEAD.replace("SHARED", shared) + "\n".join(others)
+    parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, TAIL)
+    return "\n".join(parts)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "case.md"
 
@@ -22,6 +22,8 @@ def cases(tmp_path: Path) -> list[Case]:
         folder.mkdir()
         (folder / "rig.toml").write_text(text)
         header = "time,block,angle,belt,s" if "block_on_belt" not in text else "ms,force,angle,belt,time"
+        if "driven_slider" in text:
+            header = "ms,position,command,belt,time"
         for name in ("run_01.csv", "run_02.csv"):
             (folder / name).write_text("\n".join([header, *rows]))
         found.append(load_case(folder))
@@ -29,7 +31,7 @@ def cases(tmp_path: Path) -> list[Case]:
 
 
 def test_the_cases_of_the_page(cases: list[Case]) -> None:
-    two, one = cases
+    two, one, driven = cases
     assert isinstance(two.rig, Rig)
     assert two.rig.scales is not None
     assert two.friction.static_limits == (6.2, 3.63)
@@ -44,3 +46,8 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
     assert [len(run) for run in one.runs] == [24, 26, 50]
     assert one.runs[2].rig == BlockOnBelt(mass=0.0307, stiffness=1002)
     np.testing.assert_allclose(one.runs[2].x1 * 1002, 0.301 * np.sin(0.5 * np.arange(50)), atol=1e-12)
+
+    assert driven.rig == DrivenSlider(mass=95.1)
+    drive = driven.runs[0].drive
+    assert drive is not None
+    np.testing.assert_allclose(drive, 35.15 * np.cos(0.5 * np.arange(50)), atol=1e-12)

@@ -17,7 +17,7 @@ from stickslip.discovery.readings import curves_of
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.model import Model
 from stickslip.records import Recording
-from stickslip.rig import BlockOnBelt
+from stickslip.rig import BlockOnBelt, DrivenSlider
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,6 +68,9 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
 
     must_be("model", model, Model, "load_model(file) gives one")
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
+    if isinstance(model.rig, DrivenSlider):
+        words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"
+        raise InputError(words, key="model")
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
     past_run = replace(recording, belt_speed=speed)
     dt = float(np.median(np.diff(recording.t)))

@@ -49,6 +49,7 @@ class Measured:
 
 def natural_period(rig: AnyRig) -> float:
     """Period of the free block on its springs, in the rig's unit of time."""
+    rig = on_belt(rig)
     if isinstance(rig, BlockOnBelt):
         return float(2 * np.pi * np.sqrt(rig.mass / rig.stiffness))
     return 2 * np.pi

@@ -240,32 +240,30 @@ class Balance:
         law = ("damping", "kinetic", "kinetic_plus")
         return ("mass", *law) if "rig_mass" in fit.names else law
 
-    def sharpen(self, choices: Sequence[Choice], law: Law) -> Fit:
-        """Fit the scanned numbers too, from where they are."""
-        start = np.concatenate([np.log(np.abs(one.inside)) for one in choices]) if choices else np.zeros(0)
+    def sharpen(self, choices: Sequence[Choice], law: Law, *, last: bool = False) -> Fit:
+        """Fit the scanned numbers too, from where they are: all of them, or those of the last candidate alone."""
+        moved = choices[-1:] if last else choices
+        held = tuple(choices[: len(choices) - len(moved)])
+        start = np.concatenate([np.zeros(0), *(np.log(np.abs(one.inside)) for one in moved)])
         if not start.size:
             return self.fit(choices, law)
-        steps = np.concatenate([[self._step(one)] * len(one.inside) for one in choices])
+        steps = np.concatenate([[self._step(one)] * len(one.inside) for one in moved])
 
         def at(z: Floats) -> tuple[Choice, ...]:
-            out, k = [], 0
-            for one in choices:
-                m = len(one.inside)
-                out.append(
-                    Choice(
-                        one.term,
-                        np.sign(one.inside) * np.exp(start[k : k + m] + steps[k : k + m] * z[k : k + m]),
-                    )
-                )
-                k += m
+            out, k = list(held), 0
+            for one in moved:
+                part = slice(k, k + len(one.inside))
+                inside = np.sign(one.inside) * np.exp(start[part] + steps[part] * z[part])
+                out.append(Choice(one.term, inside))
+                k = part.stop
             return tuple(out)
 
         def white(z: Floats) -> Floats:
             return self._once(at(z), law, None).white
 
-        still = np.zeros(len(start))
+        still, small = np.zeros(len(start)), np.full(len(start), 1e-2)
         solved = scipy.optimize.least_squares(
-            white, still, diff_step=np.full(len(start), 1e-2), bounds=(-6, 6), max_nfev=12
+            white, still, diff_step=small, bounds=(-6, 6), max_nfev=8, ftol=1e-5, xtol=1e-3
         )
         return self.fit(at(solved.x), law)
 

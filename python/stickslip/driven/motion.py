@@ -19,7 +19,8 @@ WIDER = 1.2  # the band is taken this much wider
 FLOOR_CYCLES = 40  # the band is at least so many periods of the record wide
 TAPS_PER_BAND = 3.3  # taps of a Hamming window over the width of its edge
 EDGE = 0.3  # width of the band's edge over its limit
-TURN = 3  # samples on either side of a turn in which the sign of the velocity is in doubt
+# periods of the band's limit: within so long of a turn, or in a stick as short, the sign is in doubt
+HIDDEN = 0.5
 SLOW = 4.0  # standard deviations of the velocity below which the slider may be at rest
 
 
@@ -103,8 +104,9 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
 class Motion:
     """One run: (n,) arrays at the sampling rate, SI.
 
-    `x`, `v` position and velocity within the band, `a` the second difference of the position as read, `drive` the
-    drive's mean over the two intervals beside a sample, `rest` where the sign of the velocity is in doubt.
+    `x`, `v` position and velocity within the band, `a` the acceleration from second differences of the position as
+    read, `command` the drive as recorded and `drive` as it acts at the samples, `rest` where the sign of the velocity
+    is in doubt.
     """
 
     name: str
@@ -127,7 +129,8 @@ def motion(name: str, t: Floats, x: Floats, force: Floats, over: Band) -> Motion
     """Read a run's motion.
 
     The drive is held from each sample to the next, so that the second difference of the position at a sample,
-    divided by dt^2, is the acceleration that the mean of the two drives beside it makes.
+    divided by dt^2, is the acceleration that the mean of the two drives beside it makes: a mean over the two
+    intervals, with triangular weight. `instant` makes values at the sample of both, for the other forces to add to.
     """
     dt = float(np.median(np.diff(t)))
     smooth = over.smoothed(x)
@@ -136,17 +139,30 @@ def motion(name: str, t: Floats, x: Floats, force: Floats, over: Band) -> Motion
     a[1:-1] = np.diff(x, 2) / dt**2
     a[0], a[-1] = a[1], a[-2]
     held = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
-    return Motion(name, t, smooth, v, a, force, held, _rest(x, smooth, v, over), dt)
+    return Motion(name, t, smooth, v, instant(a), force, instant(held), _rest(x, smooth, v, dt, over), dt)
 
 
-def _rest(x: Floats, smooth: Floats, v: Floats, over: Band) -> NDArray[np.bool_]:
-    """Samples at which the slider may stick: slower than its velocity is known, or beside a turn."""
+def instant(mean: Floats) -> Floats:
+    """Values at the samples (n,) of means over the two intervals beside each, with triangular weight.
+
+    Such a mean is 1 + dt^2/12 d^2/dt^2 of the value (Numerov); what is neglected is of the order (w dt)^4.
+    """
+    out = mean.copy()
+    out[1:-1] = (14 * mean[1:-1] - mean[:-2] - mean[2:]) / 12
+    return out
+
+
+def _rest(x: Floats, smooth: Floats, v: Floats, dt: float, over: Band) -> NDArray[np.bool_]:
+    """Samples at which the slider may stick: beside a turn, slower than known, or so slow that a stick is hidden."""
     noise = 1.4826 * float(np.median(np.abs(x - smooth)))
-    slow = np.abs(v) <= SLOW * noise * 2 * np.pi * over.cutoff
+    reach = HIDDEN / over.cutoff
+    bend = np.abs(np.gradient(np.gradient(v, dt), dt))
+    slow = np.abs(v) <= SLOW * noise * 2 * np.pi * over.cutoff + 0.5 * bend * reach**2
     turn = np.zeros(len(v), dtype=bool)
     turn[1:] = np.sign(v[1:]) != np.sign(v[:-1])
     near = slow | turn | np.append(turn[1:], False)
-    return np.asarray(scipy.ndimage.binary_dilation(near, iterations=TURN))
+    wide = int(np.ceil(reach / dt))
+    return np.asarray(scipy.ndimage.binary_dilation(near, iterations=wide))
 
 
 Columns = Callable[[Motion], Floats]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.driven.dictionary import Dictionary
 from stickslip.driven.fit import Balance
 from stickslip.driven.motion import Motion, stacked
-from stickslip.driven.noise import autoregression
+from stickslip.driven.noise import Noise, autoregression
 
 Floats = NDArray[np.float64]
 
@@ -55,8 +55,7 @@ def process_noise(balance: Balance, dictionary: Dictionary) -> Floats:
         ["position_ripple", "friction_ripple", "drive_ripple", "harmonic_forcing"],
     )
     for _ in range(ROUNDS):
-        residual = balance.residual(fit, _scaled(extra))
-        balance.noise = autoregression(residual, balance.lengths, freedom=extra.shape[1] + 4)
+        _take(balance, extra, fit.freedom)
         dictionary.whiten()
         fit = balance.fit(extra=_scaled(extra))
         scorer = dictionary.scorer(balance.whitened(np.column_stack([balance.base, balance.free, extra])))
@@ -70,9 +69,20 @@ def process_noise(balance: Balance, dictionary: Dictionary) -> Floats:
             extra = np.column_stack([extra, new])
             scorer.add(balance.whitened(new))
             fit = balance.fit(extra=_scaled(extra))
-    residual = balance.residual(fit, _scaled(extra))
-    balance.noise = autoregression(residual, balance.lengths, freedom=fit.freedom)
+    residual = _take(balance, extra, fit.freedom)
     dictionary.whiten()
+    return residual
+
+
+def _take(balance: Balance, extra: Floats, freedom: int) -> Floats:
+    """Set the balance's noise to the colour of what plain least squares leave, and return that (n,).
+
+    Plain, since a fit in white units may leave slow residuals of any size that the next colour would take for noise.
+    """
+    balance.noise = Noise(np.ones(1), 1.0)
+    plain = balance.fit(extra=_scaled(extra))
+    residual = balance.residual(plain, _scaled(extra))
+    balance.noise = autoregression(residual, balance.lengths, freedom=freedom)
     return residual
 
 

@@ -22,6 +22,7 @@ TRIED = 4  # candidates fitted whole at every step, of those that the score puts
 SHARE = 0.01  # of the excess over the noise: what explains less is left alone
 DRAWS = 400
 LEVEL = 0.99  # of the gate
+MARGIN = 1.3  # on the gate, for what the bootstrap does not know
 BLOCK = 0.1  # s, over which noise keeps its shape in the bootstrap
 FAITHFUL = 0.5  # share of what a curve gains that a name must gain to be preferred to it
 CLOSE = 12.0  # fall of chi-squared by which a rival must lose to be ruled out, in units of what is left per reading
@@ -98,7 +99,7 @@ class Search:
         shift = generator.integers(0, block, DRAWS)
         signs = np.stack([np.roll(signs[:, i], shift[i]) for i in range(DRAWS)], axis=1)
         draws = self.scorer(self.null).gains(white[:, None] * signs).max(axis=0)
-        return Gate(float(np.quantile(draws, LEVEL)), draws)
+        return Gate(MARGIN * float(np.quantile(draws, LEVEL)), draws)
 
     @property
     def excess(self) -> float:
@@ -123,7 +124,8 @@ class Search:
         worth = gains - np.log(len(fit.white)) * size
         later = [b for a, b in pairwise(RIPPLES) if a not in fit.names]
         for name in {*taken, *fit.names, *later}:
-            worth[self.dictionary.family == self.dictionary.families.index(name)] = -np.inf
+            if name in self.dictionary.families:
+                worth[self.dictionary.family == self.dictionary.families.index(name)] = -np.inf
         order, seen = [], set()
         for i in np.argsort(-worth):
             name = self.dictionary.entries[i].choice.name
@@ -134,7 +136,7 @@ class Search:
         for i in order[:TRIED]:
             choice = self.dictionary.entries[i].choice
             self.tell(f"trying {' + '.join((*fit.names, choice.name))}")
-            out.append(self.balance.sharpen((*fit.choices, choice), fit.law))
+            out.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
         return tuple(sorted(out, key=self.score))
 
     def score(self, fit: Fit) -> float:
@@ -151,9 +153,23 @@ class Search:
                 rivals = (learned[0], *rivals)
             if not rivals or not self.pays(fit, rivals[0]):
                 break
-            self.steps.append(Step(fit, rivals[0], rivals[1:]))
-            fit = rivals[0]
-        return self._thinned(fit)
+            after = self.balance.sharpen(rivals[0].choices, rivals[0].law)
+            self.steps.append(Step(fit, after, rivals[1:]))
+            fit = after
+        return self._thinned(self._exchanged(fit))
+
+    def _exchanged(self, fit: Fit) -> Fit:
+        """Give every place to the candidate that fills it best, now that the others are there."""
+        for one in list(fit.choices):
+            if one.name in RIPPLES:
+                continue
+            less = self.without(fit, one.name)
+            rivals = self.joined(less, taken=(one.name, *RIPPLES))
+            if rivals and self.score(rivals[0]) < self.score(fit):
+                other = self.balance.sharpen(rivals[0].choices, rivals[0].law)
+                if self.score(other) < self.score(fit):
+                    fit = other
+        return fit
 
     def learned(self, fit: Fit) -> tuple[Fit, ...]:
         """Fits with one more learned curve each, best first."""
@@ -171,7 +187,7 @@ class Search:
     def without(self, fit: Fit, name: str) -> Fit:
         """The fit without one of its candidates, the others sharpened."""
         rest = tuple(one for one in fit.choices if one.name != name)
-        return self.balance.sharpen(rest, fit.law) if rest else self.null
+        return self.balance.fit(rest, fit.law) if rest else self.null
 
     def _thinned(self, fit: Fit) -> Fit:
         for one in list(fit.choices):

@@ -90,6 +90,7 @@ class Slider:
             Another force, held over the interval.
         """
         h = self.h
+        k = 0.5 * h * self.damping / self.mass  # damping acts on the mean of the velocities before and after
         for i in range(self.substeps):
             at = (i + 0.5) * h
             f = drive(int(np.floor((at - self.delay) / self.dt)) if self.delay else 0)
@@ -97,14 +98,15 @@ class Slider:
             if "drive_lag" in self.p:
                 s.f = f + (s.f - f) * np.exp(-h / self.p["drive_lag"]["tau"])
                 f = s.f
-            smooth = self._gain(x, f, now) * f - self.damping * v + self.block(x, v, now) + noise
+            smooth = self._gain(x, f, now) * f + self.block(x, v, now) + noise
             low, high = self.limits(x, v, now)
             if "contact_compliance" in self.p:
                 self._bristle(s, v)
-                v_new = v + h * (smooth - np.where(s.z > 0, high, low) * s.z) / self.mass
+                v_new = (1 - k) * v + h * (smooth - np.where(s.z > 0, high, low) * s.z) / self.mass
             else:
-                free = v + h * smooth / self.mass
+                free = (1 - k) * v + h * smooth / self.mass
                 v_new = free - np.clip(free, -h * low / self.mass, h * high / self.mass)
+            v_new = v_new / (1 + k)
             s.x = s.x + 0.5 * h * (v + v_new)
             s.v = v_new
 

@@ -1,0 +1,156 @@
+"""A driven slider in motion, against closed forms and an adaptive integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+import driven_truth as truth
+import stickslip as ss
+from stickslip.driven.simulate import Loop, Slider, closed_loop, forecast
+from stickslip.errors import InputError
+from stickslip.rig import DrivenSlider
+
+LAW = ss.CoulombFriction(
+    static=truth.MINUS, kinetic=truth.MINUS, static_plus=truth.PLUS, kinetic_plus=truth.PLUS
+)
+
+
+def model(*effects: ss.Effect) -> ss.Model:
+    return ss.Model(DrivenSlider(mass=truth.MASS, damping=truth.DAMPING), friction=LAW, effects=effects)
+
+
+def exact(forces: np.ndarray, x: float, v: float, h: float) -> np.ndarray:
+    out = [x]
+    for force in forces:
+        x, v = truth.moved(x, v, float(force), h)
+        out.append(x)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_turns_and_rests_follow_the_closed_form(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    forces = np.repeat(generator.uniform(-15, 15, 40), 25)
+    t = np.arange(len(forces) + 1) / truth.RATE
+    command = np.append(forces, 0.0)
+    ours = forecast(model(), t, command, np.array([0]), np.array([0.0]), np.array([0.02]), len(forces))[:, 0]
+    theirs = exact(forces, 0.0, 0.02, 1 / truth.RATE)
+    assert np.max(np.abs(ours - theirs)) < 2e-3 * np.ptp(theirs)
+
+
+def test_the_error_shrinks_with_the_substep() -> None:
+    forces = 20 * np.sin(np.arange(1000) / 40)
+    theirs = exact(forces, 0.0, 0.1, 1 / truth.RATE)[-1]
+    errors = []
+    for substeps in (4, 32):
+        slider = Slider(model(), 1 / truth.RATE, substeps=substeps)
+        s = slider.start(np.zeros(1), np.array([0.1]), np.zeros(1))
+        for force in forces:
+            slider.step(s, 0.0, lambda _, force=force: np.array([force]))
+        errors.append(abs(float(s.x[0]) - theirs))
+    assert errors[1] < 0.3 * errors[0]
+
+
+def test_it_rests_while_the_drive_is_below_friction() -> None:
+    t = np.arange(200) / truth.RATE
+    command = np.where(t < 0.2, 4.9, 5.5)
+    path = forecast(model(), t, command, np.array([0]), np.zeros(1), np.zeros(1), 150)[:, 0]
+    assert np.ptp(path[:100]) == 0
+    assert path[-1] > 0
+
+
+# force on the slider from position x, velocity v > 0, time t and drive f, beside damping and plain friction
+# ruff: noqa: ARG005
+SMOOTH = {
+    "viscous_asymmetry": ({"c": 8.0}, lambda x, v, t, f: f - 8 * abs(v)),
+    "block_quadratic_damping": ({"c": 90.0}, lambda x, v, t, f: f - 90 * v * abs(v)),
+    "position_load": ({"k": 40.0}, lambda x, v, t, f: f - 40 * x),
+    "load_drift": ({"r": 3.0}, lambda x, v, t, f: f + 3 * t),
+    "position_ripple": (
+        {"a": 3.0, "L": 0.03, "phi": 1.0},
+        lambda x, v, t, f: f + 3 * np.sin(2 * np.pi * x / 0.03 + 1),
+    ),
+    "drive_ripple": (
+        {"a": 0.2, "L": 0.03, "phi": 1.0},
+        lambda x, v, t, f: f * (1 + 0.2 * np.sin(2 * np.pi * x / 0.03 + 1)),
+    ),
+    "friction_ripple": (
+        {"a": 0.3, "L": 0.05, "phi": 0.0},
+        lambda x, v, t, f: f - truth.PLUS * 0.3 * np.sin(2 * np.pi * x / 0.05),
+    ),
+    "position_friction": ({"r": 2.0}, lambda x, v, t, f: f - truth.PLUS * 2 * x),
+    "friction_drift": ({"r": 0.4}, lambda x, v, t, f: f - truth.PLUS * 0.4 * t),
+    "drive_gain_drift": ({"r": 0.1}, lambda x, v, t, f: f * (1 + 0.1 * t)),
+    "drive_nonlinearity": ({"q": 0.01}, lambda x, v, t, f: f * (1 + 0.01 * abs(f))),
+    "harmonic_forcing": ({"a": 3.0, "w": 20.0, "phi": 0.4}, lambda x, v, t, f: f + 3 * np.sin(20 * t + 0.4)),
+    "stribeck_peak": ({"dT": 2.0, "v_s": 0.2}, lambda x, v, t, f: f - 2 * np.exp(-((v / 0.2) ** 2))),
+    "viscous_saturation": ({"dT": 2.0, "v_s": 0.2}, lambda x, v, t, f: f - 2 * (1 - np.exp(-v / 0.2))),
+}
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_each_effect_moves_it_as_its_formula_says(name: str) -> None:
+    numbers, force = SMOOTH[name]
+    t = np.arange(301) / truth.RATE
+    drive = 25.0
+
+    def rate(now: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        return [v, (force(x, v, now, drive) - truth.DAMPING * v - truth.PLUS) / truth.MASS]
+
+    theirs = scipy.integrate.solve_ivp(rate, (0, t[-1]), [0.0, 0.05], rtol=1e-10, atol=1e-12).y[0, -1]
+    start = np.array([0])
+    command = np.full(len(t), drive)
+    ours = forecast(model(ss.effect(name, **numbers)), t, command, start, np.zeros(1), np.array([0.05]), 300)[
+        -1, 0
+    ]
+    plain = forecast(model(), t, command, start, np.zeros(1), np.array([0.05]), 300)[-1, 0]
+    assert abs(ours - theirs) < 2e-3 * abs(theirs)
+    assert abs(ours - theirs) < 0.1 * abs(plain - theirs)
+
+
+def test_a_lag_and_a_delay_put_off_a_step_of_the_drive() -> None:
+    t = np.arange(401) / truth.RATE
+    command = np.where(np.arange(401) < 100, 12.0, 30.0)
+    start, x, v = np.array([0]), np.zeros(1), np.array([0.05])
+    plain, lagged, late = (
+        forecast(one, t, command, start, x, v, 400)[:, 0]
+        for one in (
+            model(),
+            model(ss.effect("drive_lag", tau=0.01)),
+            model(ss.effect("drive_delay", delay=0.01)),
+        )
+    )
+    # both act like the same force 10 ms later: the impulse lacking is 18 N * 10 ms
+    lost = 18.0 * 0.01 / truth.MASS * truth.MASS / truth.DAMPING
+    for path in (lagged, late):
+        share = 1 - np.exp(-truth.DAMPING / truth.MASS * (t[-1] - t[100]))
+        assert plain[-1] - path[-1] == pytest.approx(lost * share, rel=0.06)
+
+
+def test_a_bristle_turns_the_jump_of_friction_into_a_slope() -> None:
+    t = np.arange(101) / truth.RATE
+    soft = model(ss.effect("contact_compliance", k=2000.0, c=0.0))
+    path = forecast(soft, t, np.full(101, 3.0), np.array([0]), np.zeros(1), np.zeros(1), 100)[:, 0]
+    hard = forecast(model(), t, np.full(101, 3.0), np.array([0]), np.zeros(1), np.zeros(1), 100)[:, 0]
+    assert np.ptp(hard) == 0
+    assert 0 < path[-1] < 0.05
+
+
+def test_the_loop_is_the_published_controller() -> None:
+    t = np.arange(800) / truth.RATE
+    goal = truth.reference(t)
+    loop = Loop(truth.GAIN, truth.KP, truth.KV, limit=1e9)
+    run = closed_loop(model(), loop, t, goal, substeps=32)
+    _, x, command = truth.record(800 / truth.RATE, noise=0.0)
+    assert np.max(np.abs(run.x - x)) < 2e-5
+    assert np.max(np.abs(run.command - command)) < 0.02 * np.ptp(command)
+
+
+def test_other_rigs_and_laws_are_refused() -> None:
+    with pytest.raises(InputError, match="only a driven slider"):
+        Slider(ss.Model(ss.BlockOnBelt(), friction=LAW), 1e-3)
+    with pytest.raises(InputError, match="is coulomb"):
+        Slider(ss.Model(DrivenSlider(mass=1.0), friction=ss.PaperFriction()), 1e-3)
