@@ -111,7 +111,7 @@ def wavelengths(found: DrivenFound) -> Figure:
 
 
 def _gate(ax: Axes, found: DrivenFound) -> None:
-    ax.axhline(found.gate.threshold, color="black", lw=1.0, ls=":", label="noise alone, 1 record in 100")
+    ax.axhline(found.gate.threshold, color="black", lw=1.0, ls=":", label="gate")
 
 
 def spectrum(found: DrivenFound) -> Figure:
@@ -149,7 +149,7 @@ def weights(found: DrivenFound) -> Figure:
                     textcoords="offset points",
                     fontsize=8,
                 )
-    ax.axvline(found.gate.threshold, color="black", lw=1.0, ls=":", label="noise alone, 1 record in 100")
+    ax.axvline(found.gate.threshold, color="black", lw=1.0, ls=":", label="gate")
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.set_xscale("log")
