@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from stickslip import signals
 from stickslip.discovery.result import RunView
@@ -62,7 +62,7 @@ def _one_degree(model: Model, run: RunView) -> Measured:
     dt = float(np.median(np.diff(run.t)))
     period = 2 * np.pi * float(np.sqrt(model.rig.mass / model.rig.stiffness))
     width = min(max(int(period / 8 / dt), 7) | 1, (len(x) - 1) // 2 * 2 - 1)
-    smooth, v, a = (savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3))
+    smooth, v, a = (scipy.signal.savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3))
     rough = np.abs(np.gradient(a, run.t))
     force = friction_force(model.rig, (smooth, v, a))
     return Measured(run.t, smooth, v, force, v - run.belt_speed, rough <= 3 * np.median(rough))

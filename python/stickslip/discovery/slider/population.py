@@ -13,9 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
-from scipy.optimize import minimize
 
 from stickslip.discovery.slider.cycle import LOG_W2, ZETA, S
 from stickslip.discovery.slider.table import Measured, natural_rate
@@ -95,7 +94,9 @@ class Block:
             )
             C[np.diag_indices(len(at))] += self.noise[at] + tau**2 + 1e-12
             root = np.linalg.cholesky(C)
-            out[at] = root @ values[at] if forward else solve_triangular(root, values[at], lower=True)
+            out[at] = (
+                root @ values[at] if forward else scipy.linalg.solve_triangular(root, values[at], lower=True)
+            )
         return np.asarray(out)
 
 
@@ -224,7 +225,7 @@ def wander_cost(block: Block, wander: tuple[float, float, float], y: Floats | No
         C = sigma**2 * np.exp(-np.abs(where[:, None] - where[None, :]) / length) + FREE**2
         C[np.diag_indices(len(where))] += block.noise[at] + tau**2 + 1e-12
         root = np.linalg.cholesky(C)
-        z = solve_triangular(root, values[at], lower=True)
+        z = scipy.linalg.solve_triangular(root, values[at], lower=True)
         total += float(z @ z) + 2 * float(np.log(np.diag(root)).sum())
     return total
 
@@ -245,7 +246,7 @@ def _wander(block: Block) -> tuple[float, float, float]:
 
     simplex = np.array([start, *(start + 0.7 * one for one in np.eye(3))])
     few = 120 if known[0] == 0 else 45
-    best = minimize(
+    best = scipy.optimize.minimize(
         cost,
         start,
         method="Nelder-Mead",
