@@ -57,8 +57,18 @@ def cleaned(
                 f"[noise] declares {declared[channel]:.3g} for {channel}, but its readings scatter by {size:.2g} times "
                 "that from sample to sample; taken as they scatter"
             )
-    kept = without_outliers(fitted, [r / factor for r in residuals])
+    kept = without_outliers(fitted, [_bridged(r / factor) for r in residuals])
     return refined([*kept, *data[len(kept) :]], factor), tuple(said)
+
+
+def _bridged(r: Floats) -> Floats:
+    """Residuals (n, c) with the median of their neighbourhood where a reading is left out."""
+    out = r.copy()
+    for i, c in zip(*np.nonzero(~np.isfinite(r)), strict=True):
+        near = r[max(0, i - 3) : i + 4, c]
+        near = near[np.isfinite(near)]
+        out[i, c] = np.median(near) if near.size else np.nan
+    return out
 
 
 def noise_size(series: Sequence[Floats]) -> tuple[float, bool]:

@@ -123,13 +123,17 @@ def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
 
 
 def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Single samples that stand out against both neighbours' line and curvature."""
+    """Single samples that stand out against the cubic through four neighbours, by more than these bend."""
     out = np.zeros(len(values), dtype=bool)
     padded = np.pad(values, 2, mode="edge")
     around = np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]])
     middle = (-around[0] + 4 * around[1] + 4 * around[2] - around[3]) / 6.0
-    spread = np.ptp(around, axis=0)
-    far = np.abs(values - middle) > GLITCH_SIGMAS * noise + spread
+    bend = np.abs(around[0] - around[1] - around[2] + around[3])
+    off = np.abs(values - middle)
+    size = max(
+        noise, 1.07 * float(np.median(off))
+    )  # the noise may be declared too small; 1.39 of it is in `off`
+    far = off > GLITCH_SIGMAS * size + bend
     out[2:-2] = far[2:-2]
     return out
 

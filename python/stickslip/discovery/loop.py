@@ -117,11 +117,28 @@ def discover(
         model = Model(case.rig, friction=case.friction)
         search = Search(data[:count], model, pool, tell, budget)
         tell("fitting the declared law")
-        first = declared(search)
-        data, corrected = cleaned(data, None if first is None else first.fit, case.noise)
+        data, corrected = _cleaned(case, data, search)
         search = Search(data[:count], model, pool, tell, budget)
         choice = _held(_choose(search))
         return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
+
+
+def _cleaned(case: Case, data: list[Data], search: Search) -> tuple[list[Data], tuple[str, ...]]:
+    """The runs cleaned by the declared law's fit; a second time if there was much, for a fit without it shows more."""
+    first = declared(search)
+    out, said = cleaned(data, None if first is None else first.fit, case.noise)
+    count = len(search.data)
+    if (
+        sum(
+            int(np.sum(b.weight == 0) - np.sum(a.weight == 0))
+            for a, b in zip(data[:count], out, strict=False)
+        )
+        > 5
+    ):
+        again = declared(replace(search, data=out[:count]))
+        out, more = cleaned(out, None if again is None else again.fit, case.noise)
+        said = said or more
+    return out, said
 
 
 def _choose(search: Search) -> _Choice:
