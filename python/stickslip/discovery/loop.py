@@ -253,18 +253,31 @@ def _verdict(choice: _Choice) -> Verdict:
 
 def _final(search: Search, trial: Trial) -> Trial:
     """The trial on long windows, which say more, where these are fitted as well as the short ones."""
-    learned = trial.fit.engine.learned
-    best, vector = trial, _in_order(trial)
-    for cycles in (SHORT, LONG):
-        found = search.run(
-            trial.hypothesis, cycles=cycles, tolerance=1e-9, learned=learned, vector=vector, anyway=True,
-            windows_of=trial if cycles == SHORT else None, states_of=best,
+    short = trial
+
+    def fitted(
+        cycles: float, vector: Floats, windows_of: Trial | None = None, states_of: Trial | None = None
+    ) -> Trial | None:
+        return search.run(
+            trial.hypothesis, cycles=cycles, tolerance=1e-9, vector=vector, anyway=True,
+            learned=trial.fit.engine.learned, windows_of=windows_of, states_of=states_of,
         )  # fmt: skip
-        if found is not None:
-            found = search.trimmed(found)
-            if found.excess < max(best.excess, 0.0) + 0.8:
-                best, vector = found, found.fit.vector
-    return best
+
+    vector = _in_order(trial)
+    again = fitted(SHORT, vector, windows_of=trial)
+    named_anew = not np.array_equal(vector, trial.fit.vector)
+    if again is not None and (named_anew or again.fit.cost < trial.fit.cost):
+        short = again
+    vector = short.fit.vector
+    longs = [fitted(LONG, vector, states_of=short)]
+    if short.excess < 5 * CLEAN:  # the narrow valleys of (4.1) end a fit early: from other sides too
+        longs += [
+            fitted(LONG, vector),
+            fitted(LONG, search.with_declared_law(short).fit.vector, states_of=short),
+        ]
+    done = [search.trimmed(one) for one in longs if one is not None]
+    best = min(done, key=lambda one: one.fit.cost, default=short)
+    return best if best.excess < max(short.excess, 0.0) + 0.8 else short
 
 
 def _in_order(trial: Trial) -> Floats:

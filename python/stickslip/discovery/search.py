@@ -113,7 +113,7 @@ class Search:
                 known = {(w.run, w.start): w for w in states_of.fit.windows}
                 windows = [_from(w, known.get((w.run, w.start))) for w in windows]
         else:
-            windows = [with_hidden(w, h.model, self.data[w.run]) for w in windows_of.fit.windows]
+            windows = [_from(with_hidden(w, h.model, self.data[w.run]), w) for w in windows_of.fit.windows]
         found = fit(
             engine,
             h.start(len(self.data)) if vector is None else vector,
@@ -147,7 +147,7 @@ class Search:
             if best.excess < CLEAN:
                 break
             long = self._again(best, LONG + turn, None)
-            for origin in (long, self._declared_law(best)):
+            for origin in (long, self.with_declared_law(best)):
                 if best.excess < CLEAN:
                     break
                 short = None if origin is None else self._again(origin, SHORT, None)
@@ -196,10 +196,10 @@ class Search:
             best = on
         if best.excess < CLEAN or not trial.names:
             return best
-        fresh = self._again(self._declared_law(trial), SHORT, None, 25)
+        fresh = self._again(self.with_declared_law(trial), SHORT, None, 25)
         return fresh if fresh is not None and fresh.fit.cost < best.fit.cost else best
 
-    def _declared_law(self, trial: Trial) -> Trial:
+    def with_declared_law(self, trial: Trial) -> Trial:
         """The trial with its law back at the declared start: another way into the minimum."""
         vector = trial.fit.vector.copy()
         for i, u in enumerate(trial.fit.engine.hypothesis.shared):

@@ -102,7 +102,9 @@ def error_block(
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
         if not len(one.events):
-            words.append(f"{one.run.name}: no slip between sticks is in this run, so that no error is measured on it")
+            words.append(
+                f"{one.run.name}: no slip between sticks is in this run, so that no error is measured on it"
+            )
             continue
         if now > WORSE * was:
             words.append(
