@@ -73,7 +73,9 @@ def page() -> str:
     """Return the page as the code says it."""
     rows = [row(kind) for kind in CATALOGUE.values()]
     wrong = [f"| `{k.name}` | {k.where} | {k.formula} | {numbers(k)} |" for k in CONSTANTS.values()]
-    others = [row(kind) for kind in DRIVEN.values() if kind.name not in CATALOGUE and kind.name not in CONSTANTS]
+    others = [
+        row(kind) for kind in DRIVEN.values() if kind.name not in CATALOGUE and kind.name not in CONSTANTS
+    ]
     shared = ", ".join(f"`{name}`" for name in DRIVEN if name in CATALOGUE or name in CONSTANTS)
     driven = DRIVEN_HEAD.replace("SHARED", shared) + "\n".join(others)
     parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, TAIL)
