@@ -122,6 +122,11 @@ def test_simulate_of_an_si_rig_takes_and_writes_units(tmp_path, units):
     np.testing.assert_allclose(frame["y2 [m/s]"], run.state[:, 3] * scales.velocity, atol=1e-8)
 
 
+def test_simulate_ends_at_its_end_even_off_the_step(tmp_path):
+    _, frame = simulated(tmp_path, MODEL_SI, "--belt-speed", "14 mm/s", "--t-end", "1 s", "--dt", "0.4 s")
+    np.testing.assert_allclose(frame["t [s]"], [0.0, 0.4, 0.8, 1.0], atol=1e-9)
+
+
 def test_simulate_reads_and_writes_in_the_units_of_the_readings(tmp_path):
     channels = {
         "t": Channel("time", "ms"), "x1": Channel("x", "um"),

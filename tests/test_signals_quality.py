@@ -10,6 +10,7 @@ from stickslip.signals import (
     find_belt_speed,
     find_clipping,
     find_glitches,
+    first_order,
     lowpass,
     noise_std,
     quantisation,
@@ -211,3 +212,20 @@ class TestBeltSpeed:
             find_belt_speed(np.arange(50.0), np.zeros(50), 0.1, noise=1e-4)
         with pytest.raises(InputError, match="set-point"):
             find_belt_speed(np.arange(50.0), np.zeros(50), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: first_order([0.0, 1.0], None, 1, 1), "a must be a finite number"),
+        (lambda: first_order([0.0, 1.0], 0.5, "k", 1), "k0 must be a finite number"),
+        (
+            lambda: find_belt_speed(np.arange(20.0), np.arange(20.0), None),
+            "set_point must be a finite",
+        ),
+        (lambda: lowpass(np.arange(200.0), 0.01, 1e-9), "far below one over the record"),
+    ],
+)
+def test_numbers_that_are_none_are_refused_in_one_line(call, said) -> None:
+    with pytest.raises(InputError, match=said):
+        call()

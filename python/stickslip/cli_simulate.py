@@ -89,7 +89,7 @@ def simulate(
 
 
 def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
-    """Times to sample at, from 0 to the end at least; in the model's unit."""
+    """Times to sample at, from 0 to the end, which is there even off the step; in the model's unit."""
     end = read_quantity(t_end, "t", unit, model.rig, "--t-end")
     if end <= 0:
         raise InputError("must be above 0", key="--t-end", value=t_end)
@@ -98,10 +98,13 @@ def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
     step = read_quantity(dt, "t", unit, model.rig, "--dt")
     if not 0 < step <= end:
         raise InputError(f"must be above 0 and at most --t-end = {t_end}", key="--dt", value=dt)
-    count = round(end / step) + 1
+    count = int(end / step * (1 + 1e-12)) + 1
     if count > MOST:
         raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
-    return np.asarray(np.arange(count) * step, dtype=np.float64)
+    times = np.arange(count) * step
+    if end - times[-1] > 1e-9 * step:
+        times = np.append(times, end)
+    return np.asarray(times, dtype=np.float64)
 
 
 def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]:

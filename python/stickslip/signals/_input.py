@@ -45,3 +45,10 @@ def positive(value: object, name: str) -> float:
     if not isinstance(value, (int, float, np.integer, np.floating)) or not (np.isfinite(value) and value > 0):
         raise InputError(f"{name} must be a positive number, not {value!r}")
     return float(value)
+
+
+def finite(value: object, name: str) -> float:
+    """`value` as a finite float."""
+    if not isinstance(value, (int, float, np.integer, np.floating)) or not np.isfinite(value):
+        raise InputError(f"{name} must be a finite number, not {value!r}")
+    return float(value)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
 from stickslip.errors import InputError
-from stickslip.signals._input import Floats, finite_vector, positive
+from stickslip.signals._input import Floats, finite, finite_vector, positive
 from stickslip.signals.quality import noise_std
 
 _STEPS = 2001
@@ -65,7 +65,7 @@ def find_belt_speed(
     times, values = finite_vector(t, "t", at_least=12), finite_vector(x, "x", at_least=12)
     if times.shape != values.shape or not (np.diff(times) > 0.0).all():
         raise InputError(f"t must increase and have the shape of x, {values.shape}")
-    if not (np.isfinite(set_point) and set_point != 0.0 and 0.0 < within < 1.0):
+    if not (finite(set_point, "set_point") != 0.0 and 0.0 < finite(within, "within") < 1.0):
         raise InputError(f"needs a set-point other than 0 and 0 < within < 1, not {set_point}, {within}")
     sigma = noise_std(values, t=times) if noise is None else positive(noise, "noise")
     slopes, doubt = _slopes(times, values - set_point * times, sigma, abs(set_point))

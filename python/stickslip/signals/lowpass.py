@@ -10,6 +10,8 @@ from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.signals._input import Floats, first_bad, positive, real_array
 
+SLOWEST = 0.05  # periods of the cutoff in the record
+
 
 @dataclass(frozen=True, eq=False)
 class Lowpassed:
@@ -83,6 +85,11 @@ def lowpass(
     nyquist = 0.5 / positive(dt, "dt")
     if not positive(cutoff, "cutoff") < nyquist:
         raise InputError(f"cutoff = {cutoff} must be below half the sampling rate, {nyquist:g}")
+    if cutoff * dt * values.shape[0] < SLOWEST:
+        raise InputError(
+            f"cutoff = {cutoff} is far below one over the record's length, {1 / (dt * values.shape[0]):.3g}: "
+            "nothing would be left"
+        )
     if order < 1 or not 0.0 < ripple < attenuation:
         raise InputError(
             f"needs order >= 1 and 0 < ripple < attenuation, not {order}, {ripple}, {attenuation}"

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip.arguments import explained
 from stickslip.errors import InputError
-from stickslip.signals._input import Floats, first_bad, positive, real_array
+from stickslip.signals._input import Floats, finite, first_bad, positive, real_array
 
 Rule = Literal["tustin", "backward-euler", "ramp-invariant"]
 
@@ -59,8 +59,7 @@ def first_order(x: ArrayLike, a: float, k0: float, k1: float) -> Floats:
     if array.ndim not in (1, 2):
         raise InputError(f"x must have shape (n,) or (n, channels), not {array.shape}")
     for name, constant in (("a", a), ("k0", k0), ("k1", k1)):
-        if not math.isfinite(constant):
-            raise InputError(f"{name} must be a finite number, not {constant}")
+        finite(constant, name)
     if not abs(a) < 1.0:
         raise InputError(f"a = {a} makes (3.1) unstable; it needs |a| < 1")
     rows = array.reshape(-1, 1) if array.ndim == 1 else array

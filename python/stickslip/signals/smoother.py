@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained
 from stickslip.errors import InputError
-from stickslip.signals._input import Floats, finite_vector, positive
+from stickslip.signals._input import Floats, finite, finite_vector, positive
 from stickslip.signals._pieces import Layout
 from stickslip.signals._segments import (
     Record,
@@ -227,9 +227,7 @@ def _belt(
         return _Belt(kept[0], 0.0, scipy.interpolate.CubicSpline(quiet.t, quiet.x), quiet.x_std), True
     if belt_speed is None:
         return _Belt(kept[0], 0.0), False
-    if not np.isfinite(belt_speed):
-        raise InputError(f"belt_speed must be a finite number, not {belt_speed}")
-    return _Belt(kept[0], float(belt_speed)), True
+    return _Belt(kept[0], finite(belt_speed, "belt_speed")), True
 
 
 def _segment(record: Record, has_belt: bool) -> tuple[Layout, float]:
