@@ -13,7 +13,6 @@ namespace {
 // A trajectory alone is fastest with a higher order and a tighter tolerance than lanes are; measured by bench_p1.
 constexpr double alone_share = 0.3;
 constexpr int alone_order = 4;
-constexpr double alone_least = 1e-11;
 
 // Copies values and derivatives of `n` numbers for the caller; derivatives are laid out n x seeds.
 template <class T>
@@ -78,13 +77,15 @@ void run_as(const Request& q, const Sink& sink, Summary& summary, int first, int
   State<T> s;
   prepare(q, sys, s, first, count);
   const double tightest = q.rtol > 0 ? q.rtol : q.atol;
-  const bool rounding = tightest < alone_least;  // nothing is gained below
-  const double share = rounding ? 1.0 : alone_share;
-  const int by_tolerance =
-      std::min(order_for(tolerance_share * share * tightest) + (rounding ? 0 : alone_order), max_order);
-  const Options options{
-      share * q.rtol, share * q.atol,    q.t_end,    q.locator == Locator::henon, q.order > 0 ? q.order : by_tolerance,
-      q.fixed_step,   q.max_transitions, q.max_steps};
+  const int by_tolerance = std::min(order_for(tolerance_share * alone_share * tightest) + alone_order, max_order);
+  const Options options{alone_share * q.rtol,
+                        alone_share * q.atol,
+                        q.t_end,
+                        q.locator == Locator::henon,
+                        q.order > 0 ? q.order : by_tolerance,
+                        q.fixed_step,
+                        q.max_transitions,
+                        q.max_steps};
   Machine<T> machine(sys, options);
   machine.start(s, q.contact);
   Writer<T> writer(q, sink, count);

@@ -126,7 +126,8 @@ bool surely_falling(const R* c, int n, R h) {
 }
 
 // A trajectory leaves S = 0 towards S > 0: the order of the root at t = 0. Coefficients that are small beside the
-// motion over h, or negative by an error of the tolerance's size, are those of a departure without velocity.
+// motion over h, or negative by an error of the tolerance's size, are those of a departure without velocity. One that
+// turns back at once still takes what velocity it has: the excursion is short, and where it ends may hold the block.
 template <class R>
 int departure_order(const R* c, int n, R h) {
   R scale(0.0), power(h);
@@ -134,7 +135,8 @@ int departure_order(const R* c, int n, R h) {
   power = h;
   for (int k = 1; k < n; ++k, power *= h) {
     const R size = c[k] * power;
-    if (size > scale * 1e-10 || size < scale * -1e-3) return k;
+    if (size > scale * 1e-10) return k;
+    if (size < scale * -1e-3) return c[1] > 0 ? 1 : k;
   }
   return 1;
 }
