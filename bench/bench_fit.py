@@ -13,7 +13,6 @@ import argparse
 import json
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -92,24 +91,23 @@ def main() -> int:
     parser.add_argument("--threads", type=int, default=2)
     told = parser.parse_args()
     data = prepare(recordings())
-    with ThreadPoolExecutor(told.threads) as pool:
-        h = hypothesis(ss.Model(RIG, friction=ss.PaperFriction()), [])
+    h = hypothesis(ss.Model(RIG, friction=ss.PaperFriction()), [])
 
-        def ours() -> Fit:
-            found = fit(Engine(data, h, pool), h.start(len(data)), cut(data, h.model, 1.0))
-            if found is None:
-                raise SystemExit("bench_fit: the fit failed")
-            return found
+    def ours() -> Fit:
+        found = fit(Engine(data, h, told.threads), h.start(len(data)), cut(data, h.model, 1.0))
+        if found is None:
+            raise SystemExit("bench_fit: the fit failed")
+        return found
 
-        seconds = []
-        for _ in range(told.repeat):
-            begin = time.perf_counter()
-            found = ours()
-            seconds.append(time.perf_counter() - begin)
+    seconds = []
+    for _ in range(told.repeat):
         begin = time.perf_counter()
-        engine = Engine(data, h, pool)
-        theirs = by_library(engine, cut(data, h.model, 1.0), h.start(len(data)))
-        library = time.perf_counter() - begin
+        found = ours()
+        seconds.append(time.perf_counter() - begin)
+    begin = time.perf_counter()
+    engine = Engine(data, h, told.threads)
+    theirs = by_library(engine, cut(data, h.model, 1.0), h.start(len(data)))
+    library = time.perf_counter() - begin
     out = {
         "readings": found.readings,
         "windows": len(found.windows),

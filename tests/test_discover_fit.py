@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
@@ -13,6 +11,7 @@ from stickslip.discovery.engine import Engine, moved
 from stickslip.discovery.intervals import intervals
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.readings import Learned, read
+from stickslip.discovery.relax import sought
 from stickslip.discovery.ripple import ripple_starts
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.solve import fit
@@ -23,24 +22,18 @@ from stickslip.model import Model
 
 
 @pytest.fixture(scope="module")
-def pool():
-    with ThreadPoolExecutor(2) as threads:
-        yield threads
-
-
-@pytest.fixture(scope="module")
 def clean():
     return make_case()
 
 
-def fitted(case, pool, starts=(), cycles=1.0):
+def fitted(case, starts=(), cycles=1.0):
     data = prepare(case.train)
     h = hypothesis(Model(RIG, friction=PaperFriction()), list(starts))
-    return fit(Engine(data, h, pool), h.start(len(data)), cut(data, h.model, cycles))
+    return fit(Engine(data, h, 2), h.start(len(data)), cut(data, h.model, cycles))
 
 
-def test_the_declared_law_is_recovered_to_the_noise(clean, pool):
-    found = fitted(clean, pool)
+def test_the_declared_law_is_recovered_to_the_noise(clean):
+    found = fitted(clean)
     assert abs(found.per_reading - 1) < 5 * np.sqrt(2 / found.readings)
     for name, interval in intervals(found).items():
         if interval.low is None:
@@ -49,14 +42,14 @@ def test_the_declared_law_is_recovered_to_the_noise(clean, pool):
         assert abs(interval.value - getattr(LAW, name)) < 2.5 * half, name
 
 
-def test_long_windows_and_short_ones_agree(clean, pool):
-    short, long = fitted(clean, pool), fitted(clean, pool, cycles=3.0)
+def test_long_windows_and_short_ones_agree(clean):
+    short, long = fitted(clean), fitted(clean, cycles=3.0)
     a, b = intervals(short)["T_s_minus"], intervals(long)["T_s_minus"]
     assert abs(a.value - b.value) < a.high - a.low
 
 
-def test_irregular_sampling_is_exact(pool):
-    found = fitted(make_case(jitter=0.4, seed=3), pool)
+def test_irregular_sampling_is_exact():
+    found = fitted(make_case(jitter=0.4, seed=3))
     assert abs(found.per_reading - 1) < 5 * np.sqrt(2 / found.readings)
 
 
@@ -74,12 +67,12 @@ def test_irregular_sampling_is_exact(pool):
     ],
     ids=lambda term: term.name,
 )
-def test_slopes_are_those_of_differences(clean, pool, term):
+def test_slopes_are_those_of_differences(clean, term):
     data = prepare(clean.train[:1])
     h = hypothesis(Model(RIG, friction=LAW), [Start(term)])
-    engine, vector = Engine(data, h, pool), h.start(1)
+    engine, vector = Engine(data, h, 2), h.start(1)
     window = cut(data, h.model, 0.6)[1]
-    block = engine.linearise(vector, window)
+    (block,) = engine.linearised(vector, [window])
     for columns, shift in ((block.J, "unknown"), (block.K, "own")):
         for k in range(columns.shape[1]):
             step = 1e-5
@@ -101,12 +94,49 @@ def test_a_late_channel_is_read_by_hermite_and_taylor():
     t = np.linspace(0, 3, 61)
     state = np.zeros((61, 9))
     state[:, 2], state[:, 3] = np.sin(t), np.cos(t)
-    none = np.zeros((61, 9, 0))
     for delay in (0.13, -0.08):
-        chain = read(t, state, none, (), {"sensor_delay.delay": delay}, 0.1, 2)
+        chain = read(t, state, {}, (), {"sensor_delay.delay": delay}, 0.1, 2)
         off = chain.values[:, 1] - np.sin(t - delay)
         assert np.abs(off[5:-5]).max() < 1e-7
         assert np.abs(off).max() < 1e-3
+
+
+def test_a_late_channel_does_not_look_into_the_next_window():
+    t = np.linspace(0, 3, 61)
+    state, known = np.zeros((61, 9)), {"sensor_delay.delay": 0.13}
+    state[:, 2], state[:, 3] = np.sin(t), np.cos(t)
+    state[30:, 2] += 5.0
+    whole = read(t, state, {}, (), known, 0.1, 2, offset=np.array([0, 30, 61]))
+    apart = [
+        read(t[part], state[part], {}, (), known, 0.1, 2).values for part in (slice(30), slice(30, None))
+    ]
+    np.testing.assert_array_equal(whole.values, np.concatenate(apart))
+
+
+def test_windows_together_are_windows_one_by_one(clean):
+    """One call of the core for all of them, in threads; own states sought in step."""
+    data = prepare(clean.train[:2])
+    lag = effect("sensor_lag", tau=0.1)
+    h = hypothesis(Model(RIG, friction=LAW), [Start(lag), Start(effect("static_aging", dT=0.2, tau=3.0))])
+    engine, vector = Engine(data, h, 2), h.start(2)
+    windows = cut(data, h.model, 1.0)
+    together = engine.linearised(vector, windows)
+    assert len({w.free for w in windows}) > 1 or len(windows) > 4
+    for w, b in zip(windows, together, strict=True):
+        (alone,) = engine.linearised(vector, [w])
+        assert alone is not None
+        np.testing.assert_array_equal(b.r, alone.r)
+        np.testing.assert_array_equal(b.J, alone.J)
+        np.testing.assert_array_equal(b.K, alone.K)
+        np.testing.assert_allclose(
+            b.products, np.column_stack([b.J, b.K, b.r]).T @ np.column_stack([b.J, b.K, b.r])
+        )
+    found, costs = sought(engine, vector, windows, 4)
+    for w, better, cost in zip(windows, found, costs, strict=True):
+        (own,), own_cost = sought(engine, vector, [w], 4)
+        np.testing.assert_allclose(own.state, better.state, rtol=1e-9, atol=1e-12)
+        assert cost == pytest.approx(own_cost[0])
+        assert cost <= engine.costs(vector, [w])[0]
 
 
 def test_a_learned_curve_interpolates_and_holds_outside():
@@ -116,9 +146,9 @@ def test_a_learned_curve_interpolates_and_holds_outside():
     np.testing.assert_allclose(at, [0.0, 1.0, 0.5, 0.5], atol=1e-12)
 
 
-def test_a_forcing_is_found_by_its_line(pool):
+def test_a_forcing_is_found_by_its_line():
     case = make_case((effect("harmonic_forcing", a=0.4, w=2.3, phi=0.0),))
-    starts = periodic_starts(fitted(case, pool), ["harmonic_forcing"], peaks=1)
+    starts = periodic_starts(fitted(case), ["harmonic_forcing"], peaks=1)
     assert starts["harmonic_forcing"][0].term.parameters["w"] == pytest.approx(2.3, abs=0.05)
 
 
@@ -129,9 +159,9 @@ def test_a_ripple_is_read_off_the_sticks():
     assert start.term.parameters["a"] == pytest.approx(0.15, rel=0.4)
 
 
-def test_glitches_do_not_reach_the_fit(pool):
+def test_glitches_do_not_reach_the_fit():
     case = make_case(seed=5)
     for run in case.runs:
         run.x1[37::173] += 0.3
-    found = fitted(case, pool)
+    found = fitted(case)
     assert found.per_reading < 1.1

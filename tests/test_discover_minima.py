@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from discover_cases import LAW, RIG, make_case
 from stickslip import _core
 from stickslip.discovery.data import prepare
 from stickslip.discovery.engine import MOST_STEPS, Engine
-from stickslip.discovery.relax import relax, rephased
+from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.solve import Point, _shares, _total, _within, fit
 from stickslip.discovery.windows import cut
@@ -22,12 +21,6 @@ from stickslip.effects import effect
 from stickslip.friction import PaperFriction
 from stickslip.model import Model
 from stickslip.records import Recording
-
-
-@pytest.fixture(scope="module")
-def pool():
-    with ThreadPoolExecutor(2) as threads:
-        yield threads
 
 
 def test_a_step_from_a_bound_is_the_constrained_one():
@@ -49,10 +42,10 @@ def test_beyond_the_knee_a_window_counts_by_its_logarithm():
     assert slope == pytest.approx(100 / 300, rel=1e-6)
 
 
-def test_shares_are_the_slopes_of_the_total(pool):
+def test_shares_are_the_slopes_of_the_total():
     data = prepare(make_case().train)
     h = hypothesis(Model(RIG, friction=PaperFriction()), [])
-    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
     point = Point.at(engine, h.start(len(data)), windows)
     assert point is not None
     assert point.soften()
@@ -62,11 +55,11 @@ def test_shares_are_the_slopes_of_the_total(pool):
     assert expected.min() < 1.0
 
 
-def test_a_wrong_phase_of_one_run_is_found_again(pool):
+def test_a_wrong_phase_of_one_run_is_found_again():
     cause = effect("belt_speed_ripple", a=0.12, w=2.2, phi=0.0)
     data = prepare(make_case((cause,), seed=7).train)
     h = hypothesis(Model(RIG, friction=LAW), [Start(cause, tuple(0.3 for _ in data))])
-    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
     vector = h.start(len(data))
     vector, windows = rephased(engine, vector, windows)
     first = fit(engine, vector, windows)
@@ -74,7 +67,7 @@ def test_a_wrong_phase_of_one_run_is_found_again(pool):
     assert abs(first.per_reading - 1) < 5 * math.sqrt(2 / first.readings)
     wrong = first.vector.copy()
     wrong[-1] += math.pi
-    moved = [relax(engine, wrong, w) for w in first.windows]
+    moved = relaxed(engine, wrong, first.windows)
     assert engine.cost(wrong, moved) > 2 * first.cost
     again, windows = rephased(engine, wrong, moved)
     found = fit(engine, again, windows)
@@ -101,7 +94,7 @@ def from_stick(run: Recording) -> Recording:
     return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
 
 
-def test_a_window_that_starts_in_stick_does_not_know_for_how_long(pool):
+def test_a_window_that_starts_in_stick_does_not_know_for_how_long():
     case = make_case((effect("static_aging", dT=0.8, tau=1.0),))
     data = prepare([from_stick(run) for run in case.train])
     h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.5, tau=1.5))])
@@ -110,21 +103,27 @@ def test_a_window_that_starts_in_stick_does_not_know_for_how_long(pool):
 
     assert any(w.start == 0 for w in stuck)
     assert all(8 in w.free for w in stuck)
-    found = fit(Engine(data, h, pool), h.start(len(data)), windows)
+    found = fit(Engine(data, h, 2), h.start(len(data)), windows)
     assert found is not None
     assert abs(found.per_reading - 1) < 5 * math.sqrt(2 / found.readings)
 
 
-def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(pool, monkeypatch):
+def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(monkeypatch):
     data = prepare(make_case().train)
     h = hypothesis(Model(RIG, friction=LAW), [])
-    engine, windows = Engine(data, h, pool), cut(data, h.model, 1.0)
+    engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
     asked = []
 
     def simulate(**given):
         asked.append(given["max_steps"])
-        return {"outcome": _core.Outcome.too_many_steps}
+        n, windows = len(given["t"]), len(given["set"])
+        return {
+            "outcome": np.full(windows, int(_core.Outcome.too_many_steps), dtype=np.int32),
+            "state": np.zeros((n, 9)),
+            "slopes": np.zeros((0, n, 0)),
+            "mode": np.zeros(n, dtype=np.int8),
+        }
 
-    monkeypatch.setattr(_core, "simulate", simulate)
+    monkeypatch.setattr(_core, "simulate_windows", simulate)
     assert engine.residual(h.start(len(data)), windows[0]) is None
     assert asked == [MOST_STEPS]

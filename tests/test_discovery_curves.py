@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -66,10 +65,7 @@ def test_the_file_forecasts_what_the_loop_does(model: Model, tmp_path) -> None:
     table = forecast(load_model(tmp_path / "model.toml"), past, belt_speed=run.belt_speed, horizon=9.0)
     (data,) = prepare([run])
     stop = len(past.t)
-    with ThreadPoolExecutor(2) as pool:
-        inside = Forecaster(model, data, pool, curves_of(model)).forecast(
-            stop, data.t[stop : stop + len(table)]
-        )
+    inside = Forecaster(model, data, 2, curves_of(model)).forecast(stop, data.t[stop : stop + len(table)])
     ahead = table[["x1", "y1"]].to_numpy()
     np.testing.assert_allclose(ahead, inside.readings[:, :2], atol=0.3 * NOISE)
     off = ahead - np.stack([run.x1, run.y1], 1)[stop : stop + len(table)]
@@ -78,8 +74,7 @@ def test_the_file_forecasts_what_the_loop_does(model: Model, tmp_path) -> None:
 
 def test_it_is_what_the_error_after_counts(model: Model) -> None:
     case = bent()
-    with ThreadPoolExecutor(2) as pool:
-        block, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, pool)
+    block, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, 2)
     assert block.after < 0.5 * block.before
     assert block.after < 1.3 * block.floor
 

@@ -24,5 +24,6 @@ void bind_config(py::module_& m);
 void bind_filter(py::module_& m);
 void bind_simulate(py::module_& m);
 void bind_sweep(py::module_& m);
+void bind_windows(py::module_& m);
 
 }  // namespace stickslip::bindings

@@ -25,6 +25,7 @@ __all__: list[str] = [
     "build_config",
     "first_order",
     "simulate",
+    "simulate_windows",
     "sweep",
 ]
 
@@ -104,6 +105,31 @@ def simulate(
     fixed_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
 ) -> dict[str, object]: ...
+def simulate_windows(
+    *,
+    structure: Structure,
+    parameters: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    set: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    initial: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    contact: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    t: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    offset: typing.Annotated[numpy.typing.NDArray[numpy.int64], "[m, 1]"],
+    rtol: typing.SupportsFloat | typing.SupportsIndex,
+    atol: typing.SupportsFloat | typing.SupportsIndex,
+    seeds: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    column: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    columns: typing.SupportsInt | typing.SupportsIndex,
+    kept: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    max_transitions: typing.SupportsInt | typing.SupportsIndex,
+    max_steps: typing.SupportsInt | typing.SupportsIndex,
+    order: typing.SupportsInt | typing.SupportsIndex = 0,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> dict[str, object]:
+    """
+    Windows, each from its own start through its own times: state (n, 9), slopes (kept, n, columns), mode (n,)
+    and the outcome (windows,) as numbers of Outcome.
+    """
+
 def sweep(
     *,
     structure: Structure,

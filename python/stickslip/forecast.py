@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -81,12 +80,11 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
         return _slider(model, past_run, dt, steps)
     run = prepare([past_run])[0]
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
-    with ThreadPoolExecutor(2) as pool:
-        forecaster = Forecaster(model, run, pool, curves_of(model))
-        forecaster.settle(len(run.t))
-        window = forecaster.state_window(len(run.t))
-        past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
-        whole = forecaster.run_on(window, np.concatenate([past, future])).readings
+    forecaster = Forecaster(model, run, 2, curves_of(model))
+    forecaster.settle(len(run.t))
+    window = forecaster.state_window(len(run.t))
+    past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
+    whole = forecaster.run_on(window, np.concatenate([past, future])).readings
     _doubt(whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop], run)
     readings = whole[len(past) :]
     columns = {"t": future + float(recording.t[0])}

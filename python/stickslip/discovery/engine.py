@@ -1,17 +1,21 @@
-"""Windows linearised: residuals of a hypothesis against the readings, with exact derivatives from the core."""
+"""Windows linearised: residuals of a hypothesis against the readings, with exact derivatives from the core.
+
+Windows are evaluated many at a time: one call of the core runs them on all threads, and the measurement chain is
+gone through once for all windows of a run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.discovery.data import Data
-from stickslip.discovery.readings import Learned, read
+from stickslip.discovery.readings import Chain, Learned, read, states_read
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.lowering import SLOTS, WIDTH, lower
 
@@ -48,18 +52,37 @@ class Window:
 
 @dataclass
 class Block:
-    """One window linearised: r = (reading - model)/noise, -dr/d shared, -dr/d own; (m,), (m, p), (m, q)."""
+    """One window linearised: r = (reading - model)/noise, -dr/d shared, -dr/d own; (m,), (m, p), (m, q).
+
+    `products` (p + q + 1, p + q + 1) are the inner products of the columns of [J K r].
+    """
 
     r: Floats
     J: Floats
     K: Floats
     mode: NDArray[np.int8]
-
-    def __post_init__(self) -> None:
-        both = np.column_stack([self.J, self.K, self.r])
-        self.products = both.T @ both  # taken here, in the window's own thread
+    products: Floats
 
 
+@dataclass
+class Simulated:
+    """Windows as the core leaves them, one after the other: state (n, 9), mode (n,), slopes by state (n, k).
+
+    `offset` (w + 1,) says where each begins, `ok` (w,) which could be simulated.
+    """
+
+    offset: NDArray[np.int64]
+    state: Floats
+    slopes: dict[int, Floats]
+    mode: NDArray[np.int8]
+    ok: NDArray[np.bool_]
+
+    def of(self, window: int) -> slice:
+        """Samples of a window."""
+        return slice(int(self.offset[window]), int(self.offset[window + 1]))
+
+
+@dataclass(eq=False)
 class Engine:
     """Evaluates one hypothesis on the runs; everything that does not change between calls is done once.
 
@@ -67,168 +90,262 @@ class Engine:
     ----------
     data : the runs.
     hypothesis : what is fitted.
-    pool : threads over windows; the core runs without the interpreter's lock.
+    threads : threads over windows; the core runs without the interpreter's lock.
+    learned : curves on readings.
     """
 
-    def __init__(
-        self,
-        data: Sequence[Data],
-        hypothesis: Hypothesis,
-        pool: ThreadPoolExecutor,
-        learned: tuple[Learned, ...] = (),
-    ) -> None:
-        self.data = list(data)
-        self.hypothesis = hypothesis
-        self.learned = learned
-        self.pool = pool
-        self.lowered = [lower(hypothesis.model, run.belt_speed) for run in data]
+    data: list[Data]
+    hypothesis: Hypothesis
+    threads: int
+    learned: tuple[Learned, ...] = ()
+    _last: tuple[bytes, Floats, list[dict[str, float]]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        hypothesis, runs = self.hypothesis, len(self.data)
+        self.lowered = [lower(hypothesis.model, run.belt_speed) for run in self.data]
         self.order = (*hypothesis.shared, *hypothesis.own)
         self.names = tuple(u.name for u in self.order)
         slots = self.lowered[0].slots
         self.slots = [slots.get(name, ()) for name in self.names]
         self.fixed = {n: v for n, v in hypothesis.model.parameters.items() if n not in self.names}
+        self.moving = [i for i, places in enumerate(self.slots) if places]  # others bear on the reading alone
         self.seeds = np.zeros((len(self.names) + STATES, WIDTH + STATES))
         for row, places in zip(self.seeds, self.slots, strict=False):
             row[list(places)] = 1.0
         for k in range(STATES):
             self.seeds[len(self.names) + k, WIDTH + k] = 1.0
-        self.moving = [i for i, places in enumerate(self.slots) if places]
-        self.still = [i for i, places in enumerate(self.slots) if not places]
-        self.centre, self.precision = hypothesis.prior(len(self.data))
-        self.low, self.high = hypothesis.limits(len(self.data))
-        self.reach = np.minimum(REACH / np.sqrt(self.precision), hypothesis.turns(len(self.data)))
-        self.columns = [hypothesis.columns(run) for run in range(len(self.data))]
-        self.none = np.zeros((0, WIDTH + STATES))
-        self._last: tuple[bytes, dict[int, tuple[Floats, dict[str, float]]]] = (b"", {})
+        self.centre, self.precision = hypothesis.prior(runs)
+        self.low, self.high = hypothesis.limits(runs)
+        self.reach = np.minimum(REACH / np.sqrt(self.precision), hypothesis.turns(runs))
+        self.columns = [hypothesis.columns(run) for run in range(runs)]
+        known = {*self.names, *self.fixed}
+        channels = self.data[0].readings.shape[1]
+        self.kept = np.array(states_read(known, channels, self.learned), dtype=np.int32)
+        self._last = (b"none", np.empty((0, 0)), [])
 
     def parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
-        """The core's parameter vector and the values by name (kept for the latest vector)."""
+        """The core's parameter vector and the values by name."""
+        numbers, values = self._parameters(vector)
+        return numbers[run], values[run]
+
+    def _parameters(self, vector: Floats) -> tuple[Floats, list[dict[str, float]]]:
+        """Of all runs; kept for the latest vector."""
         key = vector.tobytes()
-        last = self._last
-        if last[0] != key:
-            last = self._last = (key, {})
-        if run not in last[1]:
-            last[1][run] = self._parameters(vector, run)
-        return last[1][run]
+        if self._last[0] != key:
+            numbers = np.stack([one.parameters for one in self.lowered])
+            every: list[dict[str, float]] = []
+            for run, columns in enumerate(self.columns):
+                picked = vector[columns].tolist()
+                values = {u.name: u.value(c) for u, c in zip(self.order, picked, strict=True)}
+                for name, places in zip(self.names, self.slots, strict=True):
+                    for place in places:
+                        numbers[run, place] = values[name]
+                every.append({**self.fixed, **values})
+            self._last = (key, numbers, every)
+        return self._last[1], self._last[2]
 
-    def _parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
-        picked = vector[self.columns[run]].tolist()
-        values = {u.name: u.value(c) for u, c in zip(self.order, picked, strict=True)}
-        numbers = self.lowered[run].parameters.copy()
-        for name, places in zip(self.names, self.slots, strict=True):
-            for place in places:
-                numbers[place] = values[name]
-        return numbers, {**self.fixed, **values}
+    def simulate(
+        self,
+        vector: Floats,
+        windows: Sequence[Window],
+        states: Floats | None = None,
+        seeds: Sequence[int] = (),
+        columns: int = 0,
+        places: Sequence[int] = (),
+    ) -> Simulated:
+        """The windows from their states, or from `states` (w, 9), with derivatives by rows of `self.seeds`.
 
-    def simulate(self, vector: Floats, window: Window, seeds: Floats) -> dict[str, object] | None:
-        """The core's raw record of one window; None where the simulation fails."""
-        run = self.data[window.run]
-        numbers, _ = self.parameters(vector, window.run)
-        if not np.isfinite(numbers).all() or not np.isfinite(window.state).all():
-            return None
-        t = run.t[window.start : window.stop]
+        `places` are the columns of the slopes that these go to, of `columns` in all.
+        """
+        numbers, _ = self._parameters(vector)
+        initial = np.stack([w.state for w in windows]) if states is None else states
+        lengths = np.array([w.stop - w.start for w in windows])
+        offset = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+        n, kept = int(offset[-1]), self.kept if columns else self.kept[:0]
+        sane = np.asarray(np.isfinite(numbers).all(axis=1))
+        ok = np.isfinite(initial).all(axis=1) & sane[[w.run for w in windows]]
+        out = Simulated(offset, np.zeros((n, STATES)), {}, np.zeros(n, dtype=np.int8), np.zeros_like(ok))
+        left = np.flatnonzero(ok)
         for nudge, order, rtol in ATTEMPTS:  # what rounding decided badly once
-            raw: dict[str, object] = _core.simulate(
-                structure=self.lowered[window.run].structure,
+            if not left.size:
+                break
+            chosen = [windows[i] for i in left.tolist()]
+            raw = _core.simulate_windows(
+                structure=self.lowered[0].structure,
                 parameters=numbers,
-                initial=window.state + nudge * VISIBLE,
-                t_start=float(t[0]),
-                t_end=float(t[-1]),
-                contact=window.contact,
-                t_eval=t,
+                set=np.array([w.run for w in chosen], dtype=np.int32),
+                initial=np.ascontiguousarray(initial[left] + nudge * VISIBLE),
+                contact=np.array([w.contact for w in chosen], dtype=np.int32),
+                t=np.concatenate([self.data[w.run].t[w.start : w.stop] for w in chosen]),
+                offset=np.concatenate([[0], np.cumsum(lengths[left])]).astype(np.int64),
                 rtol=rtol,
                 atol=ATOL,
-                locator=_core.Locator.henon,
-                seeds=seeds,
+                seeds=np.ascontiguousarray(self.seeds[list(seeds)]),
+                column=np.array(places, dtype=np.int32),
+                columns=columns,
+                kept=kept,
                 max_transitions=MOST_TRANSITIONS,
                 max_steps=MOST_STEPS,
                 order=order,
+                threads=self.threads,
             )
-            if raw["outcome"] == _core.Outcome.finished:
-                return raw
-            if raw["outcome"] in HOPELESS:
-                break
-        return None
+            done = _into(out, raw, left, kept)
+            out.ok[left[done]] = True
+            hopeless = np.isin(np.asarray(raw["outcome"]), HOPELESS)
+            left = left[~done & ~hopeless]
+        return out
 
-    def end(self, vector: Floats, window: Window) -> Floats | None:
-        """State (9,) at the sample after a window's last; None at the end of the run or where it fails."""
-        if window.stop >= len(self.data[window.run].t):
-            return None
-        raw = self.simulate(vector, replace(window, stop=window.stop + 1), self.none)
-        return None if raw is None else np.asarray(raw["state"])[-1]
+    def ends(self, vector: Floats, windows: Sequence[Window]) -> list[Floats | None]:
+        """State (9,) at the sample after each window's last; None at the end of the run or where it fails."""
+        inside = [i for i, w in enumerate(windows) if w.stop < len(self.data[w.run].t)]
+        out: list[Floats | None] = [None] * len(windows)
+        if inside:
+            done = self.simulate(vector, [replace(windows[i], stop=windows[i].stop + 1) for i in inside])
+            for j, i in enumerate(inside):
+                if done.ok[j]:
+                    out[i] = done.state[done.offset[j + 1] - 1]
+        return out
+
+    def residuals(
+        self, vector: Floats, windows: Sequence[Window], states: Floats | None = None
+    ) -> list[Floats | None]:
+        """r of each window, (n c,); None where it cannot be simulated."""
+        if not windows:
+            return []
+        done, r = self._residuals(vector, windows, states)
+        parts = (r[done.of(i)].ravel() for i in range(len(windows)))
+        return [part if good else None for part, good in zip(parts, done.ok.tolist(), strict=True)]
+
+    def _residuals(
+        self, vector: Floats, windows: Sequence[Window], states: Floats | None
+    ) -> tuple[Simulated, Floats]:
+        """r of all samples, (n, c)."""
+        done = self.simulate(vector, windows, states)
+        parts = [
+            (run.readings[rows] - chain.values) * run.weight[rows]
+            for run, rows, chain in self._chains(vector, windows, done, ())
+        ]
+        return done, np.concatenate(parts)
+
+    def chi2(self, vector: Floats, windows: Sequence[Window], states: Floats | None = None) -> Floats:
+        """chi-squared of each window (w,), without priors; infinite where it cannot be simulated."""
+        if not windows:
+            return np.empty(0)
+        done, r = self._residuals(vector, windows, states)
+        sums = np.add.reduceat(np.einsum("ij,ij->i", r, r), done.offset[:-1])
+        return np.where(done.ok, sums, np.inf)
 
     def residual(self, vector: Floats, window: Window) -> Floats | None:
-        """r alone, (n c,)."""
-        raw = self.simulate(vector, window, self.none)
-        if raw is None:
-            return None
-        state = np.asarray(raw["state"])
-        return self._weigh(self._chain(vector, window, state, np.zeros((len(state), STATES, 0)))[0], window)
+        """r of one window, (n c,)."""
+        return self.residuals(vector, [window])[0]
 
-    def linearise(self, vector: Floats, window: Window, own_only: bool = False) -> Block | None:
-        """r, J and K of one window; J is 0 with `own_only`."""
+    def linearised(
+        self,
+        vector: Floats,
+        windows: Sequence[Window],
+        states: Floats | None = None,
+        own_only: bool = False,
+    ) -> list[Block | None]:
+        """r, J and K of each window, None where it cannot be simulated; J has no columns with `own_only`."""
+        out: list[Block | None] = [None] * len(windows)
+        kinds: dict[tuple[int, ...], list[int]] = {}
+        for i, w in enumerate(windows):
+            kinds.setdefault(w.free, []).append(i)
+        for free, at in kinds.items():
+            some = [windows[i] for i in at]
+            found = self._linearised(vector, some, free, None if states is None else states[at], own_only)
+            for i, block in zip(at, found, strict=True):
+                out[i] = block
+        return out
+
+    def _linearised(
+        self,
+        vector: Floats,
+        windows: Sequence[Window],
+        free: tuple[int, ...],
+        states: Floats | None,
+        own_only: bool,
+    ) -> list[Block | None]:
+        p, q = 0 if own_only else len(self.names), len(free)
         moving = [] if own_only else self.moving
-        asked = [*moving, *(len(self.names) + k for k in window.free)]
-        raw = self.simulate(vector, window, np.ascontiguousarray(self.seeds[asked]))
-        if raw is None:
-            return None
-        state, sens = np.asarray(raw["state"]), np.asarray(raw["sensitivity"])
-        n, p, q = len(state), len(self.names), len(window.free)
-        still = [] if own_only else self.still  # what bears on the reading alone
-        names = (*(self.names[i] for i in moving), *("",) * q, *(self.names[i] for i in still))
-        if still:
-            sens = np.concatenate([sens, np.zeros((n, STATES, len(still)))], axis=2)
-        values, slopes = self._chain(vector, window, state, sens, names)
-        if not np.isfinite(slopes).all():
-            return None
-        weight = self.data[window.run].weight[window.start : window.stop]
-        D = (slopes * weight[:, :, None]).reshape(-1, len(names))
-        k = len(moving)
-        J = np.zeros((len(D), p))
-        if not own_only:
-            _, by_name = self.parameters(vector, window.run)
-            scale = np.array([u.slope(by_name[u.name]) for u in self.order])
-            J[:, moving] = D[:, :k] * scale[moving]
-            J[:, still] = D[:, k + q :] * scale[still]
-        return Block(self._weigh(values, window), J, D[:, k : k + q], np.asarray(raw["mode"]))
+        seeds = [*moving, *(len(self.names) + k for k in free)]
+        places = [*moving, *range(p, p + q)]
+        done = self.simulate(vector, windows, states, seeds, p + q, places)
+        names = (*self.names[:p], *("",) * q)
+        c = self.data[0].readings.shape[1]
+        full = np.empty((int(done.offset[-1]), c, p + q + 1))
+        at = 0
+        for run, rows, chain in self._chains(vector, windows, done, names):
+            part = full[at : at + len(chain.values)]
+            weight = run.weight[rows]
+            np.multiply(chain.slopes, weight[:, :, None], out=part[:, :, :-1])
+            part[:, :, -1] = (run.readings[rows] - chain.values) * weight
+            at += len(part)
+        if p:
+            values = self._parameters(vector)[1]
+            scale = np.ones((len(self.data), p + q + 1))
+            for number in {w.run for w in windows}:
+                scale[number, :p] = [u.slope(values[number][u.name]) for u in self.order]
+            for number, part_of in _runs(windows):
+                full[done.offset[part_of[0]] : done.offset[part_of[-1] + 1]] *= scale[number]
+        out: list[Block | None] = []
+        for i in range(len(windows)):
+            both = full[done.of(i)].reshape(-1, p + q + 1)
+            products = both.T @ both if done.ok[i] else np.array([np.nan])
+            if not np.isfinite(products).all():
+                out.append(None)
+                continue
+            out.append(Block(both[:, -1].copy(), both[:, :p], both[:, p:-1], done.mode[done.of(i)], products))
+        return out
 
-    def _chain(
-        self, vector: Floats, window: Window, state: Floats, sens: Floats, names: tuple[str, ...] = ()
-    ) -> tuple[Floats, Floats]:
-        run = self.data[window.run]
-        _, p = self.parameters(vector, window.run)
-        t = run.t[window.start : window.stop]
-        chain = read(t, state, sens, names, p, run.belt_speed, run.readings.shape[1], self.learned)
-        return chain.values, chain.slopes
-
-    def _weigh(self, values: Floats, window: Window) -> Floats:
-        run = self.data[window.run]
-        part = slice(window.start, window.stop)
-        return np.asarray(((run.readings[part] - values) * run.weight[part]).ravel())
+    def _chains(
+        self, vector: Floats, windows: Sequence[Window], done: Simulated, names: tuple[str, ...]
+    ) -> Iterator[tuple[Data, NDArray[np.int64], Chain]]:
+        """Readings of the windows, run by run: the run, its samples, and what the chain makes of them."""
+        values = self._parameters(vector)[1]
+        for number, part in _runs(windows):
+            run = self.data[number]
+            rows = np.concatenate([np.arange(windows[i].start, windows[i].stop) for i in part])
+            span = slice(int(done.offset[part[0]]), int(done.offset[part[-1] + 1]))
+            offset = done.offset[part[0] : part[-1] + 2] - done.offset[part[0]]
+            slopes = {k: one[span] for k, one in done.slopes.items()}
+            chain = read(
+                run.t[rows],
+                done.state[span],
+                slopes,
+                names,
+                values[number],
+                run.belt_speed,
+                run.readings.shape[1],
+                self.learned,
+                offset,
+            )
+            yield run, rows, chain
 
     def blocks(self, vector: Floats, windows: Sequence[Window]) -> list[Block] | None:
         """All windows linearised; None if more than a few cannot be simulated (those few carry a large residual)."""
-        out = list(self.pool.map(lambda w: self.linearise(vector, w), windows))
+        out = self.linearised(vector, windows)
         if sum(b is None for b in out) > MOST_FAILED * len(out):
             return None
         return [self._failed(w) if b is None else b for w, b in zip(windows, out, strict=True)]
 
     def _failed(self, window: Window) -> Block:
         m = (window.stop - window.start) * self.data[window.run].readings.shape[1]
-        zeros = np.zeros((m, len(self.names)))
+        p, q = len(self.names), len(window.free)
+        products = np.zeros((p + q + 1, p + q + 1))
+        products[-1, -1] = FAILED**2 * m
         mode = np.ones(window.stop - window.start, dtype=np.int8)
-        return Block(np.full(m, FAILED), zeros, np.zeros((m, len(window.free))), mode)
+        return Block(np.full(m, FAILED), np.zeros((m, p)), np.zeros((m, q)), mode, products)
 
     def costs(self, vector: Floats, windows: Sequence[Window]) -> Floats:
         """chi-squared by window, its own priors included; infinite throughout where too many cannot be simulated."""
-        out, failed = np.empty(len(windows)), 0
-        for i, (w, r) in enumerate(
-            zip(windows, self.pool.map(lambda w: self.residual(vector, w), windows), strict=True)
-        ):
-            failed += r is None
-            m = (w.stop - w.start) * self.data[w.run].readings.shape[1]
-            out[i] = (FAILED**2 * m if r is None else float(r @ r)) + window_penalty(w)
-        return np.full(len(windows), np.inf) if failed > MOST_FAILED * len(windows) else out
+        out = self.chi2(vector, windows)
+        failed = np.flatnonzero(~np.isfinite(out))
+        if len(failed) > MOST_FAILED * len(windows):
+            return np.full(len(windows), np.inf)
+        for i in failed.tolist():
+            out[i] = FAILED**2 * (windows[i].stop - windows[i].start) * self.data[0].readings.shape[1]
+        return out + window_penalties(windows)
 
     def penalty(self, vector: Floats) -> float:
         """What the weak priors of the unknowns cost."""
@@ -240,10 +357,49 @@ class Engine:
         return total if np.isfinite(total) else np.inf
 
 
-def window_penalty(window: Window) -> float:
-    """Prior of a window's own free states."""
-    free = list(window.free)
-    return float(np.sum(((window.state[free] - window.centre[free]) / window.spread[free]) ** 2))
+def _into(
+    out: Simulated, raw: Mapping[str, object], at: NDArray[np.int64], kept: NDArray[np.int32]
+) -> NDArray[np.bool_]:
+    """Copy what the core made of the windows `at` into place; which of them it finished."""
+    done = np.asarray(np.asarray(raw["outcome"]) == _core.Outcome.finished)
+    state, slopes, mode = (np.asarray(raw[key]) for key in ("state", "slopes", "mode"))
+    if len(at) == len(out.ok):
+        out.state, out.mode = state, mode
+        out.slopes = {int(k): slopes[i] for i, k in enumerate(kept)}
+    else:
+        if not out.slopes:
+            out.slopes = {int(k): np.zeros((len(out.state), slopes.shape[2])) for k in kept}
+        begin = 0
+        for i in at.tolist():
+            rows = out.of(i)
+            some = slice(begin, begin + rows.stop - rows.start)
+            out.state[rows], out.mode[rows] = state[some], mode[some]
+            for j, k in enumerate(kept.tolist()):
+                out.slopes[k][rows] = slopes[j, some]
+            begin = some.stop
+    for i, good in zip(at.tolist(), done.tolist(), strict=True):
+        if not good:  # not all samples were written
+            rows = out.of(i)
+            out.state[rows], out.mode[rows] = 0.0, 0
+            for one in out.slopes.values():
+                one[rows] = 0.0
+    return done
+
+
+def _runs(windows: Sequence[Window]) -> Iterator[tuple[int, list[int]]]:
+    """Stretches of windows of one run: the run and their indices."""
+    for number, part in groupby(range(len(windows)), key=lambda i: windows[i].run):
+        yield number, list(part)
+
+
+def window_penalties(windows: Sequence[Window]) -> Floats:
+    """Prior of each window's own free states, (w,); what is not free has an infinite spread."""
+    if not windows:
+        return np.empty(0)
+    state, centre, spread = (
+        np.stack([getattr(w, key) for w in windows]) for key in ("state", "centre", "spread")
+    )
+    return np.asarray(np.sum(((state - centre) / spread) ** 2, axis=1))
 
 
 def moved(window: Window, step: Floats) -> Window:
@@ -253,4 +409,4 @@ def moved(window: Window, step: Floats) -> Window:
     return replace(window, state=state)
 
 
-__all__ = ["SLOTS", "Block", "Engine", "Window", "moved", "window_penalty"]
+__all__ = ["SLOTS", "Block", "Engine", "Simulated", "Window", "moved", "window_penalties"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,9 +37,9 @@ class Measured:
     samples: NDArray[np.int64]
 
 
-def measure(model: Model, run: Data, pool: ThreadPoolExecutor) -> Measured:
+def measure(model: Model, run: Data, threads: int) -> Measured:
     """Forecast a run one and two cycles ahead and compare with its readings."""
-    forecaster = Forecaster(model, run, pool, curves_of(model))
+    forecaster = Forecaster(model, run, threads, curves_of(model))
     try:
         prediction, samples = stitched(forecaster, 1.0)
     except StickslipError:
@@ -132,18 +131,18 @@ def error_block(
     after: Model,
     runs: Sequence[Data],
     recordings: Sequence[Recording],
-    pool: ThreadPoolExecutor,
+    threads: int,
     seed: int = 0,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """`error` of the report on the validate runs, and the forecasts it rests on."""
     table, kept = [], {}
     same = before == after
     for run, recording in zip(runs, recordings, strict=True):
-        was = measure(before, run, pool)
-        now = was if same else measure(after, run, pool)
+        was = measure(before, run, threads)
+        now = was if same else measure(after, run, threads)
         try:
-            own = free_run(Forecaster(after, run, pool, curves_of(after)), seed)
-            floor = measure(after, read_again(run, own.readings), pool)
+            own = free_run(Forecaster(after, run, threads, curves_of(after)), seed)
+            floor = measure(after, read_again(run, own.readings), threads)
         except StickslipError:
             floor = now
         kept[run.name] = (was, now)

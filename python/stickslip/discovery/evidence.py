@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stickslip.discovery.engine import Window
 from stickslip.discovery.intervals import of_effect
-from stickslip.discovery.relax import relax
+from stickslip.discovery.relax import relaxed
 from stickslip.discovery.result import Alternative, Evidence
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.solve import fit
@@ -40,12 +39,10 @@ def _left_out(trial: Trial, fold: int) -> float:
     out = [w for i, w in enumerate(windows) if i % 2 == fold]
     found = fit(engine, trial.fit.vector, kept, iterations=6, rounds=0)
     vector = trial.fit.vector if found is None else found.vector
-
-    def one(w: Window) -> float:
-        r = engine.residual(vector, relax(engine, vector, w, 4))
-        return 100.0 * (w.stop - w.start) if r is None else float(r @ r)
-
-    return sum(engine.pool.map(one, out))
+    left = engine.residuals(vector, relaxed(engine, vector, out, 4))
+    return sum(
+        100.0 * (w.stop - w.start) if r is None else float(r @ r) for w, r in zip(out, left, strict=True)
+    )
 
 
 def evidence(

@@ -66,11 +66,11 @@ def signatures(null: Fit) -> Floats:
         if p in STRENGTH
     )
     both = Hypothesis(base.with_effects([*base.effects, *terms]), unknowns, null.engine.hypothesis.phases)
-    engine = Engine(null.engine.data, both, null.engine.pool, null.engine.learned)
+    engine = Engine(null.engine.data, both, null.engine.threads, null.engine.learned)
     vector = np.zeros(len(unknowns))
     D, J = [], []
-    for w, b in zip(null.windows, null.blocks, strict=True):
-        more = engine.linearise(vector, w)
+    found = engine.linearised(vector, null.windows)
+    for w, b, more in zip(null.windows, null.blocks, found, strict=True):
         q = np.linalg.qr(b.K)[0]
         d = np.zeros((len(b.r), len(unknowns))) if more is None else np.nan_to_num(more.J)
         full = np.zeros((len(b.r), len(null.vector)))

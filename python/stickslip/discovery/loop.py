@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,15 +111,14 @@ def discover(
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
     data, notes = plausible(case, data)
-    with ThreadPoolExecutor(threads) as pool:
-        count = len(case.train)
-        model = Model(case.rig, friction=case.friction)
-        search = Search(data[:count], model, pool, tell, budget)
-        tell("fitting the declared law")
-        data, corrected = _cleaned(case, data, search)
-        search = Search(data[:count], model, pool, tell, budget)
-        choice = _held(_choose(search))
-        return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
+    count = len(case.train)
+    model = Model(case.rig, friction=case.friction)
+    search = Search(data[:count], model, threads, tell, budget)
+    tell("fitting the declared law")
+    data, corrected = _cleaned(case, data, search)
+    search = Search(data[:count], model, threads, tell, budget)
+    choice = _held(_choose(search))
+    return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 
 def _cleaned(case: Case, data: list[Data], search: Search) -> tuple[list[Data], tuple[str, ...]]:
@@ -206,7 +204,7 @@ def _found(
     before, after = _final(search, choice.null), _final(search, choice.trial)
     before_model, after_model = _model(case, before), _model(case, after)
     tell("forecasting the validate runs")
-    error, forecasts = error_block(before_model, after_model, validate, case.validate, search.pool, seed)
+    error, forecasts = error_block(before_model, after_model, validate, case.validate, search.threads, seed)
     singles = [t for t in search.tried.values() if len(t.names) == 1]
     drop = max((choice.null.fit.cost - t.fit.cost for t in singles), default=0.0)
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)

@@ -117,10 +117,10 @@ def _responses(base: _Base, names: Sequence[str], w0: float) -> dict[str, _Line]
         Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in ("a", "phi")
     ]
     both = Hypothesis(values.with_effects([*values.effects, *terms]), tuple(numbers), h.phases)
-    engine = Engine(fit.engine.data, both, fit.engine.pool, fit.engine.learned)
+    engine = Engine(fit.engine.data, both, fit.engine.threads, fit.engine.learned)
     vector = np.array([u.start for u in numbers])
     out = {name: _Line([], [], [], []) for name in names}
-    blocks = list(fit.engine.pool.map(lambda w: engine.linearise(vector, w), fit.windows))
+    blocks = engine.linearised(vector, fit.windows)
     for j, (w, b) in enumerate(zip(fit.windows, blocks, strict=True)):
         r, s = base.residuals[j], base.size[j]
         for i, name in enumerate(names):

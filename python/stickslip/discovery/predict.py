@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import ATOL, RTOL, Engine, Window
 from stickslip.discovery.readings import Learned, read
-from stickslip.discovery.relax import relax
+from stickslip.discovery.relax import relaxed
 from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.windows import start_window
@@ -46,13 +45,13 @@ class Forecaster:
     ----------
     model : complete model; phases in it are starts only.
     run : the record.
-    pool : threads.
+    threads : threads over windows.
     learned : curves on the readings.
     """
 
     model: Model
     run: Data
-    pool: ThreadPoolExecutor
+    threads: int
     learned: tuple[Learned, ...] = ()
 
     def __post_init__(self) -> None:
@@ -63,7 +62,7 @@ class Forecaster:
             Unknown(f"{one.name}.phi", one.parameters["phi"], False, 0.0, 30.0, per_run=True)
             for one in self.periodic
         )
-        self.engine = Engine([self.run], Hypothesis(self.model, unknowns, {}), self.pool, self.learned)
+        self.engine = Engine([self.run], Hypothesis(self.model, unknowns, {}), self.threads, self.learned)
         self.vector = self.engine.hypothesis.start(1)
         self.known = False
 
@@ -106,7 +105,7 @@ class Forecaster:
             start = before[-1] if before else 0
             if stop - start < 12:
                 continue
-            window = relax(self.engine, self.vector, start_window(self.run, 0, self.model, start, stop), 15)
+            window = self._relaxed(start, stop)
             r = self.engine.residual(self.vector, window)
             chi2 = np.inf if r is None else float(r @ r) / len(r)
             if best is None or chi2 < 0.8 * least:
@@ -117,13 +116,16 @@ class Forecaster:
             raise StickslipError("the past is too short to tell the state from it: give at least one cycle")
         return self._longer(best, stop, least)
 
+    def _relaxed(self, start: int, stop: int) -> Window:
+        return relaxed(self.engine, self.vector, [start_window(self.run, 0, self.model, start, stop)], 15)[0]
+
     def _longer(self, best: Window, stop: int, least: float) -> Window:
         """A longer past says more of the state, as long as the model explains it as well."""
         wanted = self.run.t[stop - 1] - MORE * self.run.cycle
         before = [int(s) for s in self.run.slips if self.run.t[s] <= wanted and s < best.start]
         if not before:
             return best
-        window = relax(self.engine, self.vector, start_window(self.run, 0, self.model, before[-1], stop), 15)
+        window = self._relaxed(before[-1], stop)
         r = self.engine.residual(self.vector, window)
         chi2 = np.inf if r is None else float(r @ r) / len(r)
         return window if chi2 < 1.15 * least else best
@@ -149,8 +151,7 @@ class Forecaster:
         state = np.asarray(raw["state"])
         if len(state) != len(t):
             raise StickslipError("the model's run stopped before the horizon; its numbers make it ill-posed")
-        none = np.zeros((len(t), len(_core.STATES), 0))
-        chain = read(t, state, none, (), p, self.run.belt_speed, self.run.readings.shape[1], self.learned)
+        chain = read(t, state, {}, (), p, self.run.belt_speed, self.run.readings.shape[1], self.learned)
         return Prediction(t, chain.values, state, np.asarray(raw["mode"]))
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
@@ -206,9 +207,8 @@ def free_run(forecaster: Forecaster, seed: int) -> Data:
     """The run as the model itself would have given it, with fresh noise: what the floor is measured on."""
     run = forecaster.run
     forecaster.settle(len(run.t))
-    window = relax(
-        forecaster.engine, forecaster.vector, start_window(run, 0, forecaster.model, 0, len(run.t) // 4)
-    )
+    start = start_window(run, 0, forecaster.model, 0, len(run.t) // 4)
+    window = relaxed(forecaster.engine, forecaster.vector, [start])[0]
     whole = forecaster.run_on(window, run.t)
     noise = np.random.default_rng(seed).standard_normal(whole.readings.shape) * run.noise
     return replace(run, readings=whole.readings + noise)

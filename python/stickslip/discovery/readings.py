@@ -6,8 +6,8 @@ y1 reading: y1 at t - delay. belt reading: the belt's own speed V. Learned curve
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,8 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 B, M = 6, 7  # hidden states in the core's order
+_COLUMN = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
+_CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
 
 
 @dataclass(frozen=True)
@@ -73,25 +75,40 @@ class Chain:
     slopes: Floats
 
 
+Slopes = Mapping[int, Floats]  # of a state by its index, (n, k)
+
+
+def states_read(known: Collection[str], channels: int, learned: tuple[Learned, ...] = ()) -> list[int]:
+    """States whose sensitivities the chain of effects with the `known` parameters needs."""
+    needed = {_COLUMN[one.variable] for one in learned if one.variable != "t"}
+    needed |= {M} if "sensor_lag.tau" in known else {0}
+    needed |= {2, 3} if "sensor_delay.delay" in known else {2}
+    return sorted(needed | ({B} if channels == 3 else set()))
+
+
 def read(
     t: Floats,
     state: Floats,
-    sensitivity: Floats,
+    sensitivity: Slopes,
     names: tuple[str, ...],
     p: Mapping[str, float],
     belt_speed: float,
     channels: int,
     learned: tuple[Learned, ...] = (),
+    offset: NDArray[np.int64] | None = None,
 ) -> Chain:
-    """Readings from states (n, 9) and their sensitivities (n, 9, k).
+    """Readings from states (n, 9) and the sensitivities (n, k) of those of them that `states_read` names.
 
     `names` names the sensitivities' columns; those of reading effects are filled in here, their columns in
-    `sensitivity` must be zero (or what reaches them through the lag).
+    `sensitivity` must be zero (or what reaches them through the lag). Samples of several windows follow one another,
+    each from its `offset` on, so that a delay does not look from one into the next.
     """
     out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
     where = {name: i for i, name in enumerate(names)}
+    if not names:
+        sensitivity = {k: np.empty((len(t), 0)) for k in range(9)}
     _read_x1(t, state, sensitivity, where, p, out)
-    _read_y1(t, state, sensitivity, where, p, out)
+    _read_y1(t, state, sensitivity, where, p, out, np.array([0, len(t)]) if offset is None else offset)
     if channels == 3:
         _read_belt(t, state, sensitivity, where, p, belt_speed, out)
     for curve in learned:
@@ -100,16 +117,16 @@ def read(
 
 
 def _read_x1(
-    t: Floats, state: Floats, sens: Floats, where: Mapping[str, int], p: Mapping[str, float], out: Chain
+    t: Floats, state: Floats, sens: Slopes, where: Mapping[str, int], p: Mapping[str, float], out: Chain
 ) -> None:
     if "sensor_lag.tau" in p:
         out.values[:, 0] = state[:, M]
-        out.slopes[:, 0] = sens[:, M]
+        out.slopes[:, 0] = sens[M]
     else:
         c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
         x, y = state[:, 0], state[:, 2]
         out.values[:, 0] = x + c * y + q * x**2 if c or q else x
-        out.slopes[:, 0] = sens[:, 0] * (1 + 2 * q * x)[:, None] + c * sens[:, 2] if c or q else sens[:, 0]
+        out.slopes[:, 0] = sens[0] * (1 + 2 * q * x)[:, None] + c * sens[2] if c or q else sens[0]
         if "sensor_crosstalk.c" in where:
             out.slopes[:, 0, where["sensor_crosstalk.c"]] += y
         if "sensor_nonlinearity.q" in where:
@@ -121,17 +138,26 @@ def _read_x1(
 
 
 def _read_y1(
-    t: Floats, state: Floats, sens: Floats, where: Mapping[str, int], p: Mapping[str, float], out: Chain
+    t: Floats,
+    state: Floats,
+    sens: Slopes,
+    where: Mapping[str, int],
+    p: Mapping[str, float],
+    out: Chain,
+    offset: NDArray[np.int64],
 ) -> None:
     if "sensor_delay.delay" not in p:
         out.values[:, 1] = state[:, 2]
-        out.slopes[:, 1] = sens[:, 2]
+        out.slopes[:, 1] = sens[2]
         return
-    weights, rates = _late(t, p["sensor_delay.delay"])
-    out.values[:, 1] = weights.apply(state)
-    out.slopes[:, 1] = weights.apply(sens)
-    if "sensor_delay.delay" in where:
-        out.slopes[:, 1, where["sensor_delay.delay"]] -= rates.apply(state)
+    for a, b in itertools.pairwise(offset.tolist()):
+        weights, rates = _late(t[a:b], p["sensor_delay.delay"])
+        y1, y2 = state[a:b, 2], state[a:b, 3]
+        out.values[a:b, 1] = weights.apply(y1, y2)
+        if where:
+            out.slopes[a:b, 1] = weights.apply(sens[2][a:b], sens[3][a:b])
+        if "sensor_delay.delay" in where:
+            out.slopes[a:b, 1, where["sensor_delay.delay"]] -= rates.apply(y1, y2)
 
 
 @dataclass
@@ -141,13 +167,11 @@ class _Gather:
     left: NDArray[np.int64]
     w: Floats  # (n, 4): y1 left, y2 left, y1 right, y2 right
 
-    def apply(self, states: Floats) -> Floats:
-        w = self.w.reshape(self.w.shape + (1,) * (states.ndim - 2))
+    def apply(self, y1: Floats, y2: Floats) -> Floats:
+        """On values (n,) or on slopes (n, k)."""
+        w = self.w.reshape(self.w.shape + (1,) * (y1.ndim - 1))
         a, b = self.left, self.left + 1
-        out = (
-            w[:, 0] * states[a, 2] + w[:, 1] * states[a, 3] + w[:, 2] * states[b, 2] + w[:, 3] * states[b, 3]
-        )
-        return np.asarray(out)
+        return np.asarray(w[:, 0] * y1[a] + w[:, 1] * y2[a] + w[:, 2] * y1[b] + w[:, 3] * y2[b])
 
 
 def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
@@ -176,14 +200,14 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
 def _read_belt(
     t: Floats,
     state: Floats,
-    sens: Floats,
+    sens: Slopes,
     where: Mapping[str, int],
     p: Mapping[str, float],
     v_b: float,
     out: Chain,
 ) -> None:
     out.values[:, 2] = v_b + state[:, B]
-    out.slopes[:, 2] = sens[:, B]
+    out.slopes[:, 2] = sens[B]
     if "belt_speed_ripple.a" not in p:
         return
     a, w, phi = (p[f"belt_speed_ripple.{key}"] for key in ("a", "w", "phi"))
@@ -194,15 +218,11 @@ def _read_belt(
             out.slopes[:, 2, where[f"belt_speed_ripple.{key}"]] += v_b * slope
 
 
-_COLUMN = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
-_CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
-
-
 def _add_curve(
     curve: Learned,
     t: Floats,
     state: Floats,
-    sens: Floats,
+    sens: Slopes,
     where: Mapping[str, int],
     p: Mapping[str, float],
     out: Chain,
@@ -215,17 +235,12 @@ def _add_curve(
     x = t if curve.variable == "t" else state[:, _COLUMN[curve.variable]]
     basis = curve.basis(x)
     out.values[:, channel] += basis @ values
-    if curve.variable != "t":
+    if curve.variable != "t" and where:
         rate = curve.basis(x, 1) @ values
-        out.slopes[:, channel] += rate[:, None] * sens[:, _COLUMN[curve.variable]]
+        out.slopes[:, channel] += rate[:, None] * sens[_COLUMN[curve.variable]]
     for i, name in enumerate(names):
         if name in where:
             out.slopes[:, channel, where[name]] += basis[:, i]
-
-
-def lag_start(x1: float, x2: float, tau: float) -> float:
-    """Lagged reading of a steady ramp: where m starts."""
-    return x1 - x2 * min(tau, math.inf)
 
 
 def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:

@@ -4,72 +4,133 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window, moved, window_penalty
+from stickslip.discovery.engine import Block, Engine, Window
 
 Floats = NDArray[np.float64]
 OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew
 PHASES = 10  # of a turn
 
 
-def relax(
-    engine: Engine, vector: Floats, window: Window, steps: int = 8, before: Window | None = None
-) -> Window:
-    """The window with its own states at their best for fixed unknowns.
+def relaxed(
+    engine: Engine,
+    vector: Floats,
+    windows: Sequence[Window],
+    steps: int = 8,
+    before: Sequence[Window | None] | None = None,
+) -> list[Window]:
+    """The windows with their own states at their best for fixed unknowns.
 
-    They are sought from where they are, from the readings around the window's start, and from where the window
-    `before` it ends.
+    They are sought from where they are, from the readings around each window's start, and from where the window
+    `before` it ends, until one of these leaves no more than the noise.
     """
-    run = engine.data[window.run]
-    measured = window.state.copy()
-    local = run.local_state(window.start)
-    for k in window.free:
-        if k < 4:
-            measured[k] = local[k]
-    starts = [window, replace(window, state=measured)]
-    if before is not None:
-        ended = engine.end(vector, before)
-        if ended is not None:
-            state = window.state.copy()
-            state[list(window.free)] = ended[list(window.free)]
-            starts.append(replace(window, state=state))
-    best, least = window, np.inf
-    for start in starts:
-        found, cost = seek(engine, vector, start, steps)
-        if cost < least:
-            best, least = found, cost
-        if least < 1.1 * max(int(np.count_nonzero(run.weight[window.start : window.stop])), 1):
-            break
+    best, least = list(windows), np.full(len(windows), np.inf)
+    used = [np.count_nonzero(engine.data[w.run].weight[w.start : w.stop]) for w in windows]
+    enough = 1.1 * np.maximum(used, 1)
+    for start in (_as_it_is, _as_measured, _as_ended):
+        at = np.flatnonzero(least >= enough).tolist()
+        begun = start(engine, vector, [(windows[i], before[i] if before else None) for i in at])
+        ready = [(i, w) for i, w in zip(at, begun, strict=True) if w is not None]
+        found, costs = sought(engine, vector, [w for _, w in ready], steps)
+        for (i, _), window, cost in zip(ready, found, costs.tolist(), strict=True):
+            if cost < least[i]:
+                best[i], least[i] = window, cost
     return best
 
 
-def seek(engine: Engine, vector: Floats, window: Window, steps: int) -> tuple[Window, float]:
-    """The window with its own states improved by a few Levenberg-Marquardt steps, and its cost."""
-    damping, free, cost = 1e-3, list(window.free), np.inf
+Pair = tuple[Window, Window | None]  # a window and the one before it
+
+
+def _as_it_is(_engine: Engine, _vector: Floats, pairs: Sequence[Pair]) -> list[Window | None]:
+    return [window for window, _ in pairs]
+
+
+def _as_measured(engine: Engine, _vector: Floats, pairs: Sequence[Pair]) -> list[Window | None]:
+    return [_with_free(w, engine.data[w.run].local_state(w.start), 4) for w, _ in pairs]
+
+
+def _as_ended(engine: Engine, vector: Floats, pairs: Sequence[Pair]) -> list[Window | None]:
+    ended = iter(engine.ends(vector, [before for _, before in pairs if before is not None]))
+    states = [None if before is None else next(ended) for _, before in pairs]
+    return [
+        None if state is None else _with_free(w, state, len(state))
+        for (w, _), state in zip(pairs, states, strict=True)
+    ]
+
+
+def _with_free(window: Window, values: Floats, below: int) -> Window:
+    """The window with those of its free states that come before `below` from `values`."""
+    state = window.state.copy()
+    for k in window.free:
+        if k < below:
+            state[k] = values[k]
+    return replace(window, state=state)
+
+
+def sought(
+    engine: Engine, vector: Floats, windows: Sequence[Window], steps: int
+) -> tuple[list[Window], Floats]:
+    """The windows with their own states improved by a few Levenberg-Marquardt steps, and their costs (w,)."""
+    out, costs = list(windows), np.full(len(windows), np.inf)
+    kinds: dict[tuple[int, ...], list[int]] = {}
+    for i, w in enumerate(windows):
+        kinds.setdefault(w.free, []).append(i)
+    for free, at in kinds.items():
+        states, costs[at] = _sought(engine, vector, [windows[i] for i in at], list(free), steps)
+        for i, state in zip(at, states, strict=True):
+            out[i] = replace(windows[i], state=state)
+    return out, costs
+
+
+def _sought(
+    engine: Engine, vector: Floats, windows: Sequence[Window], free: list[int], steps: int
+) -> tuple[Floats, Floats]:
+    """States (w, 9) and costs (w,) of windows with the same free states, all in step."""
+    q = len(free)
+    states = np.stack([w.state for w in windows])
+    centre = np.stack([w.centre for w in windows])[:, free]
+    hold = 1.0 / np.stack([w.spread for w in windows])[:, free] ** 2
+    damping, costs = np.full(len(windows), 1e-3), np.full(len(windows), np.inf)
+    going = np.arange(len(windows))
     for _ in range(steps):
-        block = engine.linearise(vector, window, own_only=True)
-        if block is None:
+        blocks = engine.linearised(vector, [windows[i] for i in going.tolist()], states[going], own_only=True)
+        going = going[[b is not None for b in blocks]]
+        if not going.size:
             break
-        cost = float(block.r @ block.r) + window_penalty(window)
-        C = block.K.T @ block.K + np.diag(1.0 / window.spread[free] ** 2)
-        g = block.K.T @ block.r + (window.centre[free] - window.state[free]) / window.spread[free] ** 2
-        before = cost
+        products = np.stack([b.products for b in blocks if b is not None])
+        off = centre[going] - states[going][:, free]
+        C = products[:, :q, :q] + hold[going][:, :, None] * np.eye(q)
+        g = products[:, :q, q] + off * hold[going]
+        size = np.einsum("ijj->ij", C)
+        costs[going] = products[:, q, q] + np.sum(off**2 * hold[going], axis=1)
+        before = costs[going]
+        left = np.arange(len(going))
         for _ in range(6):
-            D = C + np.diag(damping * np.diag(C) + 1e-9 * np.trace(C))
-            trial = moved(window, np.asarray(np.linalg.solve(D, g), dtype=np.float64))
-            r = engine.residual(vector, trial)
-            new = np.inf if r is None else float(r @ r) + window_penalty(trial)
-            if new < cost:
-                window, cost, damping = trial, new, max(damping / 10, 1e-8)
+            at = going[left]
+            add = damping[at, None] * size[left] + 1e-9 * size[left].sum(axis=1, keepdims=True) + 1e-300
+            trial = states[at]
+            trial[:, free] += np.linalg.solve(C[left] + add[:, :, None] * np.eye(q), g[left, :, None])[
+                :, :, 0
+            ]
+            some = [windows[i] for i in at.tolist()]
+            new = np.sum((centre[at] - trial[:, free]) ** 2 * hold[at], axis=1)
+            new += engine.chi2(vector, some, trial)
+            better = new < costs[at]
+            won = at[better]
+            states[won], costs[won] = trial[better], new[better]
+            damping[won] = np.maximum(damping[won] / 10, 1e-8)
+            damping[at[~better]] *= 8
+            left = left[~better]
+            if not left.size:
                 break
-            damping *= 8
-        if before - cost < max(1e-3 * cost, 0.1):
+        now = costs[going]
+        going = going[before - now >= np.maximum(1e-3 * now, 0.1)]
+        if not going.size:
             break
-    return window, cost
+    return states, costs
 
 
 def followed(
@@ -78,9 +139,9 @@ def followed(
     """Windows that a step made worse, their own states brought after it; with the costs of all."""
     before = np.array([float(b.r @ b.r) for b in blocks])
     worse = np.flatnonzero(costs > 1.02 * before + 1.0).tolist()
-    found = list(engine.pool.map(lambda i: seek(engine, vector, windows[i], 3), worse))
+    found, least = sought(engine, vector, [windows[i] for i in worse], 3)
     windows, costs = list(windows), costs.copy()
-    for i, (window, cost) in zip(worse, found, strict=True):
+    for i, window, cost in zip(worse, found, least.tolist(), strict=True):
         if cost < costs[i]:
             windows[i], costs[i] = window, cost
     return windows, costs
@@ -100,7 +161,7 @@ def rephased(engine: Engine, vector: Floats, windows: Sequence[Window]) -> tuple
         for k in range(1, PHASES):
             turned = start.copy()
             turned[column] += 2 * np.pi * k / PHASES
-            found = list(engine.pool.map(partial(relax, engine, turned, steps=5), [windows[i] for i in at]))
+            found = relaxed(engine, turned, [windows[i] for i in at], steps=5)
             cost = float(engine.costs(turned, found).sum())
             if cost < least:
                 least, vector = cost, turned
@@ -109,4 +170,4 @@ def rephased(engine: Engine, vector: Floats, windows: Sequence[Window]) -> tuple
     return vector, windows
 
 
-__all__ = ["followed", "relax", "rephased", "seek"]
+__all__ = ["followed", "relaxed", "rephased", "sought"]

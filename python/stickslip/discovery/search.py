@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import Engine, Window
 from stickslip.discovery.readings import Learned
-from stickslip.discovery.relax import relax, rephased
+from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.windows import cut, with_hidden
@@ -70,7 +69,7 @@ class Search:
 
     data: list[Data]
     model: Model
-    pool: ThreadPoolExecutor
+    threads: int
     progress: Callable[[str], None]
     budget: float
     began: float = field(default_factory=time.process_time)
@@ -106,7 +105,7 @@ class Search:
         `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
         `worst` is a hopeless cost; `anyway` goes on when the time is up.
         """
-        engine = Engine(self.data, h, self.pool, learned)
+        engine = Engine(self.data, h, self.threads, learned)
         if windows_of is None:
             windows = cut(self.data, h.model, cycles)
             if states_of is not None:
@@ -178,9 +177,8 @@ class Search:
         if part is None:
             return trial
         kept = iter(part.windows)
-        every = [
-            next(kept) if g else relax(engine, part.vector, w) for w, g in zip(windows, good, strict=True)
-        ]
+        anew = iter(relaxed(engine, part.vector, [w for w, g in zip(windows, good, strict=True) if not g]))
+        every = [next(kept) if g else next(anew) for g in good]
         again = fit(engine, part.vector, every, iterations=20, rounds=1)
         return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
 

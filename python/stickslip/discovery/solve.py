@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window, moved
-from stickslip.discovery.relax import followed, relax
+from stickslip.discovery.engine import Block, Engine, Window, moved, window_penalties
+from stickslip.discovery.relax import followed, relaxed
 
 Floats = NDArray[np.float64]
 EDGE = 1e-9  # from a bound, in the fitted coordinate
@@ -133,8 +133,8 @@ class Point:
         blocks = engine.blocks(vector, windows)
         if blocks is None:
             return None
-        cost = engine.cost(vector, windows)
-        return cls(vector, windows, blocks, cost) if np.isfinite(cost) else None
+        cost = sum(float(b.products[-1, -1]) for b in blocks) + float(window_penalties(windows).sum())
+        return cls(vector, windows, blocks, cost + engine.penalty(vector))
 
     def soften(self) -> bool:
         """Let windows that fit far worse than most count by the logarithm; False if there are none."""
@@ -187,13 +187,12 @@ def _relaxed(engine: Engine, point: Point) -> bool:
         i for i, b in enumerate(point.blocks) if float(b.r @ b.r) > 1.3 * max(int(np.count_nonzero(b.r)), 1)
     ]
 
-    def anew(i: int) -> Window:
-        window = point.windows[i]
-        before = point.windows[i - 1] if i else None
-        joined = before is not None and before.run == window.run and before.stop == window.start
-        return relax(engine, point.vector, window, before=before if joined else None)
-
-    found = list(engine.pool.map(anew, bad))
+    before: list[Window | None] = []
+    for i in bad:
+        window, last = point.windows[i], point.windows[i - 1] if i else None
+        joined = last is not None and last.run == window.run and last.stop == window.start
+        before.append(last if joined else None)
+    found = relaxed(engine, point.vector, [point.windows[i] for i in bad], before=before)
     windows = list(point.windows)
     for i, window in zip(bad, found, strict=True):
         windows[i] = window
@@ -300,20 +299,40 @@ def reduced(
     """
     A, g = base.copy(), pull.copy()
     diagonal = np.zeros(len(pull))
-    follow = []
-    for i, (b, w) in enumerate(zip(blocks, windows, strict=True)):
-        say = 1.0 if share is None else float(share[i])
-        columns, free, p = engine.columns[w.run], list(w.free), b.J.shape[1]
-        JJ, E, C = b.products[:p, :p], b.products[p:-1, :p], b.products[p:-1, p:-1]
-        hold = 1.0 / w.spread[free] ** 2
-        C = C + np.diag(hold + damping * (np.diag(C) + hold))
-        own = b.products[p:-1, -1] + (w.centre[free] - w.state[free]) * hold
-        size = np.sqrt(np.maximum(np.diag(C), 1e-300))
-        D = C / np.outer(size, size) + 1e-10 * np.eye(len(free))
-        X = np.linalg.solve(D, np.column_stack([own, E]) / size[:, None]) / size[:, None]
-        A[np.ix_(columns, columns)] += say * (JJ - E.T @ X[:, 1:])
-        g[columns] += say * (b.products[:p, -1] - E.T @ X[:, 0])
-        diagonal[columns] += say * np.diag(JJ)
-        follow.append((X[:, 0], X[:, 1:]))
+    follow: list[tuple[Floats, Floats]] = [(np.empty(0), np.empty(0))] * len(windows)
+    kinds: dict[tuple[int, tuple[int, ...]], list[int]] = {}
+    for i, w in enumerate(windows):
+        kinds.setdefault((w.run if engine.hypothesis.own else 0, w.free), []).append(i)
+    for (run, free), at in kinds.items():
+        columns, p = engine.columns[run], len(engine.columns[run])
+        products = np.stack([blocks[i].products for i in at])
+        say = np.ones(len(at)) if share is None else share[at]
+        part, right, X = _eliminated(products, p, [windows[i] for i in at], list(free), say, damping)
+        A[np.ix_(columns, columns)] += part
+        g[columns] += right
+        diagonal[columns] += say @ np.einsum("ijj->ij", products)[:, :p]
+        for i, one in zip(at, X, strict=True):
+            follow[i] = (one[:, 0], one[:, 1:])
     A[np.diag_indices_from(A)] += damping * (diagonal + np.diag(base))
     return A, g, follow
+
+
+def _eliminated(
+    products: Floats, p: int, windows: Sequence[Window], free: list[int], say: Floats, damping: float
+) -> tuple[Floats, Floats, Floats]:
+    """What windows with the same free states add to matrix and right-hand side; [own step, cross] (w, q, 1 + p)."""
+    q = len(free)
+    hold = 1.0 / np.stack([w.spread for w in windows])[:, free] ** 2
+    off = np.stack([w.centre - w.state for w in windows])[:, free]
+    E, C = products[:, p:-1, :p], products[:, p:-1, p:-1]
+    size = np.einsum("ijj->ij", C)
+    add = hold + damping * (size + hold)
+    scale = np.sqrt(np.maximum(size + add, 1e-300))
+    D = (C + add[:, :, None] * np.eye(q)) / (scale[:, :, None] * scale[:, None, :]) + 1e-10 * np.eye(q)
+    own = products[:, p:-1, -1] + off * hold
+    wanted = np.concatenate([own[:, :, None], E], axis=2) / scale[:, :, None]
+    X = np.linalg.solve(D, wanted) / scale[:, :, None]
+    heard = (say[:, None, None] * E).reshape(-1, p).T
+    taken = heard @ X.reshape(-1, 1 + p)
+    part = np.tensordot(say, products[:, :p, :p], 1) - taken[:, 1:]
+    return part, say @ products[:, :p, -1] - taken[:, 0], X

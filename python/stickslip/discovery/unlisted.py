@@ -14,7 +14,6 @@ from stickslip.discovery.result import Curve
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.effects import Tabulated, tabulated
-from stickslip.lowering import WIDTH
 
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
@@ -52,11 +51,11 @@ def ranges(trial: Trial) -> dict[str, Floats]:
     """Values that each variable takes along a fit's trajectories."""
     fit = trial.fit
     seen: dict[str, list[Floats]] = {name: [] for name in (*STATE, "v_w", "t")}
-    for w in fit.windows:
-        raw = fit.engine.simulate(fit.vector, w, np.zeros((0, WIDTH + 9)))
-        if raw is None:
+    done = fit.engine.simulate(fit.vector, fit.windows)
+    for i, w in enumerate(fit.windows):
+        if not done.ok[i]:
             continue
-        state, run = np.asarray(raw["state"]), fit.engine.data[w.run]
+        state, run = done.state[done.of(i)], fit.engine.data[w.run]
         for name, column in STATE.items():
             seen[name].append(state[:, column])
         v = state[:, 1] - run.belt_speed - state[:, 6]
@@ -114,18 +113,14 @@ def gain(base: Trial, term: Term) -> float:
     fit = base.fit
     h, unknowns, learned = _extended(base, term)
     own = replace(h, unknowns=unknowns)
-    engine = Engine(fit.engine.data, own, fit.engine.pool, learned)
+    engine = Engine(fit.engine.data, own, fit.engine.threads, learned)
     vector = np.zeros(len(unknowns))
     p, k = len(fit.vector), len(unknowns)
     A, g = np.zeros((p + k, p + k)), np.zeros(p + k)
     A[:p, :p] = np.diag(fit.engine.precision)
     A[p:, p:] = np.diag([1.0 / u.spread**2 for u in unknowns])
-    for w, b, more in zip(
-        fit.windows,
-        fit.blocks,
-        fit.engine.pool.map(lambda w: engine.linearise(vector, w), fit.windows),
-        strict=True,
-    ):
+    found = engine.linearised(vector, fit.windows)
+    for w, b, more in zip(fit.windows, fit.blocks, found, strict=True):
         if more is None:
             continue
         q = np.linalg.qr(b.K)[0]

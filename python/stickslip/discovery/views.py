@@ -9,7 +9,6 @@ from stickslip.discovery.data import Data
 from stickslip.discovery.errors import Measured
 from stickslip.discovery.result import RunView
 from stickslip.discovery.solve import Fit
-from stickslip.lowering import WIDTH
 from stickslip.rig import Rig
 
 Floats = NDArray[np.float64]
@@ -31,10 +30,10 @@ def _fitted(fit: Fit, number: int) -> tuple[Floats, Floats, NDArray[np.int8]]:
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         if w.run != number:
             continue
-        raw = fit.engine.simulate(fit.vector, w, np.zeros((0, WIDTH + 9)))
+        done = fit.engine.simulate(fit.vector, [w])
         n = w.stop - w.start
-        states.append(np.full((n, 9), np.nan) if raw is None else np.asarray(raw["state"]))
-        modes.append(np.zeros(n, dtype=np.int8) if raw is None else np.asarray(raw["mode"]))
+        states.append(done.state if done.ok[0] else np.full((n, 9), np.nan))
+        modes.append(done.mode)
         noise = np.where(run.weight[w.start : w.stop] > 0, run.noise, np.nan)
         readings.append(run.readings[w.start : w.stop] - b.r.reshape(n, -1) * noise)
     return np.concatenate(readings), np.concatenate(states), np.concatenate(modes)
