@@ -65,6 +65,9 @@ def _figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tup
 def save_figure(figure: Figure, path: str | Path) -> tuple[Path, Path]:
     """Write `path`.svg and `path`.png whole; return both paths."""
     out = []
+    with mpl.rc_context(STYLE):  # laid out once, for both
+        figure.draw_without_rendering()
+        figure.set_layout_engine(None)
     for kind in ("svg", "png"):
         target = Path(f"{path}.{kind}")
         metadata = {"Date": None} if kind == "svg" else None
