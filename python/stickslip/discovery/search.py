@@ -25,6 +25,10 @@ CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
 ALMOST = 1.5  # and below which it is worth two more turns
 TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
+BESIDE = (
+    1.03  # of a hopeless cost: a fit that stalls within that of it stands where it began, windows and all
+)
+SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
 MORE = 6  # times that a fit goes on while it still falls fast
 
 
@@ -121,6 +125,7 @@ class Search:
             tolerance=tolerance,
             rounds=rounds,
             give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
+            worth=lambda cost: not worst < cost < BESIDE * worst,
         )
         return None if found is None else Trial(_names(h, learned), found)
 
@@ -145,13 +150,16 @@ class Search:
             best = self._rephased(best)
             if best.excess < CLEAN:
                 break
-            long = self._again(best, LONG + turn, None)
+            long, ends = self._again(best, LONG + turn, None), [best.fit.cost]
             for origin in (long, self.with_declared_law(best)):
                 if best.excess < CLEAN:
                     break
                 short = None if origin is None else self._again(origin, SHORT, None)
-                if short is not None and short.fit.cost < best.fit.cost:
-                    best = short
+                if short is not None:
+                    ends.append(short.fit.cost)
+                    best = short if short.fit.cost < best.fit.cost else best
+            if len(ends) == 3 and max(ends) < (1 + SAME) * min(ends):
+                break  # reached from three sides
             if best.fit.cost > 0.998 * before:
                 idle += 1
                 if idle > 1 or turn >= turns:

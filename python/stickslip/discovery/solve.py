@@ -59,6 +59,7 @@ def fit(
     tolerance: float = 1e-4,
     rounds: int = 3,
     give_up: Callable[[int, float], bool] | None = None,
+    worth: Callable[[float], bool] | None = None,
 ) -> Fit | None:
     """Minimise chi-squared from a start; None if the start cannot be simulated.
 
@@ -67,7 +68,8 @@ def fit(
     around its start, up to `rounds` times.
 
     `tolerance` is the relative fall of the cost (or 0.02 absolutely, or less if it is below 1e-7) at which the
-    iteration ends; `give_up(iteration, cost)` ends it early for a rival that is hopeless.
+    iteration ends; `give_up(iteration, cost)` ends it early for a rival that is hopeless; `worth(cost)` says whether
+    one that has stalled is worth the search.
     """
     point = Point.at(engine, vector, list(windows))
     if point is None:
@@ -77,7 +79,7 @@ def fit(
     for _ in range(rounds):
         if done >= iterations or point.cost < 1.02 * readings:
             break
-        if give_up is not None and give_up(done, point.cost):
+        if (give_up is not None and give_up(done, point.cost)) or not (worth is None or worth(point.cost)):
             break
         before = point.cost
         done = _shaken(engine, point, done, iterations, tolerance, give_up)

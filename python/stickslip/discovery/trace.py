@@ -15,6 +15,7 @@ from stickslip.effects import CATALOGUE, Effect
 from stickslip.errors import StickslipError
 
 Floats = NDArray[np.float64]
+FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -70,6 +71,9 @@ def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tri
     close: list[Trial] = []
     for trial in trials[:most]:
         if close and (search.left < 0 or trial.fit.cost > 50 * close[0].fit.cost):
+            break
+        least = min(close, key=lambda one: one.fit.cost, default=trial)
+        if len(close) >= 2 and least.excess < CLEAN and trial.fit.cost > FAR * least.fit.cost:
             break
         search.progress(f"fitting {' + '.join(trial.names)} closely")
         close.append(search.close(trial))
