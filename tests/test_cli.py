@@ -275,6 +275,10 @@ def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
     assert saved["diagnostics"]["kinetic_mean"] < saved["diagnostics"]["static_mean"]
     assert saved["diagnostics"]["events"] > 40
     rows = {r["quantity"]: r for r in json.loads((tmp_path / "compare.json").read_text())["rows"]}
+    assert rows["period"]["measured"] == pytest.approx(0.147, abs=0.01)  # as the eye counts in the figure
+    assert rows["small slips left out"]["measured"] > 5
+    verdict = next(line for line in result.output.splitlines() if line.startswith("- forecast"))
+    assert "useless" in verdict
     for name in ("slip amplitude", "largest slip speed", "period"):
         assert abs(rows[name]["difference"]) < 1.5 * rows[name]["scatter"]
     for name in ("friction_characteristic", "phase_portrait", "time_series"):

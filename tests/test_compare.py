@@ -6,8 +6,10 @@ import pytest
 import stickslip as ss
 from slider import coulomb_record
 from stickslip import plot
-from stickslip.compare import cycles, matched, portrait_distance
+from stickslip.compare import matched, portrait_distance
+from stickslip.dominant import cycles, dominant, typical
 from stickslip.segments import track
+from stickslip.verdict import Row, judged, verdict
 from test_identify import DT, RIG, TRUE, noisy, recording, truth
 
 V, STATIC, KINETIC = 0.2, 1.0, 0.5  # period and stick time: closed form
@@ -109,10 +111,53 @@ def test_a_verdict_holds_each_row_against_its_yardstick(slider):
     bad = ss.compare(
         ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.3, kinetic=KINETIC)), slider
     ).verdict()
-    assert "within the scatter" in good[0] or "beyond" in good[0]
-    assert "beyond" in bad[0]
-    assert "transitions missed" in bad[1]
-    assert "sampling interval" in good[1]
-    assert float(bad[-1].split("err by ")[1].split(" %")[0]) > 10 * float(
-        good[-1].split("err by ")[1].split(" %")[0]
+    assert good[0].startswith("forecast from cycle to cycle: good; NRMSE 0.0")
+    assert bad[0].startswith("forecast from cycle to cycle: ")
+    assert (
+        judged(float(bad[0].split("NRMSE ")[1].split(" (")[0]))
+        == bad[0].split(": ")[1].split(",")[0].split(";")[0]
     )
+    assert "good;" not in bad[0]
+    assert "within the scatter" in good[1] or "beyond" in good[1]
+    assert "beyond" in bad[1]
+    assert "transitions missed" in bad[2]
+    assert "sampling interval" in good[2]
+    assert not any("left out" in line for line in good + bad)
+
+
+def test_a_forecast_as_bad_as_the_mean_is_called_useless():
+    assert [judged(nrmse) for nrmse in (0.05, 0.2, 0.21, 0.7, 0.71, 1.07)] == [
+        "good", "good", "poor", "poor", "useless", "useless"
+    ]  # fmt: skip
+    row = Row("forecast NRMSE", "1", None, 1.07, 0.02, "")
+    said = verdict({"forecast NRMSE": row}, None)
+    assert said[0].startswith(
+        "forecast from cycle to cycle: useless, no better than forecasting the mean; NRMSE 1.07"
+    )
+
+
+def test_small_slips_between_large_ones_do_not_halve_the_period(tmp_path):
+    v, large, small = 0.02, (1.0, 0.5), (0.3, 0.27)
+    t, x, releases, _ = coulomb_record([large[0], small[0]] * 8, [large[1], small[1]] * 8, v, 0.02)
+    x = x + 3e-4 * np.random.default_rng(0).standard_normal(len(t))
+    seen = track(t, x, belt_speed=v, noise=3e-4, period=2 * np.pi)
+    assert len(seen.releases) == 16
+    kept = dominant(seen)
+    assert (kept.slips, kept.left_out) == (16, 8)
+    np.testing.assert_allclose(kept.track.releases, releases[::2], atol=0.15)
+    apart = float(np.diff(releases[::2]).mean())
+    np.testing.assert_allclose(cycles(kept.track).period, apart, rtol=0.01)
+    assert float(np.mean(kept.track.mode == 0)) > float(np.mean(seen.mode == 0))
+    run = recording(tmp_path, ss.BlockOnBelt(), t, x, None, v, "trembling", 3e-4)
+    c = ss.compare(ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.0, kinetic=0.5)), run)
+    assert c.row("period").measured == pytest.approx(apart, rel=0.01)
+    assert c.row("small slips left out").measured == kept.left_out
+    assert c.row("small slips left out").simulated == 0
+    assert any(f"{kept.left_out} of {kept.slips} measured slips" in line for line in c.verdict())
+    marked = plot.time_series(c).axes[0].lines[2].get_xdata()
+    np.testing.assert_allclose(marked, releases[::2], atol=0.15)
+
+
+def test_many_tiny_slips_do_not_change_what_is_typical():
+    assert typical(np.array([1.0, 1.1, 0.9, *[0.001] * 500])) >= 0.9
+    assert typical(np.array([2.0])) == 2.0

@@ -197,7 +197,7 @@ def comparison_table(c: Comparison) -> Table:
     table = Table(title=f"simulated against measured: {c.recording.name}", box=SIMPLE, pad_edge=False)
     table.add_column("quantity", no_wrap=True)
     for name in ("measured", "simulated", "off by", "scatter"):
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", no_wrap=True)
     table.add_column("unit")
     for r in c.rows:
         table.add_row(r.quantity, *r.cells, "" if r.unit == "1" else r.unit)

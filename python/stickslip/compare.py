@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 import scipy
 
 from stickslip import segments
 from stickslip.arguments import explained, must_be
+from stickslip.dominant import SHARE, Dominant, cycles, dominant
 from stickslip.errors import InputError, StickslipError
 from stickslip.identify import BeltSpeed, Measured, columns, measured, natural_period
 from stickslip.model import Model
@@ -24,16 +24,6 @@ from stickslip.rig import Rig
 from stickslip.shooting import Array, Simulator, Window, shoot
 from stickslip.simulate import simulate
 from stickslip.verdict import Row, verdict
-
-
-@dataclass(frozen=True)
-class Cycles:
-    """Cycle-by-cycle numbers of one side; arrays of one entry a cycle (may be empty)."""
-
-    period: Array
-    stick: Array
-    amplitude: Array
-    speed: Array
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,8 +108,11 @@ def compare(
     Returns
     -------
     Comparison
-        With the rows period, stick fraction, slip amplitude, largest slip speed, release and capture time errors,
-        missed transitions, phase-portrait distance and forecast error.
+        With the rows period, stick fraction, slip amplitude, largest slip speed, small slips left out, release and
+        capture time errors, missed transitions, phase-portrait distance and forecast error. Period, amplitude and
+        speed are means over the dominant cycle, from release to release of slips at least 0.3 times as large as the
+        typical one (`stickslip.dominant`), of measurement and simulation alike; the time of smaller slips counts as
+        stick.
 
     Raises
     ------
@@ -137,7 +130,8 @@ def compare(
     ours = replace_track(run, free[:, 0])
     tell("forecasts from cycle to cycle", 0.5)
     ahead, where = _forecasts(run, model, windows, simulator)
-    rows = [*_cycle_rows(run, ours, recording), *_timing_rows(run, ahead, where, recording)]
+    rows = [*_cycle_rows(dominant(run.track), dominant(ours), recording)]
+    rows += _timing_rows(run, ahead, where, recording)
     rows.append(_portrait_row(run, ours))
     rows.append(_forecast_row(run, ahead, where))
     tell("done", 1.0)
@@ -231,22 +225,10 @@ def _forecasts(
     return out, np.isfinite(out[:, 0])
 
 
-def cycles(track: segments.Track) -> Cycles:
-    """Period, stick time, slip amplitude and largest slip speed of every cycle from release to release."""
-    releases = [i for i, s in enumerate(track.segments[1:], 1) if s.mode and not track.segments[i - 1].mode]
-    period, stick, amplitude, speed = [], [], [], []
-    for a, b in pairwise(releases):
-        part = slice(track.segments[a].start, track.segments[b].start)
-        x = track.x[part]
-        period.append(track.t[part.stop] - track.t[part.start])
-        stick.append(float(np.mean(track.mode[part] == 0)))
-        amplitude.append(float(x.max() - x.min()))
-        speed.append(float(np.max(np.abs(track.v[part] - track.belt_speed))))
-    return Cycles(*(np.array(v, dtype=float) for v in (period, stick, amplitude, speed)))
-
-
-def _cycle_rows(run: Measured, ours: segments.Track, recording: Recording) -> list[Row]:
-    theirs, mine = cycles(run.track), cycles(ours)
+def _cycle_rows(measured_: Dominant, simulated: Dominant, recording: Recording) -> list[Row]:
+    """Mean numbers of the dominant cycle of both sides, and how many small slips are not in them."""
+    both = measured_, simulated
+    theirs, mine = (cycles(side.track) for side in both)
     t, x = per_model(recording, "t"), abs(per_model(recording, "x1"))
     unit, v = speed_unit(recording)
     what = (
@@ -265,9 +247,13 @@ def _cycle_rows(run: Measured, ours: segments.Track, recording: Recording) -> li
         Row(name, unit, _mean(m * f), _mean(s * f), _std(m * f), meaning)
         for name, unit, f, m, s, meaning in what
     ]
-    sticking, stuck = (float(np.mean(k.mode == 0)) for k in (run.track, ours))
-    rows.insert(
-        1, Row("stick fraction", "1", sticking, stuck, _std(theirs.stick), "share of the time spent in stick")
+    sticking, stuck = (float(np.mean(side.track.mode == 0)) for side in both)
+    meaning = "share of the time outside the slips that count"
+    rows.insert(1, Row("stick fraction", "1", sticking, stuck, _std(theirs.stick), meaning))
+    left_out, ours = (float(side.left_out) for side in both)
+    meaning = f"below {SHARE:g} of the typical slip, counted as stick in the other rows"
+    rows.append(
+        Row("small slips left out", f"of {both[0].slips}/{both[1].slips}", left_out, ours, None, meaning)
     )
     return rows
 
@@ -287,8 +273,8 @@ def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording
     if not where.any():
         return []
     filled = np.where(where, ahead[:, 0], run.track.x)
-    theirs = run.track
-    mine = replace_track(run, filled)
+    theirs = dominant(run.track).track
+    mine = dominant(replace_track(run, filled)).track
     missed = among = 0
     typical = cycles(theirs).period
     reach = 0.5 * float(np.median(typical)) if typical.size else np.inf

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.compare import Comparison, per_model, speed_unit
+from stickslip.dominant import dominant
 from stickslip.files import whole
 from stickslip.identified import BRANCHES, Branch, Identified
 from stickslip.scale import Quantity, Scale, scales
@@ -237,13 +238,14 @@ def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
     ----------
     comparison : Comparison
     span : float, optional
-        Length drawn, in the rig's unit of time; the first eight measured cycles if absent.
+        Length drawn, in the rig's unit of time; the first eight measured cycles if absent. Cycles and marks are of
+        the slips that the table counts.
     """
-    c = comparison
+    c, seen = comparison, dominant(comparison.measured).track
     ts, xs, vs = _scales(c)
     t = c.measured.t
     if span is None:
-        releases = c.measured.releases
+        releases = seen.releases
         span = float(releases[8] - t[0]) if len(releases) > 8 else float(t[-1] - t[0])
     part = slice(0, int(np.searchsorted(t, t[0] + span)) + 1)
     figure, (top, bottom) = _figure(7.2, 4.4, 2, 1)
@@ -251,7 +253,7 @@ def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
     top.plot(ts * t[part], xs * c.simulated.x[part], color=SIMULATED, lw=1.0)
     bottom.plot(ts * t[part], vs * c.measured.v[part], color=MEASURED, lw=2.2, alpha=0.45, label="measured")
     bottom.plot(ts * t[part], vs * c.simulated.v[part], color=SIMULATED, lw=1.0, label="simulated")
-    for k, (events, name) in enumerate(((c.measured.releases, "release"), (c.measured.captures, "capture"))):
+    for k, (events, name) in enumerate(((seen.releases, "release"), (seen.captures, "capture"))):
         inside = events[events <= t[0] + span]
         x = np.interp(inside, t, c.measured.x)
         top.plot(

@@ -157,7 +157,7 @@ def track(
     threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * abs(belt_speed))
     stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
     mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))
-    return Track(t, smooth, v, mode, _runs(mode), belt_speed, threshold, n)
+    return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)
 
 
 def plateau_speed(track_: Track, readings: Array) -> tuple[float, float]:
@@ -182,7 +182,8 @@ def plateau_speed(track_: Track, readings: Array) -> tuple[float, float]:
     return mean, float(np.sqrt(w**2 @ (np.array(slopes) - mean) ** 2))
 
 
-def _runs(mode: npt.NDArray[np.int64]) -> tuple[Segment, ...]:
+def runs(mode: npt.NDArray[np.int64]) -> tuple[Segment, ...]:
+    """Segments of equal mode, from the modes (n,) of all samples."""
     edges = np.flatnonzero(np.diff(mode)) + 1
     bounds = [0, *edges.tolist(), len(mode)]
     return tuple(Segment(a, b, int(mode[a])) for a, b in pairwise(bounds))
@@ -192,7 +193,7 @@ def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArr
     """Sticks shorter than `shortest` are slips passing through v_b; shorter slips are noise."""
     out = mask.copy()
     for value, limit in ((False, max(shortest // 3, 3)), (True, shortest)):
-        for s in _runs(out.astype(np.int64)):
+        for s in runs(out.astype(np.int64)):
             if bool(out[s.start]) is value and s.stop - s.start < limit and s.start > 0 and s.stop < len(out):
                 out[s.start : s.stop] = not value
     return out
@@ -201,7 +202,7 @@ def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArr
 def _without_specks(mode: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Slips of one or two samples take the mode of the segment before them."""
     out = mode.copy()
-    for s in _runs(mode)[1:]:
+    for s in runs(mode)[1:]:
         if s.mode and s.stop - s.start < 3:
             out[s.start : s.stop] = out[s.start - 1]
     return out

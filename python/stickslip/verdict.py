@@ -7,9 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.dominant import SHARE
 from stickslip.recording import Recording
 
 CYCLIC = ("period", "stick fraction", "slip amplitude", "largest slip speed")
+# of the forecast's NRMSE, below which it is called so; 1 is forecasting the mean
+GOOD = 0.2  # leaves 4 % of the variance
+POOR = 0.7  # leaves half of it: above, it is no use
 
 
 @dataclass(frozen=True)
@@ -48,10 +52,14 @@ def number(value: float | None) -> str:
 
 
 def verdict(rows: Mapping[str, Row], recording: Recording) -> tuple[str, ...]:
-    """Return sentences on a comparison's rows: each number beside what it has to be held against."""
-    return tuple(
-        one for one in (_cycles(rows), _times(rows, recording), _shape(rows), _forecast(rows)) if one
-    )
+    """Return sentences on a comparison's rows: what forecasts are worth, then each number beside its yardstick."""
+    said = (_forecast(rows), _cycles(rows), _left_out(rows), _times(rows, recording), _shape(rows))
+    return tuple(one for one in said if one)
+
+
+def judged(nrmse: float) -> str:
+    """Return what a forecast is worth by its NRMSE: "good" to 0.2, "poor" to 0.7, else "useless"."""
+    return "good" if nrmse <= GOOD else "poor" if nrmse <= POOR else "useless"
 
 
 def _cycles(rows: Mapping[str, Row]) -> str:
@@ -94,12 +102,24 @@ def _shape(rows: Mapping[str, Row]) -> str:
     )
 
 
+def _left_out(rows: Mapping[str, Row]) -> str:
+    row = rows.get("small slips left out")
+    if row is None or not (row.measured or row.simulated):
+        return ""
+    theirs, ours = row.unit.removeprefix("of ").split("/")
+    return (
+        f"{row.measured:.0f} of {theirs} measured slips and {row.simulated:.0f} of {ours} simulated are below "
+        f"{SHARE:g} of the typical one: left out, their time counted as stick"
+    )
+
+
 def _forecast(rows: Mapping[str, Row]) -> str:
     row = rows.get("forecast NRMSE")
     if row is None or row.simulated is None or not row.scatter:
         return ""
     times = row.simulated / row.scatter
+    than_mean = ", no better than forecasting the mean" if row.simulated >= 1 else ""
     return (
-        f"forecasts from cycle to cycle err by {100 * row.simulated:.3g} % of the standard deviation of x1, "
-        f"{times:.2g} times what the noise alone leaves"
+        f"forecast from cycle to cycle: {judged(row.simulated)}{than_mean}; NRMSE {row.simulated:.3g} (good to "
+        f"{GOOD:g}, poor to {POOR:g}, 1 is forecasting the mean), {times:.2g} times what the noise alone leaves"
     )
