@@ -48,9 +48,10 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[
 
 
 def written(out: Path) -> list[Path]:
-    """The files of a report in a folder; report.html first, of the figures the SVG."""
+    """The files of a report in a folder; report.html first."""
+    figures = sorted(one for one in (out / "figures").glob("*.*") if one.suffix in (".svg", ".png"))
     names = ("report.html", "report.json", "model_before.toml", "model_after.toml")
-    return [*(out / name for name in names), *sorted((out / "figures").glob("*.svg"))]
+    return [*(out / name for name in names), *figures]
 
 
 def fill(into: Path, found: Found, case: Case) -> None:
