@@ -35,7 +35,7 @@ class Status(Enum):
     step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
     too_many_transitions = "stopped: more transitions than max_transitions allows"
     too_many_steps = (
-        "stopped: more steps than max_steps allows; the equations are too stiff for this span of time"
+        "stopped: more steps than max_steps allows; the run is long, or the equations are too stiff for it"
     )
     interrupted = "stopped by the user"
 
@@ -173,7 +173,8 @@ def simulate(
     max_transitions
         Transitions and kinks after which the run is ended.
     max_steps
-        Steps after which the run is ended: an effect's time constant far below the motion's makes it stiff.
+        Steps after which the run is ended: it is very long, or stiff by an effect's time constant far below the
+        motion's.
     order, step
         Fixed order and step of the series of curved pieces; chosen from the tolerance if absent.
 

@@ -87,7 +87,7 @@ def sweep(
     max_transitions
         Transitions and kinks after which a member is given up.
     max_steps
-        Integration steps after which a member is given up: its equations are too stiff for its span.
+        Integration steps after which a member is given up: its span is very long, or its equations are stiff.
 
     Returns
     -------
