@@ -107,6 +107,8 @@ def texts(key: str, values: Iterable[str], what: str) -> tuple[str, ...]:
 
 def vector(key: str, values: object, what: str) -> NDArray[np.float64]:
     """Return `values` as a vector of float64 (n,), or raise `InputError`: text, complex numbers, another shape."""
+    if np.ma.is_masked(values):
+        raise InputError("has masked entries, which are missing; fill them in or leave them out", key=key)
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iufO":

@@ -80,6 +80,16 @@ def not_finite(_folder: Path) -> None:
     signals.first_order(np.array([0.0, NAN, 1.0]), a=0.5, k0=1.0, k1=-1.0)
 
 
+@bad_input("Signals", "a masked sample")
+def masked_sample(_folder: Path) -> None:
+    signals.first_order(np.ma.masked_greater(np.arange(9.0), 7.5), a=0.5, k0=1.0, k1=-1.0)
+
+
+@bad_input("Signals", "constants that overflow")
+def overflow(_folder: Path) -> None:
+    signals.first_order(np.arange(9.0), a=0.5, k0=1e308, k1=1e308)
+
+
 @bad_input("Signals", "a rule that is none")
 def unknown_rule(_folder: Path) -> None:
     signals.differentiate(np.ones(9), 0.1, 0.2, rule="tustn")  # type: ignore[arg-type]

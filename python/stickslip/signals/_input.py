@@ -10,11 +10,24 @@ Booleans = NDArray[np.bool_]
 
 
 def real_array(values: ArrayLike, name: str) -> Floats:
-    """`values` as a C-contiguous float64 array; text, complex numbers and objects are refused."""
+    """`values` as a C-contiguous float64 array; text, complex numbers, objects and masked samples are refused."""
+    refuse_masked(values, name)
     array = np.asarray(values)
     if array.dtype.kind not in "fiub" and not (array.dtype.kind == "O" and _all_real(array)):
         raise InputError(f"{name} must hold real numbers, not {array.dtype}")
     return np.asarray(array, dtype=np.float64, order="C")
+
+
+def refuse_masked(values: object, name: str) -> None:
+    """Raise `InputError` for a masked array with masked samples, which would be used as if they were good."""
+    if not np.ma.isMaskedArray(values) or not np.ma.is_masked(values):
+        return
+    mask = np.ma.getmaskarray(values)
+    where = np.unravel_index(int(np.argmax(mask)), mask.shape)
+    at = ", ".join(str(int(i)) for i in where)
+    count = int(mask.sum())
+    words = f"{name} has {count} masked sample{'' if count == 1 else 's'}, the first {name}[{at}]"
+    raise InputError(f"{words}; masked samples are missing: cut the signal there or fill them in")
 
 
 def _all_real(array: NDArray[np.object_]) -> bool:

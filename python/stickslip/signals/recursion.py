@@ -37,7 +37,8 @@ def first_order(x: ArrayLike, a: float, k0: float, k1: float) -> Floats:
     Raises
     ------
     InputError
-        If ``|a| >= 1``, a constant or a sample is not finite, or `x` has another shape.
+        If ``|a| >= 1``, a constant or a sample is not finite, `x` has masked samples or another shape, or the
+        result is beyond float64.
 
     Notes
     -----
@@ -66,7 +67,18 @@ def first_order(x: ArrayLike, a: float, k0: float, k1: float) -> Floats:
     y = np.empty_like(rows)
     if not _core.first_order(x=rows, y=y, a=float(a), k0=float(k0), k1=float(k1)):
         raise InputError(first_bad(array, "x"))
+    _refuse_overflow(y, a, k0, k1)
     return y.reshape(array.shape)
+
+
+def _refuse_overflow(y: Floats, a: float, k0: float, k1: float) -> None:
+    """Raise `InputError` if the recursion went beyond float64; one sum sees it, as a rule, at little cost."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(y.sum()) or np.isfinite(y).all():
+            return
+    row = int(np.argmin(np.isfinite(y).all(axis=1)))
+    words = f"(3.1) with a = {a:g}, k0 = {k0:g}, k1 = {k1:g} overflows at sample {row}"
+    raise InputError(f"{words}: constants and samples must be of a size whose products are finite")
 
 
 @dataclass(frozen=True)
