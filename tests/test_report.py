@@ -212,6 +212,14 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
+def test_what_is_said_to_be_written_is_all_that_is_written(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    said = write_report(found, case, tmp_path / "out")
+    assert said[0].name == "report.html"
+    assert sorted(said) == sorted(p for p in (tmp_path / "out").rglob("*") if p.is_file())
+    assert any(p.suffix == ".png" for p in said)
+
+
 def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("", encoding="utf-8")
     with pytest.raises(ss.InputError, match="is a file; give a folder"), folder(tmp_path / "out"):
