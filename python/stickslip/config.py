@@ -162,12 +162,29 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
             return document.error(words, *keys, value=fault["input"])
         case "float_type" | "float_parsing":
             return document.error("not a number; give one like 0.5", *keys, value=fault["input"])
+        case "dict_type" | "model_type":
+            return _no_table(document, keys, fault["input"])
+        case "list_type":
+            table = " ".join(str(key) for key in keys)
+            return document.error(f"must be tables, each headed [[{table}]]", *keys)
         case "string_type":
             return document.error('not text; write it in "quotes"', *keys, value=fault["input"])
         case "value_error":
             return document.error(str(fault["ctx"]["error"]), *keys, value=fault["input"])
     words = fault["msg"].replace("Input should", "must")
     return document.error(f"{words[:1].lower()}{words[1:]}", *keys, value=fault["input"])
+
+
+def _no_table(document: Document, keys: tuple[Key, ...], given: object) -> InputError:
+    """Say how the table at `keys` is written, of what stands in its place."""
+    names = [key for key in keys if isinstance(key, str)]
+    if names[:1] == ["channels"] and len(names) == 2:
+        words = f'must be a table: {names[1]} = {{ column = "...", unit = "..." }}'
+        return document.error(words, *keys, value=None if isinstance(given, list) else given)
+    if isinstance(given, list):
+        words = f"is there once, so it is headed [{names[-1]}], not [[{names[-1]}]]"
+        return InputError(words, key=names[-1], place=Place(str(document.path), document.line(*names, 0)))
+    return document.error(f"must be a table, headed [{names[-1]}]", *keys, value=given)
 
 
 def _known(model: type[BaseModel], keys: tuple[Key, ...], *, required: bool = False) -> list[str]:

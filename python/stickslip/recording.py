@@ -177,6 +177,7 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
             raise InputError(f"no channel {either}; this rig needs {', '.join(needed_channels(rig))}")
     if "x1" in channels and "spring_force" in channels:
         raise InputError("x1 is recorded too; give one of them", key="spring_force")
+    _check_columns(channels)
     if (one_degree or driven) and len({channel.unit == "1" for channel in channels.values()}) > 1:
         bare = next(name for name, channel in channels.items() if channel.unit == "1")
         kind = "block on a belt" if one_degree else "driven slider"
@@ -184,6 +185,15 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
     if driven and channels["drive"].scale == 1 and is_electric(channels["drive"].unit):
         words = "a command in volts or amperes needs `scale`, the drive's gain in N for 1 of its unit"
         raise InputError(words, key="drive")
+
+
+def _check_columns(channels: Mapping[str, Channel]) -> None:
+    """Refuse a column that is read as two quantities: a copied line of [channels], its column forgotten."""
+    by_column: dict[str, str] = {}
+    for name, channel in channels.items():
+        if (first := by_column.setdefault(channel.column, name)) != name:
+            words = f"reads column '{channel.column}', which channel '{first}' reads too; each has its own"
+            raise InputError(words, key=name)
 
 
 @explained

@@ -18,7 +18,7 @@ from stickslip.effects import AnyEffect
 from stickslip.errors import InputError, Place, did_you_mean, nearest, number
 from stickslip.findings import Finding, FindingKind
 from stickslip.friction import FrictionLaw
-from stickslip.model import Model
+from stickslip.model import IN_A_FOLDER, Model
 from stickslip.recording import (
     Recording,
     Role,
@@ -152,10 +152,12 @@ def load_case(path: str | os.PathLike[str]) -> Case:
         A key is misspelt, missing or wrong (with its line), a file is missing or holds what is not a run
         (with line and column), a run is there twice, or a window of one overlaps another of another role.
     """
-    file = as_path("path", path)
-    if file.is_dir():
-        file = file / "rig.toml"
-    document = read_toml(file)
+    document = read_toml(_case_file(as_path("path", path)))
+    if "run" not in document.tables and {"rig", "friction"} <= document.tables.keys():
+        words = (
+            "no [[run]]: a model file; a case is wanted, the rig.toml that lists the recordings in [[run]]"
+        )
+        raise InputError(words, place=Place(str(document.path)))
     declared = document.validated(_Case)
     rig = read_rig(document, "rig", table=declared.rig)
     law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
@@ -176,14 +178,28 @@ def load_case(path: str | os.PathLike[str]) -> Case:
     runs = tuple(
         _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
     )
-    title = declared.title or file.resolve().parent.name
-    return Case(title, rig, friction, noise, runs, channels, file)
+    title = declared.title or document.path.resolve().parent.name
+    return Case(title, rig, friction, noise, runs, channels, document.path)
+
+
+def _case_file(path: Path) -> Path:
+    """Return the file rig.toml of a folder, or the path itself."""
+    if not path.is_dir():
+        return path
+    models = [name for name in IN_A_FOLDER if (path / name).is_file()]
+    if models and not (path / "rig.toml").is_file():
+        words = f"the folder of a model ({models[0]}); a case is wanted, the folder with rig.toml and the recordings"
+        raise InputError(words, place=Place(str(path)))
+    return path / "rig.toml"
 
 
 def _check_runs(document: Document, runs: list[_Run]) -> None:
     """Refuse names and windows that collide, and files that are not there."""
     folder = document.path.parent
     for i, run in enumerate(runs):
+        if (folder / run.file).is_dir():
+            words = "a folder; give the CSV or .mat file of the run"
+            raise document.error(words, "run", i, "file", value=run.file)
         if not (folder / run.file).is_file():
             known = sorted(one.name for one in folder.iterdir() if one.suffix in (".csv", ".mat"))
             guess = nearest(run.file, known)

@@ -7,6 +7,8 @@ import numpy as np
 from scipy.io import savemat
 
 from bad_input import bad_input
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
 from stickslip.recording import load_recording
 from stickslip.records import load_case
 from stickslip.rig import BlockOnBelt, Rig
@@ -106,6 +108,16 @@ for tried, before, after in (
     ("a window that is empty", 'role = "train"', 'role = "train"\nfrom = 0.2\nto = 0.1'),
     ("a window beyond the run", 'role = "train"', 'role = "train"\nfrom = 7.0'),
     ("an override that is no number of the rig", 'role = "train"', 'role = "train"\nrig = { k4 = 3.0 }'),
+    ("one column for two channels", 'column = "y1"', 'column = "x1"'),
+    ("channels as an array of tables", "[channels]", "[[channels]]"),
+    ("a rig as an array of tables", "[rig]", "[[rig]]"),
+    (
+        "a run as a single table",
+        TOML[TOML.index("[[run]]") : TOML.index("[channels]")],
+        '[run]\nfile = "run_1.csv"\n',
+    ),
+    ("a channel that is no table", '{ column = "y1", unit = "mm" }', '"y1"'),
+    ("a folder for a run's file", "run_2.csv", "."),
     ("no runs", TOML[TOML.index("[[run]]") : TOML.index("[channels]")], ""),
     ("not TOML", "[noise]", "[noise"),
 ):
@@ -131,6 +143,19 @@ def force_and_deflection(folder: Path) -> None:
     (folder / "run.csv").write_text("\n".join(rows()))
     force = {"t": Channel("t", "s"), "x1": Channel("x1", "mm"), "spring_force": Channel("y1", "N")}
     load_recording(folder / "run.csv", BlockOnBelt(), channels=force)
+
+
+@bad_input(CASE, "a model for a case")
+def model_for_a_case(folder: Path) -> None:
+    Model(ND, friction=PaperFriction()).save(folder / "model.toml")
+    load_case(folder / "model.toml")
+
+
+@bad_input(CASE, "a folder of results for a case")
+def results_for_a_case(folder: Path) -> None:
+    (folder / "found").mkdir()
+    Model(ND, friction=PaperFriction()).save(folder / "found" / "model_after.toml")
+    load_case(folder / "found")
 
 
 @bad_input(CASE, "no such folder")
