@@ -95,6 +95,24 @@ def test_simulate_writes_what_simulate_returns(folder, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["run.csv", "run.png", "run.svg"]
 
 
+def test_a_long_run_is_drawn_as_a_curve_and_written_as_asked(tmp_path, monkeypatch):
+    from stickslip import plot
+
+    drawn = []
+    own = plot.trajectory
+    monkeypatch.setattr(plot, "trajectory", lambda run, *a, **k: drawn.append(own(run, *a, **k)) or drawn[-1])
+    _, frame = simulated(
+        tmp_path, ss.Model(RIG, friction=TRUE), "--belt-speed", 0.1, "--t-end", 1000, "--figure"
+    )
+    assert len(frame) == 2001
+    np.testing.assert_allclose(np.diff(frame["t"]), 0.5)
+    over_time, portrait = (axes.lines[0] for axes in drawn[0].axes)
+    assert np.diff(over_time.get_xdata()).max() <= 2 * np.pi / 60
+    # no corner of a polygon: from one point to the next the portrait goes a small part of its extent
+    path = np.column_stack([portrait.get_xdata(), portrait.get_ydata()])
+    assert (np.abs(np.diff(path, axis=0)).max(axis=0) < 0.08 * np.ptp(path, axis=0)).all()
+
+
 def simulated(tmp_path, model, *arguments):
     model.save(tmp_path / "model.toml")
     result = stickslip("simulate", tmp_path / "model.toml", *arguments, "--out", tmp_path / "run.csv")

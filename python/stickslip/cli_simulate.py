@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -12,7 +13,9 @@ from rich.console import Console
 
 from stickslip.errors import InputError, ModelWarning
 from stickslip.files import whole
+from stickslip.identify import natural_period
 from stickslip.model import Model, load_model
+from stickslip.rig import DrivenSlider
 from stickslip.scale import Quantity, Scale, read_quantity, scales
 from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
@@ -20,6 +23,8 @@ from stickslip.simulate import simulate as run_model
 
 console = Console(highlight=False)
 MOST = 50_000_000  # samples
+DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
+LONGEST = 1000  # natural periods in the figure
 
 
 @click.command(short_help="One run of a model, as CSV and a figure.")
@@ -28,7 +33,7 @@ MOST = 50_000_000  # samples
     "--belt-speed", required=True, help="v_b: a number in the unit of the case, or with one: '14 mm/s'."
 )
 @click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
-@click.option("--dt", default=None, help="Sampling step; a two-thousandth of the run if absent.")
+@click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")
 @click.option(
     "--initial",
     default=None,
@@ -52,7 +57,8 @@ def simulate(
     Numbers without a unit are in the units of the readings, as the model file's [channels] say: the belt's without a
     channel in m/s, everything in SI where there are no channels, and nondimensional for a nondimensional rig. The
     columns are in the same units, with the unit in their head. The mode is 0 in stick, -1 and 1 in slip with v_w
-    below and above zero.
+    below and above zero. The figure is drawn from at least 120 points a natural period and every transition, whatever
+    the step; of a run longer than 1000 periods it shows the last 1000.
 
     \b
     Example:
@@ -65,21 +71,31 @@ def simulate(
     times = _times(loaded, units["t"], t_end, dt)
     start = None if initial is None else _start(loaded, units, initial)
     _say_understood(loaded, units, v_b, times, start)
+    drawn = _drawn(loaded, times) if figure else times[:0]
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
         with Console(stderr=True).status("simulating"):  # on a terminal alone
-            run = run_model(loaded, belt_speed=v_b, initial=start, t_end=float(times[-1]), t_eval=times)
+            run = run_model(
+                loaded,
+                belt_speed=v_b,
+                initial=start,
+                t_end=float(times[-1]),
+                t_eval=np.union1d(times, drawn),
+            )
     for doubt in doubts:
         console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
     written = [out]
-    _write(loaded, units, run, out)
+    kept = _at(run, times)
+    _write(loaded, units, kept, out)
     if figure:
         from stickslip import plot  # matplotlib is slow to import
 
-        drawn = plot.trajectory(run, loaded.rig.state_names, belt_speed=v_b, units=units)
-        written += plot.save_figure(drawn, out.with_suffix(""))
+        seen = _at(run, drawn)
+        seen = seen if len(seen.t) else kept  # it ended before the stretch to be drawn
+        shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=v_b, units=units)
+        written += plot.save_figure(shown, out.with_suffix(""))
     console.print(
-        f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(run.mode == 0):.4g}"
+        f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
     )
     console.print("written:")
     for path in written:
@@ -105,6 +121,23 @@ def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
     if end - times[-1] > 1e-9 * step:
         times = np.append(times, end)
     return np.asarray(times, dtype=np.float64)
+
+
+def _drawn(model: Model, times: Array) -> Array:
+    """Times to draw at: those of the CSV if they are dense enough, or as many as a curve needs."""
+    if isinstance(model.rig, DrivenSlider):  # it has no spring, and no period
+        return times
+    period, end = natural_period(model.rig), float(times[-1])
+    begin = max(0.0, end - LONGEST * period)
+    if np.diff(times).max() <= period / DRAWN:
+        return np.asarray(times[times >= begin])
+    return np.linspace(begin, end, 2 + int((end - begin) / period * DRAWN))
+
+
+def _at(run: Trajectory, times: Array) -> Trajectory:
+    """Return the run at those of its samples that are at `times`."""
+    here = np.isin(run.t, times)
+    return replace(run, t=run.t[here], state=run.state[here], mode=run.mode[here])
 
 
 def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]:

@@ -290,11 +290,12 @@ def trajectory(
         How they are drawn, from `stickslip.scale.scales`; as they are if absent.
     """
     t, x, v, y = ((units or {}).get(name, Scale()) for name in ("t", "x1", "x2", "y1"))
+    times, state = _with_corners(run)
     figure, (left, right) = _figure(9.0, 3.8, 1, 2)
-    left.plot(t.size * run.t, x.size * run.state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
+    left.plot(t.size * times, x.size * state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
     if "y1" in names:
         own = label("$y_1$", "" if y.unit == x.unit else y.unit)
-        left.plot(t.size * run.t, y.size * run.state[:, names.index("y1")], color=MEASURED, lw=1.0, label=own)
+        left.plot(t.size * times, y.size * state[:, names.index("y1")], color=MEASURED, lw=1.0, label=own)
     for mode, marker, name in ((False, "^", "release"), (True, "v", "capture")):
         chosen = (run.transitions.after == 0) == mode
         inside = chosen & (run.transitions.t >= run.t[0]) & (run.transitions.t <= run.t[-1])
@@ -311,9 +312,18 @@ def trajectory(
             )
     left.set_xlabel(label("time $t$", t.unit))
     left.set_ylabel(label("displacement", x.unit))
-    right.plot(x.size * run.state[:, 0], v.size * run.state[:, 1], color=SIMULATED, lw=1.0)
+    right.plot(x.size * state[:, 0], v.size * state[:, 1], color=SIMULATED, lw=1.0)
     right.axhline(v.size * belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
     right.set_xlabel(label("$x_1$", x.unit))
     right.set_ylabel(label("$x_2$", v.unit))
     figure.legend(loc="outside upper center", ncols=4)
     return figure
+
+
+def _with_corners(run: Trajectory) -> tuple[Array, Array]:
+    """Times and states of a run's samples and of the transitions between them, where its curves have their corners."""
+    change = run.transitions
+    inside = (change.t >= run.t[0]) & (change.t <= run.t[-1])
+    times = np.append(run.t, change.t[inside])
+    order = np.argsort(times, kind="stable")
+    return times[order], np.vstack([run.state, change.state[inside]])[order]
