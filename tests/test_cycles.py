@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,28 @@ def test_period_of_leines_oscillator():
     assert cycle.multipliers.tolist() == [0]  # stick forgets everything: the cycle is reached in finite time
     assert cycle.stable
     assert cycle.sticks
+
+
+@pytest.mark.parametrize("length", [1e-9, 1e-4, 1e6])
+def test_a_rig_of_any_size_has_the_cycle_of_its_scaled_twin(length):
+    """Nanometres were below every tolerance: "the motion settles to steady sliding"."""
+    law = ss.HyperbolicFriction(scale=length, decay=3 / length)
+    cycle = limit_cycle(ss.Model(ss.BlockOnBelt(), friction=law), 0.2 * length)
+    assert cycle.period == pytest.approx(12.00103129483057865, abs=1e-9)
+    assert cycle.state[0] == pytest.approx(1.13394467644165684 * length, rel=1e-10)
+    assert cycle.sticks
+    sliding = steady_sliding(ss.Model(ss.BlockOnBelt(), friction=law), 0.5 * length)
+    assert sliding.state[0] == pytest.approx(length / 2.5, rel=1e-9)
+
+
+def test_a_tiny_two_degree_rig_has_the_cycle_of_its_scaled_twin():
+    large, length, law = limit_cycle(RIG, 0.1), 1e-9, RIG.friction
+    numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
+    small = ss.PaperFriction(**{name: length * value for name, value in numbers.items() if value is not None})
+    cycle = limit_cycle(ss.Model(RIG.rig, friction=small), 0.1 * length)
+    assert cycle.period == pytest.approx(large.period, rel=1e-9)
+    assert cycle.state / length == pytest.approx(large.state, abs=1e-8)
+    assert cycle.multipliers[:2] == pytest.approx(large.multipliers[:2], abs=1e-6)
 
 
 def released(y):

@@ -50,7 +50,7 @@ class LimitCycle:
         Floquet multipliers of the return map, greatest modulus first; (d,) for a rig moved from outside. The
         multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0.
     residual
-        Greatest difference between the state and that one period later.
+        Greatest difference between the state and that one period later, in the model's own scale (see `limit_cycle`).
     iterations
         Newton steps taken.
     turns
@@ -115,7 +115,9 @@ def limit_cycle(
     settle
         How long to simulate before looking for a repetition; 300 natural periods if absent.
     tol
-        Greatest difference allowed between the state and that one period later.
+        Greatest difference allowed between the state and that one period later, in the model's own scale: the
+        deflection of the spring under the greatest static friction (or how far the belt goes in a natural unit of
+        time, if that is more), and that over the natural unit of time for speeds.
 
     Returns
     -------
@@ -143,7 +145,7 @@ def limit_cycle(
     if flow.forcing_period is None and arc.rate[1] > 0:  # it came to rest on the other turning point
         arc, more = newton(flow, _summit(flow, arc), arc.span, turns, contact, wanted)
         steps += more
-    if flow.forcing_period is None and _swing(flow, arc) < 1e-6:
+    if flow.forcing_period is None and _swing(flow, arc) < 1e-6 * flow.size[0]:
         _no_cycle(flow, arc.end)
     arc, turns = _least_period(flow, arc, turns, contact, wanted)
     return cycle_of(flow, arc, steps, turns, contact)
@@ -158,15 +160,15 @@ def newton(flow: Flow, z: Floats, span: float, turns: int, contact: Contact, tol
         z = z * (np.arange(len(z)) != 1)  # on the section
     rough, last, arc = span, np.inf, flow.arc(z, span, contact=contact)
     for step in range(NEWTON_STEPS):
-        error = float(np.abs(arc.end - arc.start).max())
+        error = _apart(flow, arc)
         if error <= tol and error >= 0.1 * last:  # as far as it goes
             return arc, step
         last = error
-        change = _newton_step(arc, forcing is not None)
+        change = _newton_step(flow, arc)
         arc = _damped(flow, arc, change, error, contact)
         if not 0.2 * rough < arc.span < 5 * rough:
             break
-    if float(np.abs(arc.end - arc.start).max()) <= tol:
+    if _apart(flow, arc) <= tol:
         return arc, NEWTON_STEPS
     raise NoLimitCycleError(
         f"no cycle found: Newton's method on the return map stops at a residual of {last:.1e}; "
@@ -174,15 +176,22 @@ def newton(flow: Flow, z: Floats, span: float, turns: int, contact: Contact, tol
     )
 
 
-def _newton_step(arc: Arc, forced: bool) -> Floats:
+def _apart(flow: Flow, arc: Arc) -> float:
+    """How far the end of an arc is from its start, in the model's own scale."""
+    return float(np.abs((arc.end - arc.start) / flow.size).max())
+
+
+def _newton_step(flow: Flow, arc: Arc) -> Floats:
     """Change of (z, T) that closes the arc, to first order."""
-    d = len(arc.start)
-    gap = arc.start - arc.end
-    if forced:
-        return np.append(np.linalg.lstsq(arc.monodromy - np.eye(d), gap, rcond=1e-13)[0], 0.0)
+    d, size = len(arc.start), flow.size
+    gap, closing = (arc.start - arc.end) / size, arc.monodromy * size / size[:, None] - np.eye(len(size))
+    if flow.forcing_period is not None:
+        return np.append(size * np.linalg.lstsq(closing, gap, rcond=1e-13)[0], 0.0)
     system = np.zeros((d + 1, d + 1))
-    system[:d, :d], system[:d, d], system[d, 1] = arc.monodromy - np.eye(d), arc.rate, 1.0
-    return np.asarray(np.linalg.lstsq(system, np.append(gap, -arc.start[1]), rcond=1e-13)[0])
+    time = flow.natural_time
+    system[:d, :d], system[:d, d], system[d, 1] = closing, time * arc.rate / size, 1.0
+    solved = np.linalg.lstsq(system, np.append(gap, -arc.start[1] / size[1]), rcond=1e-13)[0]
+    return np.asarray(solved * np.append(size, time))
 
 
 def _damped(flow: Flow, arc: Arc, change: Floats, error: float, contact: Contact) -> Arc:
@@ -196,7 +205,7 @@ def _damped(flow: Flow, arc: Arc, change: Floats, error: float, contact: Contact
             tried = flow.arc(arc.start + share * change[:-1], span, contact=contact)
         except StickslipError:
             continue
-        left = float(np.abs(tried.end - tried.start).max())
+        left = _apart(flow, tried)
         if best is None or left < best[0]:
             best = left, tried
         if left < error or error < 1e-9:
@@ -227,7 +236,7 @@ def cycle_of(flow: Flow, arc: Arc, steps: int, turns: int, contact: Contact) -> 
         kinks=arc.run.kinks[arc.run.kinks <= arc.span],
         monodromy=arc.monodromy,
         multipliers=floquet(arc, flow.forcing_period is not None, lost),
-        residual=float(np.abs(arc.end - arc.start).max()),
+        residual=_apart(flow, arc),
         iterations=steps,
         turns=turns,
         belt_speed=flow.belt_speed,
@@ -261,7 +270,7 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
         count = max(int(lasting / forcing), 2 * LOOK_BACK)
         run = flow.run(z, [forcing * k for k in range(count - LOOK_BACK, count + 1)])
         states = flow.full(run)
-        turns = _repeats(states)
+        turns = _repeats(states / flow.size)
         return states[-1], turns * forcing, turns, "stick" if run.mode[-1] == 0 else "auto"
     unit = 2 * np.pi * flow.natural_time
     if flow.belt_speed == 0:
@@ -279,12 +288,12 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     down = down[-LOOK_BACK:]
     times = tail[down] + x2[down] / (x2[down] - x2[down + 1]) * unit / SAMPLES
     states = flow.full(flow.run(z, np.asarray(times, dtype=np.float64)))
-    turns = _repeats(states)
+    turns = _repeats(states / flow.size)
     return states[-1], float(times[-1] - times[-1 - turns]), turns, "auto"
 
 
 def _repeats(states: Floats) -> int:
-    """After how many returns the states (n, d) come back nearest to themselves."""
+    """After how many returns the states (n, d), in the model's own scale, come back nearest to themselves."""
     most = min(16, (len(states) - 1) // 2)
     distance = [float(np.abs(states[n:] - states[:-n])[-most:].max()) for n in range(1, most + 1)]
     near = [n for n, gap in enumerate(distance, 1) if gap <= 1e-6]
@@ -297,7 +306,7 @@ def _least_period(flow: Flow, arc: Arc, turns: int, contact: Contact, tol: float
         if turns % divisor:
             continue
         part = flow.arc(arc.start, arc.span / divisor, contact=contact)
-        if np.abs(part.end - part.start).max() < 1e-6:
+        if _apart(flow, part) < 1e-6:
             return newton(flow, arc.start, part.span, turns // divisor, contact, tol)[0], turns // divisor
     return arc, turns
 

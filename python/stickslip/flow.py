@@ -63,7 +63,10 @@ class Arc:
 
 @dataclass(frozen=True)
 class Flow:
-    """A model on its belt, seen as a map of states; the effects that only touch readings are left out."""
+    """A model on its belt, seen as a map of states; the effects that only touch readings are left out.
+
+    `tolerance` is relative to the state and, where that is below 1, to the model's own scale, `size`.
+    """
 
     model: Model
     belt_speed: float
@@ -94,6 +97,18 @@ class Flow:
         """1 / natural frequency of the block."""
         p = self.model.parameters
         return float(np.sqrt(p["mass"] / p["stiffness"])) if "mass" in p else 1.0
+
+    @cached_property
+    def size(self) -> Floats:
+        """Scale of each state (d,): what the greatest friction deflects the spring, or the belt goes in that time.
+
+        A rig of nanometres in SI moves by less than any absolute tolerance that suits one of unit size.
+        """
+        p, time = self.model.parameters, self.natural_time
+        stiffness = p["stiffness"] if "stiffness" in p else p["alpha1"]
+        length = max(max(self.model.friction.static_limits) / stiffness, abs(self.belt_speed) * time) or 1.0
+        sizes = {"x1": length, "y1": length, "z": length, "dwell": time}  # the others are speeds
+        return np.array([sizes.get(name, length / time) for name in self.states])
 
     @cached_property
     def forcing_period(self) -> float | None:
@@ -143,7 +158,7 @@ class Flow:
             t_end=float(times[-1]) + BEYOND * self.natural_time,
             t_eval=times,
             rtol=self.tolerance,
-            atol=self.tolerance,
+            atol=self.tolerance * min(1.0, float(self.size[:2].min())),  # of a large rig rtol decides
             sensitivity=seeds,
             contact=contact,
         )

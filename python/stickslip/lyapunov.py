@@ -96,7 +96,7 @@ def lyapunov(
     interval
         Time between factorisations; a period of what moves the rig, or of the block's own frequency, if absent.
     tolerance
-        Relative and absolute, of the simulation.
+        Of the simulation, relative and absolute; the latter smaller for rigs whose own scale is below 1.
 
     Returns
     -------

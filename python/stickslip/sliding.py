@@ -74,15 +74,15 @@ def equilibrium(flow: Flow, guess: Floats) -> SteadySliding:
     """Solve phi(h, z) = z for a state at which the block slips; the flow's eigenvalues give the motion's."""
     span = 0.25 * flow.natural_time
     contact: Contact = "slip-" if flow.belt_speed > 0 else "slip+"
-    z, names = guess.copy(), flow.states
+    z, names, size = guess.copy(), flow.states, flow.size
     for name in ("x2", "y2"):
         if name in names:
             z[names.index(name)] = 0.0
     for _ in range(NEWTON_STEPS):
         arc = flow.arc(z, span, contact=contact)
-        gap = arc.end - arc.start
-        z = z - np.linalg.lstsq(arc.monodromy - np.eye(len(z)), gap, rcond=1e-13)[0]
-        if np.abs(gap).max() < 1e-13 * max(1.0, float(np.abs(z).max())):
+        gap, closing = (arc.end - arc.start) / size, arc.monodromy * size / size[:, None] - np.eye(len(z))
+        z = z - size * np.linalg.lstsq(closing, gap, rcond=1e-13)[0]
+        if np.abs(gap).max() < 1e-13 * max(1.0, float(np.abs(z / size).max())):
             break
     else:
         raise NoLimitCycleError("neither a cycle nor steady sliding found")
