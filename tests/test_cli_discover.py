@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,7 @@ import found_by_hand
 import stickslip as ss
 from stickslip.cli import main
 from stickslip.discovery.result import Found
+from stickslip.telling import telling
 
 
 def invoke(*arguments: object) -> Result:
@@ -56,6 +58,31 @@ def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None]
     for name in ("report.html", "report.json", "model_before.toml", "model_after.toml"):
         assert str(tmp_path / "out" / name) in result.stdout
         assert (tmp_path / "out" / name).is_file()
+
+
+def test_a_log_hears_what_is_tried_while_a_stage_lasts(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Minutes without a line looked like a search that hangs."""
+    monkeypatch.setattr("stickslip.telling.EVERY", 0.2)
+    with telling("discovering", effects=23) as tell:
+        tell("fitting the declared law")
+        time.sleep(0.5)  # no word from the search
+        for what in ("sensor_lag", "belt_seam", "belt_seam", "cubic_spring"):
+            tell(f"trying {what}")
+        time.sleep(0.3)
+        tell("trying sensor_lag + belt_seam")
+        tell("trying sensor_lag + cubic_spring")
+        time.sleep(0.3)
+    lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert list(dict.fromkeys(lines)) == [
+        "fitting the declared law",
+        "still fitting the declared law",
+        "trying each effect",
+        "trying each effect: 2 of at most 23 done, now trying cubic_spring",
+        "trying sensor_lag + each other effect",
+        "trying sensor_lag + each other effect: 1 of at most 22 done, now trying sensor_lag + cubic_spring",
+    ]
 
 
 def test_what_is_printed_has_the_tie_the_si_value_and_the_next_experiment(

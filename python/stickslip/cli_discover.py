@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -13,6 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from stickslip.catalogue import CATALOGUE
 from stickslip.discovery.result import Found
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import whole
@@ -25,38 +23,10 @@ from stickslip.report.units import axes_of
 from stickslip.rig import Rig
 from stickslip.scale import read_quantity, scales
 from stickslip.tables import column_names
+from stickslip.telling import telling
 from stickslip.units import Channel
 
 console = Console(highlight=False)
-
-
-@contextmanager
-def telling(title: str) -> Iterator[Callable[[str], None]]:
-    """Say what is being tried: one line that changes on a terminal, a line for each stage where it is none."""
-    err = Console(stderr=True, highlight=False)
-    began = time.monotonic()
-    if not err.is_terminal:
-        last = ""
-
-        def tell(what: str) -> None:
-            nonlocal last
-            if (now := stage(what)) != last:
-                err.print(f"[{time.monotonic() - began:5.1f} s] {now}", markup=False, soft_wrap=True)
-            last = now
-
-        yield tell
-        return
-    with err.status(title) as status:
-        yield lambda what: status.update(f"{title}: {what} [dim]({time.monotonic() - began:.0f} s)[/dim]")
-
-
-def stage(what: str) -> str:
-    """The stage of the search that a message belongs to: all of "trying a + b", "trying a + c" are one."""
-    if what.startswith("trying "):
-        base, plus, _ = what.removeprefix("trying ").rpartition(" + ")
-        return f"trying {base} + each other effect" if plus else "trying each effect"
-    head, curve, _ = what.partition(" a curve: ")
-    return f"{head} curves" if curve else what
 
 
 @click.command(short_help="What the declared model lacks: an effect, and how sure.")
@@ -77,7 +47,8 @@ def discover(case: Path, out: Path, seed: int) -> None:
     from stickslip.report.write import fill, folder, written  # matplotlib is slow to import
 
     loaded = load_case(case)
-    with folder(out) as temporary, telling("discovering") as tell:
+    effects = len(CATALOGUE) if isinstance(loaded.rig, Rig) else 0  # the other rigs' are weighed all at once
+    with folder(out) as temporary, telling("discovering", effects) as tell:
         for finding in loaded.findings:
             tell(f"note: {finding}")
         found = search(loaded, progress=tell, seed=seed)

@@ -14,7 +14,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from stickslip.cli_discover import say, telling
+from stickslip.catalogue import CATALOGUE
+from stickslip.cli_discover import say
 from stickslip.config import write_text
 from stickslip.discovery.loop import discover
 from stickslip.discovery.result import Found
@@ -27,6 +28,7 @@ from stickslip.report.write import fill, folder, written
 from stickslip.rig import Rig
 from stickslip.shooting import Array
 from stickslip.simulate import simulate
+from stickslip.telling import telling
 
 RIG = {
     "m": 2.6, "J": 0.0174, "r": 0.08, "k1": 690.0, "k2": 45.0, "k3": 140.0, "c1": 0.28, "c2": 0.3, "length": 0.012
@@ -90,7 +92,7 @@ def story(out: Path, console: Console) -> Told:
         "declared model, Table 1 as a start, and the readings.\n"
     )
     case = load_case(path)
-    with folder(place / "found") as temporary, telling("discovering") as tell:
+    with folder(place / "found") as temporary, telling("discovering", len(CATALOGUE)) as tell:
         found = discover(case, progress=tell, budget=BUDGET)
         tell("drawing the report")
         fill(temporary, found, case)

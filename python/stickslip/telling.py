@@ -1,0 +1,105 @@
+"""What a long search is doing, said while it runs: a line that changes on a terminal, a line now and then in a log."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+
+EVERY = 10.0  # seconds after which a log hears of a stage that lasts
+
+
+@contextmanager
+def telling(title: str, effects: int = 0) -> Iterator[Callable[[str], None]]:
+    """Say what is being tried.
+
+    Parameters
+    ----------
+    title : str
+        Of the line on a terminal.
+    effects : int
+        How many effects are tried at most, one after the other; 0 if that is not known.
+
+    Yields
+    ------
+    callable
+        To be told in words what is being done.
+    """
+    err = Console(stderr=True, highlight=False)
+    if not err.is_terminal:
+        with _Log(err, effects).beating() as log:
+            yield log.tell
+        return
+    began = time.monotonic()
+    with err.status(title) as status:
+        yield lambda what: status.update(f"{title}: {what} [dim]({time.monotonic() - began:.0f} s)[/dim]")
+
+
+def stage(what: str) -> str:
+    """The stage of the search that a message belongs to: all of "trying a + b", "trying a + c" are one."""
+    if what.startswith("trying "):
+        base, plus, _ = what.removeprefix("trying ").rpartition(" + ")
+        return f"trying {base} + each other effect" if plus else "trying each effect"
+    head, curve, _ = what.partition(" a curve: ")
+    return f"{head} curves" if curve else what
+
+
+class _Log:
+    """Lines for a log: one for each stage, and one every `EVERY` seconds of a stage that lasts."""
+
+    def __init__(self, to: Console, effects: int) -> None:
+        self.to, self.effects = to, effects
+        self.began = self.said = time.monotonic()
+        self.stage, self.now = "", ""
+        self.seen: list[str] = []  # what was begun in the stage, the present one last
+        self.over = threading.Event()
+        self.lock = threading.Lock()
+
+    def tell(self, what: str) -> None:
+        """Take note of what is being done; a new stage is said at once."""
+        with self.lock:
+            self.now = what
+            if (stage_ := stage(what)) != self.stage:
+                self.stage, self.seen = stage_, [what]
+                self._say(stage_)
+            elif what not in self.seen:
+                self.seen.append(what)
+
+    @contextmanager
+    def beating(self) -> Iterator[_Log]:
+        """Say what goes on meanwhile; a thread does, for a single fit may take minutes without a word."""
+        thread = threading.Thread(target=self._beat, daemon=True)
+        thread.start()
+        try:
+            yield self
+        finally:
+            self.over.set()
+            thread.join()
+
+    def _beat(self) -> None:
+        while not self.over.wait(max(0.0, self.said + EVERY - time.monotonic())):
+            with self.lock:
+                if time.monotonic() - self.said >= EVERY:
+                    self._say(self._meanwhile())
+
+    def _meanwhile(self) -> str:
+        if not self.stage:
+            return "still at the start"
+        if self.stage == self.now:
+            return f"still {self.stage}"
+        done, most = len(self.seen) - 1, self._most()
+        of = f" of at most {most}" if most > done else ""
+        return f"{self.stage}: {done}{of} done, now {self.now}"
+
+    def _most(self) -> int:
+        """How many the stage has at most; 0 if that is not known."""
+        if not self.effects or not self.stage.startswith("trying "):
+            return 0
+        return self.effects - self.stage.count(" + ")
+
+    def _say(self, line: str) -> None:
+        self.said = time.monotonic()
+        self.to.print(f"[{self.said - self.began:5.1f} s] {line}", markup=False, soft_wrap=True)
