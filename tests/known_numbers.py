@@ -7,6 +7,9 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 from stickslip.effects import effect
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.model import Model
@@ -38,6 +41,17 @@ def paper_model(*effects, **changes):
     return Model(Rig(**(RIG | changes)), friction=PaperFriction(), effects=effects)
 
 
+def frictionless(**changes):
+    return Model(Rig(**(RIG | changes)), friction=CoulombFriction(static=0.0, kinetic=0.0))
+
+
+def of_the_grid(member):
+    """Model and belt speed of a member of the grid that TRUTH_P2 holds."""
+    i, j = divmod(member, 64)
+    alpha1 = float(np.linspace(8.0, 40.0, 64)[j])
+    return paper_model(alpha1=alpha1, alpha2=alpha1 / 2), float(np.linspace(0.02, 0.3, 64)[i])
+
+
 def leine():
     return Model(BlockOnBelt(), friction=HyperbolicFriction(scale=1, decay=3))
 
@@ -56,3 +70,16 @@ def den_hartog(r, friction, phase):
 def energy(z, s=1.0):
     x1, x2, y1, y2 = z
     return (16 * x2**2 + 8 * y2**2 + 16 * x1**2 + 4 * y1**2) / 2 + s * x1 * y1
+
+
+_blocks = pytest.mark.parametrize(("static", "kinetic", "v_b", "slip", "stick", "high", "low"), COULOMB)
+_directions = pytest.mark.parametrize("direction", [1, -1])
+
+
+def coulomb_blocks(test):
+    """Mark a test to be run with every block of COULOMB, the belt going either way."""
+    return _blocks(_directions(test))
+
+
+den_hartog_rigs = pytest.mark.parametrize(("r", "friction", "amplitude"), DEN_HARTOG)
+hard_members = pytest.mark.parametrize("member", HARD_MEMBERS)

@@ -10,37 +10,13 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
 pytest.importorskip("stickslip._core")
-from known_numbers import (
-    COULOMB,
-    DEN_HARTOG,
-    HARD_MEMBERS,
-    LEINE_CAPTURE,
-    LEINE_HIGHEST,
-    LEINE_PERIOD,
-    POPP_STELTER_MODES,
-    POPP_STELTER_PERIOD,
-    POPP_STELTER_STROBE,
-    POPP_STELTER_TIMES,
-    RIG,
-    START,
-    TRUTH_P1,
-    TRUTH_P2,
-    den_hartog,
-    energy,
-    leine,
-    paper_model,
-    popp_stelter,
-)
+import known_numbers as known
 from stickslip.friction import CoulombFriction, PaperFriction
 from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.rig import BlockOnBelt
 from stickslip.simulate import simulate
 
 TIGHT = {"rtol": 1e-13, "atol": 1e-13}
-
-
-def frictionless(**changes):
-    return Model(Rig(**(RIG | changes)), friction=CoulombFriction(static=0.0, kinetic=0.0))
 
 
 def turning_point(model, v_b, start, low, high):
@@ -57,11 +33,7 @@ def turning_point(model, v_b, start, low, high):
 # --- closed forms and published numbers ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("static", "kinetic", "v_b", "slip", "stick", "high", "low"),
-    COULOMB,
-)
-@pytest.mark.parametrize("direction", [1, -1])
+@known.coulomb_blocks
 def test_coulomb_block_on_belt(static, kinetic, v_b, slip, stick, high, low, direction):
     model = Model(BlockOnBelt(), friction=CoulombFriction(static=static, kinetic=kinetic))
     start = (0.0, direction * v_b)
@@ -85,20 +57,20 @@ def test_coulomb_block_on_belt(static, kinetic, v_b, slip, stick, high, low, dir
 
 
 def test_leine_period_return_and_extreme():
-    model = leine()
+    model = known.leine()
     run = simulate(model, belt_speed=0.2, initial=(0.0, 0.2), t_end=90, **TIGHT)
     starts = run.transitions.t[run.transitions.after == -1]
     assert starts.size == 8
-    assert np.diff(starts) == pytest.approx(LEINE_PERIOD, abs=1e-10)
-    assert run.transitions.state[1::2, 0] == pytest.approx(LEINE_CAPTURE, abs=1e-10)
-    assert turning_point(model, 0.2, (0.0, 0.2), 5.5, 7.5) == pytest.approx(LEINE_HIGHEST, abs=1e-10)
+    assert np.diff(starts) == pytest.approx(known.LEINE_PERIOD, abs=1e-10)
+    assert run.transitions.state[1::2, 0] == pytest.approx(known.LEINE_CAPTURE, abs=1e-10)
+    assert turning_point(model, 0.2, (0.0, 0.2), 5.5, 7.5) == pytest.approx(known.LEINE_HIGHEST, abs=1e-10)
 
 
-@pytest.mark.parametrize(("r", "friction", "amplitude"), DEN_HARTOG)
+@known.den_hartog_rigs
 def test_den_hartog_amplitude(r, friction, amplitude):
     def half_period(unknowns):
         x, phase = unknowns
-        model = den_hartog(r, friction, phase)
+        model = known.den_hartog(r, friction, phase)
         run = simulate(model, belt_speed=0.0, initial=(x, 0.0), t_end=math.pi / r, **TIGHT)
         return run.state[-1] + np.array([x, 0.0])
 
@@ -108,13 +80,18 @@ def test_den_hartog_amplitude(r, friction, amplitude):
 
 
 def test_forced_popp_stelter():
-    model = popp_stelter()
+    model = known.popp_stelter()
     run = simulate(
-        model, belt_speed=1.0, initial=(0.0, 0.0), t_end=75 * POPP_STELTER_PERIOD, rtol=1e-12, atol=1e-12
+        model,
+        belt_speed=1.0,
+        initial=(0.0, 0.0),
+        t_end=75 * known.POPP_STELTER_PERIOD,
+        rtol=1e-12,
+        atol=1e-12,
     )
-    assert run.transitions.t[:6] == pytest.approx(POPP_STELTER_TIMES, abs=1e-8)
-    assert run.transitions.after[:6].tolist() == POPP_STELTER_MODES
-    assert run.state[-1, 0] == pytest.approx(POPP_STELTER_STROBE, abs=1e-8)
+    assert run.transitions.t[:6] == pytest.approx(known.POPP_STELTER_TIMES, abs=1e-8)
+    assert run.transitions.after[:6].tolist() == known.POPP_STELTER_MODES
+    assert run.state[-1, 0] == pytest.approx(known.POPP_STELTER_STROBE, abs=1e-8)
     assert run.mode[-1] == 0
 
 
@@ -124,7 +101,7 @@ def test_energy_identity_without_friction():
     half = (edges[1] - edges[0]) / 2
     times = (edges[:-1, None] + half * (nodes + 1)).ravel()
     run = simulate(
-        frictionless(),
+        known.frictionless(),
         belt_speed=0.1,
         initial=(0.4, -0.2, 0.3, 0.1),
         t_end=30,
@@ -133,14 +110,14 @@ def test_energy_identity_without_friction():
     )
     x2, y2 = run.state[1:-1, 1], run.state[1:-1, 3]
     lost = half * float(np.tile(weights, 120) @ (0.1 * (x2 + y2) ** 2 + 0.1 * y2**2))
-    assert energy(run.state[0]) - energy(run.state[-1]) == pytest.approx(lost, abs=1e-12)
+    assert known.energy(run.state[0]) - known.energy(run.state[-1]) == pytest.approx(lost, abs=1e-12)
 
 
 @pytest.mark.parametrize("v_b", [0.1, -0.1, 0.25])
 def test_friction_takes_energy_all_along_every_slip(v_b):
-    law, model = PaperFriction(), paper_model()
+    law, model = PaperFriction(), known.paper_model()
     times = np.linspace(0, 100, 4001)
-    run = simulate(model, belt_speed=v_b, initial=START, t_end=100, t_eval=times, **TIGHT)
+    run = simulate(model, belt_speed=v_b, initial=known.START, t_end=100, t_eval=times, **TIGHT)
     slip = run.mode != 0
     v_w = run.state[slip, 1] - v_b
     assert np.count_nonzero(slip) > 500
@@ -150,7 +127,7 @@ def test_friction_takes_energy_all_along_every_slip(v_b):
     h = 1e-4
     centre = times[1:-1][(slip[:-2] & slip[1:-1] & slip[2:])][::20]
     fine = simulate(
-        model, belt_speed=v_b, initial=START, t_end=100,
+        model, belt_speed=v_b, initial=known.START, t_end=100,
         t_eval=np.column_stack([centre - h, centre, centre + h]).ravel(), **TIGHT,
     ).state.reshape(-1, 3, 4)  # fmt: skip
     acceleration = (fine[:, 2, 1] - fine[:, 0, 1]) / (2 * h)
@@ -161,25 +138,24 @@ def test_friction_takes_energy_all_along_every_slip(v_b):
 
 
 def test_long_run_of_the_reference_rig():
-    run = simulate(paper_model(), belt_speed=0.1, initial=START, t_end=1000, rtol=1e-12, atol=1e-12)
-    told = TRUTH_P1["transitions"]
+    run = simulate(
+        known.paper_model(), belt_speed=0.1, initial=known.START, t_end=1000, rtol=1e-12, atol=1e-12
+    )
+    told = known.TRUTH_P1["transitions"]
     assert len(run.transitions) == len(told) == 191
     assert run.transitions.t == pytest.approx([row[0] for row in told], abs=1e-9)
     assert run.transitions.before.tolist() == [-(row[1] != 0) for row in told]
     assert run.transitions.after.tolist() == [-(row[2] != 0) for row in told]
-    assert run.state[-1] == pytest.approx(TRUTH_P1["final"], abs=1e-9)
+    assert run.state[-1] == pytest.approx(known.TRUTH_P1["final"], abs=1e-9)
 
 
-@pytest.mark.parametrize("member", HARD_MEMBERS)
+@known.hard_members
 def test_hard_members_of_the_grid_at_a_loose_tolerance(member):
-    i, j = divmod(member, 64)
-    alpha1 = float(np.linspace(8.0, 40.0, 64)[j])
-    model = paper_model(alpha1=alpha1, alpha2=alpha1 / 2)
-    v_b = float(np.linspace(0.02, 0.3, 64)[i])
-    run = simulate(model, belt_speed=v_b, initial=START, t_end=200, rtol=1e-8, atol=1e-8)
-    assert np.count_nonzero(run.transitions.before == 0) == TRUTH_P2["slips_all"][member]
-    if member in TRUTH_P2["index"]:
-        told = TRUTH_P2["final"][TRUTH_P2["index"].index(member)]
+    model, v_b = known.of_the_grid(member)
+    run = simulate(model, belt_speed=v_b, initial=known.START, t_end=200, rtol=1e-8, atol=1e-8)
+    assert np.count_nonzero(run.transitions.before == 0) == known.TRUTH_P2["slips_all"][member]
+    if member in known.TRUTH_P2["index"]:
+        told = known.TRUTH_P2["final"][known.TRUTH_P2["index"].index(member)]
         assert run.state[-1] == pytest.approx(told, abs=1e-6)
 
 
@@ -192,7 +168,7 @@ def test_coupling_as_printed_creates_energy():
     times = np.linspace(0, 100, 201)
     size = {}
     for coupling in ("reciprocal", "as_printed"):
-        model = frictionless(**tuned, coupling=coupling)
+        model = known.frictionless(**tuned, coupling=coupling)
         run = simulate(model, belt_speed=0.0, initial=(0.01, 0, 0, 0), t_end=100, t_eval=times, **TIGHT)
         size[coupling] = np.abs(run.state).max(axis=1)
     assert size["reciprocal"].max() < 0.03
@@ -203,9 +179,9 @@ def test_coupling_as_printed_creates_energy():
 
 
 def test_reciprocal_coupling_keeps_energy():
-    model = frictionless(eta1=0.0, eta12=0.0)
+    model = known.frictionless(eta1=0.0, eta12=0.0)
     run = simulate(model, belt_speed=0.0, initial=(0.3, 0.1, -0.2, 0.1), t_end=200, **TIGHT)
-    assert energy(run.state[-1]) == pytest.approx(energy(run.state[0]), abs=1e-11)
+    assert known.energy(run.state[-1]) == pytest.approx(known.energy(run.state[0]), abs=1e-11)
 
 
 def block_energy_after(friction, t_end=20.0):
@@ -253,7 +229,7 @@ def test_exponent_of_4_2_as_printed_strengthens_and_nothing_would_stick():
     printed = solve_ivp(slip, (0, 400), (begin, 0.1 - 1e-9, 0, 0), events=arrives, max_step=0.05, rtol=1e-8)
     assert abs(printed.y[1, -1]) < 1e-3  # steady slip
     assert all(t < 200 for t in printed.t_events[0])
-    run = simulate(paper_model(), belt_speed=0.1, initial=START, t_end=400)
+    run = simulate(known.paper_model(), belt_speed=0.1, initial=known.START, t_end=400)
     assert (
         np.count_nonzero(run.transitions.after[run.transitions.t > 200] == 0) > 15
     )  # it sticks again and again
@@ -269,31 +245,33 @@ def test_branches_hold_their_minimum_beyond_the_fitted_range():
     def unclamped(u):
         return 5.94 - 3.2345 * math.exp((u - 0.28) / 0.0342) - 2.8736 * math.exp((u - 0.28) / 0.3053)
 
-    assert brentq(unclamped, 0.2, 0.3) == pytest.approx(0.2783, abs=5e-5)  # from here on it would pump energy
+    assert brentq(unclamped, 0.2, 0.3) == pytest.approx(
+        0.2783, abs=5e-5
+    )  # from here on it would pump known.energy
     assert brentq(lambda u: unclamped(u) - 1.42, 0.2, 0.3) == pytest.approx(law.kinks[0], abs=1e-14)
-    assert law.kinks[0] == pytest.approx(TRUTH_P1["uc"], abs=1e-14)
+    assert law.kinks[0] == pytest.approx(known.TRUTH_P1["uc"], abs=1e-14)
     # a fast slip in the clamped range: the rig is pushed back by exactly 1.42
     run = simulate(
-        paper_model(), belt_speed=0.5, initial=(0, -0.5, 0, 0), t_end=1e-4, t_eval=[0, 1e-4], **TIGHT
+        known.paper_model(), belt_speed=0.5, initial=(0, -0.5, 0, 0), t_end=1e-4, t_eval=[0, 1e-4], **TIGHT
     )
     acceleration = (run.state[1, 1] - run.state[0, 1]) / 1e-4
     assert 16 * acceleration - 0.1 * 0.5 == pytest.approx(1.42, abs=1e-2)
 
 
 def test_slip_begins_with_a_real_drop_of_the_force():
-    law, model = PaperFriction(), paper_model()
+    law, model = PaperFriction(), known.paper_model()
     assert law.static_limits[0] == 5.94
     assert law.magnitude(-1e-12) == pytest.approx(4.7906, abs=1e-4)
-    first = simulate(model, belt_speed=0.1, initial=START, t_end=4, **TIGHT).transitions.t[0]
+    first = simulate(model, belt_speed=0.1, initial=known.START, t_end=4, **TIGHT).transitions.t[0]
     h = 1e-5
-    run = simulate(model, belt_speed=0.1, initial=START, t_end=4, t_eval=[first, first + h], **TIGHT)
+    run = simulate(model, belt_speed=0.1, initial=known.START, t_end=4, t_eval=[first, first + h], **TIGHT)
     jump = (run.state[1, 1] - run.state[0, 1]) / h
     assert jump == pytest.approx(-(5.94 - law.magnitude(-1e-12)) / 16, rel=1e-3)
 
 
 @pytest.mark.parametrize(("v_b", "limit", "sign"), [(0.1, 5.94, -1), (-0.1, 3.63, 1)])
 def test_static_force_is_a_set_with_a_limit_for_each_way(v_b, limit, sign):
-    run = simulate(paper_model(), belt_speed=v_b, initial=(0, v_b, 0, 0), t_end=30, **TIGHT)
+    run = simulate(known.paper_model(), belt_speed=v_b, initial=(0, v_b, 0, 0), t_end=30, **TIGHT)
     first = run.transitions
     x1, _, y1, y2 = first.state[0]
     assert abs(16 * x1 + 0.1 * (v_b + y2) + y1) == pytest.approx(limit, abs=1e-11)

@@ -10,32 +10,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 
-from known_numbers import (
-    COULOMB,
-    DEN_HARTOG,
-    HARD_MEMBERS,
-    LEINE_CAPTURE,
-    LEINE_HIGHEST,
-    LEINE_PERIOD,
-    POPP_STELTER_MODES,
-    POPP_STELTER_PERIOD,
-    POPP_STELTER_STROBE,
-    POPP_STELTER_TIMES,
-    RIG,
-    START,
-    TRUTH_P1,
-    TRUTH_P2,
-    den_hartog,
-    energy,
-    leine,
-    paper_model,
-    popp_stelter,
-)
+import known_numbers as known
 from stickslip import reference
 from stickslip.effects import effect, tabulated
 from stickslip.friction import CoulombFriction
 from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.rig import BlockOnBelt
 
 
 def turning_points(run):
@@ -59,11 +39,7 @@ def quadrature(run, value):
     return total
 
 
-@pytest.mark.parametrize(
-    ("static", "kinetic", "v_b", "slip", "stick", "high", "low"),
-    COULOMB,
-)
-@pytest.mark.parametrize("direction", [1, -1])
+@known.coulomb_blocks
 def test_coulomb_block_on_belt_in_closed_form(static, kinetic, v_b, slip, stick, high, low, direction):
     model = Model(BlockOnBelt(), friction=CoulombFriction(static=static, kinetic=kinetic))
     run = reference.simulate(model, belt_speed=direction * v_b, initial=(0.0, direction * v_b), t_end=60)
@@ -87,19 +63,19 @@ def test_different_limits_in_each_direction_are_taken_on_their_side():
 
 
 def test_leine_block_on_belt():
-    model = leine()
+    model = known.leine()
     run = reference.simulate(model, belt_speed=0.2, initial=(0.0, 0.2), t_end=45)
     starts = run.transitions.t[run.transitions.after == -1]
-    assert np.diff(starts) == pytest.approx(LEINE_PERIOD, abs=1e-10)
-    assert run.transitions.state[1::2, 0] == pytest.approx(LEINE_CAPTURE, abs=1e-10)
-    assert max(turning_points(run)) == pytest.approx(LEINE_HIGHEST, abs=1e-10)
+    assert np.diff(starts) == pytest.approx(known.LEINE_PERIOD, abs=1e-10)
+    assert run.transitions.state[1::2, 0] == pytest.approx(known.LEINE_CAPTURE, abs=1e-10)
+    assert max(turning_points(run)) == pytest.approx(known.LEINE_HIGHEST, abs=1e-10)
 
 
-@pytest.mark.parametrize(("r", "friction", "amplitude"), DEN_HARTOG)
+@known.den_hartog_rigs
 def test_den_hartog_amplitude(r, friction, amplitude):
     def half_period(unknowns):
         x, phase = unknowns
-        model = den_hartog(r, friction, phase)
+        model = known.den_hartog(r, friction, phase)
         run = reference.simulate(model, belt_speed=0.0, initial=(x, 0.0), t_end=math.pi / r)
         return run.state[-1] + np.array([x, 0.0])
 
@@ -114,33 +90,33 @@ def test_den_hartog_amplitude(r, friction, amplitude):
 
 
 def test_forced_popp_stelter_transitions_and_strobe():
-    model = popp_stelter()
+    model = known.popp_stelter()
     run = reference.simulate(
         model,
         belt_speed=1.0,
         initial=(0.0, 0.0),
-        t_end=75 * POPP_STELTER_PERIOD,
-        t_eval=[75 * POPP_STELTER_PERIOD],
+        t_end=75 * known.POPP_STELTER_PERIOD,
+        t_eval=[75 * known.POPP_STELTER_PERIOD],
     )
-    assert run.transitions.t[:6] == pytest.approx(POPP_STELTER_TIMES, abs=1e-9)
-    assert run.transitions.after[:6].tolist() == POPP_STELTER_MODES
-    assert run.state[-1, 0] == pytest.approx(POPP_STELTER_STROBE, abs=1e-9)
+    assert run.transitions.t[:6] == pytest.approx(known.POPP_STELTER_TIMES, abs=1e-9)
+    assert run.transitions.after[:6].tolist() == known.POPP_STELTER_MODES
+    assert run.state[-1, 0] == pytest.approx(known.POPP_STELTER_STROBE, abs=1e-9)
     assert run.mode[-1] == 0
 
 
 def test_energy_falls_at_the_dampers_rate_without_friction():
-    model = Model(Rig(**RIG), friction=CoulombFriction(static=0.0, kinetic=0.0))
+    model = known.frictionless()
     run = reference.simulate(model, belt_speed=0.1, initial=(0.4, -0.2, 0.3, 0.1), t_end=30, tol=1e-13)
 
     lost = quadrature(run, lambda z: 0.1 * (z[1] + z[3]) ** 2 + 0.1 * z[3] ** 2)
-    assert energy(run.state[0]) - energy(run.state[-1]) == pytest.approx(lost, abs=1e-12)
+    assert known.energy(run.state[0]) - known.energy(run.state[-1]) == pytest.approx(lost, abs=1e-12)
     assert lost > 0.3
 
 
 @pytest.mark.parametrize("v_b", [0.1, -0.1, 0.3])
 def test_friction_never_feeds_the_rig(v_b):
-    model = paper_model()
-    run = reference.simulate(model, belt_speed=v_b, initial=START, t_end=60)
+    model = known.paper_model()
+    run = reference.simulate(model, belt_speed=v_b, initial=known.START, t_end=60)
     balance = []
     for step in run.steps[:-1]:
         acceleration = run.system.field(step.t, step.z, step.side)[1]
@@ -153,33 +129,33 @@ def test_friction_never_feeds_the_rig(v_b):
 
 
 def test_clamp_of_table_1_begins_where_the_curve_meets_its_minimum():
-    run = reference.simulate(paper_model(), belt_speed=0.1, initial=START, t_end=10)
+    run = reference.simulate(known.paper_model(), belt_speed=0.1, initial=known.START, t_end=10)
     kinks = [t for t, name in run.kinks if name == "clamp"]
     assert len(kinks) == 2
-    assert 0.1 - run.at(kinks)[:, 1] == pytest.approx(TRUTH_P1["uc"], abs=1e-12)
+    assert 0.1 - run.at(kinks)[:, 1] == pytest.approx(known.TRUTH_P1["uc"], abs=1e-12)
 
 
 def test_reference_rig_has_the_transitions_of_the_extended_precision_run():
-    run = reference.simulate(paper_model(), belt_speed=0.1, initial=START, t_end=60, tol=1e-13)
-    told = [row for row in TRUTH_P1["transitions"] if row[0] < 60]
+    run = reference.simulate(known.paper_model(), belt_speed=0.1, initial=known.START, t_end=60, tol=1e-13)
+    told = [row for row in known.TRUTH_P1["transitions"] if row[0] < 60]
     assert run.transitions.t == pytest.approx([row[0] for row in told], abs=1e-11)
     assert run.transitions.before.tolist() == [-(row[1] != 0) for row in told]
     assert run.transitions.after.tolist() == [-(row[2] != 0) for row in told]
 
 
-@pytest.mark.parametrize("member", HARD_MEMBERS)
+@known.hard_members
 def test_hard_members_of_the_grid_lose_no_slip(member):
-    i, j = divmod(member, 64)
-    alpha1 = float(np.linspace(8.0, 40.0, 64)[j])
-    model = paper_model(alpha1=alpha1, alpha2=alpha1 / 2)
-    run = reference.simulate(model, belt_speed=float(np.linspace(0.02, 0.3, 64)[i]), initial=START, t_end=200)
-    assert np.count_nonzero(run.transitions.before == 0) == TRUTH_P2["slips_all"][member]
-    if member in TRUTH_P2["index"]:
-        assert run.state[-1] == pytest.approx(TRUTH_P2["final"][TRUTH_P2["index"].index(member)], abs=1e-9)
+    model, v_b = known.of_the_grid(member)
+    run = reference.simulate(model, belt_speed=v_b, initial=known.START, t_end=200)
+    assert np.count_nonzero(run.transitions.before == 0) == known.TRUTH_P2["slips_all"][member]
+    if member in known.TRUTH_P2["index"]:
+        assert run.state[-1] == pytest.approx(
+            known.TRUTH_P2["final"][known.TRUTH_P2["index"].index(member)], abs=1e-9
+        )
 
 
 def test_every_transition_lies_on_its_surface():
-    run = reference.simulate(paper_model(), belt_speed=0.1, initial=START, t_end=60)
+    run = reference.simulate(known.paper_model(), belt_speed=0.1, initial=known.START, t_end=60)
     x1, _, y1, y2 = run.transitions.state.T
     demand = 16 * x1 + 0.1 * (0.1 + y2) + y1
     assert (run.transitions.state[:, 1] == 0.1).all()
@@ -219,7 +195,7 @@ def test_crossing_without_sticking():
 
 
 def test_belt_ripple_carries_the_stuck_block_exactly():
-    model = paper_model(effect("belt_speed_ripple", a=0.3, w=2.0, phi=0.5))
+    model = known.paper_model(effect("belt_speed_ripple", a=0.3, w=2.0, phi=0.5))
     times = np.linspace(0, 2, 9)
     v0 = 0.1 * (1 + 0.3 * math.sin(0.5))
     run = reference.simulate(model, belt_speed=0.1, initial=(0.1, v0, 0, 0), t_end=2, t_eval=times)
@@ -253,9 +229,9 @@ def test_drooping_belt_meets_its_load_in_steady_slip():
 
 
 def test_sensor_lag_of_a_steady_ride_is_speed_times_lag():
-    model = paper_model(effect("sensor_lag", tau=0.2), effect("sensor_drift", r=0.01))
+    model = known.paper_model(effect("sensor_lag", tau=0.2), effect("sensor_drift", r=0.01))
     times = np.array([0.0, 0.5, 1.0, 2.0])
-    run = reference.simulate(model, belt_speed=0.1, initial=START, t_end=2)
+    run = reference.simulate(model, belt_speed=0.1, initial=known.START, t_end=2)
     shown = reference.readings(model, run, times)[:, 0]
     lag = 0.1 * 0.2 * (1 - np.exp(-times / 0.2))
     assert shown == pytest.approx(0.1 + 0.1 * times - lag + 0.01 * times, abs=1e-13)
@@ -264,9 +240,12 @@ def test_sensor_lag_of_a_steady_ride_is_speed_times_lag():
 def test_tabulated_line_is_the_catalogue_term_it_draws():
     # a natural spline through points of a line is that line: -c x2 by name and by table
     drawn = tabulated("block", "x2", (-2.0, -0.05, 0.0, 0.1, 2.0), (1.0, 0.025, 0.0, -0.05, -1.0))
-    by_table = reference.simulate(paper_model(drawn), belt_speed=0.1, initial=START, t_end=40)
+    by_table = reference.simulate(known.paper_model(drawn), belt_speed=0.1, initial=known.START, t_end=40)
     by_name = reference.simulate(
-        paper_model(effect("block_viscous_damping", c=0.5)), belt_speed=0.1, initial=START, t_end=40
+        known.paper_model(effect("block_viscous_damping", c=0.5)),
+        belt_speed=0.1,
+        initial=known.START,
+        t_end=40,
     )
     assert {name for _, name in by_table.kinks} == {"clamp", "knot"}
     assert by_table.transitions.t == pytest.approx(by_name.transitions.t, abs=1e-10)
@@ -276,7 +255,7 @@ def test_tabulated_line_is_the_catalogue_term_it_draws():
 def test_tabulated_period_repeats():
     knots = tuple(np.linspace(0, np.pi, 9))
     curve = tabulated("contact", "t", knots, (*(0.1 * np.sin(2 * np.array(knots[:-1]))), 0.0), period=np.pi)
-    run = reference.simulate(paper_model(curve), belt_speed=0.1, initial=START, t_end=20)
+    run = reference.simulate(known.paper_model(curve), belt_speed=0.1, initial=known.START, t_end=20)
     system, side = run.system, [s.side for s in run.steps]
     for step, sides in list(zip(run.steps, side, strict=True))[5::50]:
         told = 1 + float(curve.curve(step.t))
@@ -367,7 +346,7 @@ def test_effects_agree_with_the_simulator_written_apart(name, v_b, monkeypatch):
     wanted, numbers = APART[name]
     start = (0.1, 0.05, 0.02, -0.01)
     times = np.linspace(0, 40, 81)
-    model = paper_model(*(effect(kind, **p) for kind, p in wanted.items()))
+    model = known.paper_model(*(effect(kind, **p) for kind, p in wanted.items()))
     run = reference.simulate(model, belt_speed=v_b, initial=start, t_end=40)
     assert run.status.ok
     assert run.transitions.t.size > 6
@@ -375,14 +354,16 @@ def test_effects_agree_with_the_simulator_written_apart(name, v_b, monkeypatch):
     hidden = np.zeros(9)
     hidden[:4] = start
     hidden[7] = start[0] + numbers.get("crosstalk_c", 0.0) * start[2]
-    x1, y1, _, _ = apart.simulate(RIG | LAW | {"vb": v_b} | numbers, times, hidden, h_max=0.002)
+    x1, y1, _, _ = apart.simulate(known.RIG | LAW | {"vb": v_b} | numbers, times, hidden, h_max=0.002)
     shown = reference.readings(model, run, times)
     # the other one steps over kinks with a fixed step: second order in it there
     assert np.abs(shown - np.column_stack([x1, y1])).max() < (4e-5 if name == "contact_compliance" else 2e-6)
 
 
 def test_a_run_given_up_says_why():
-    run = reference.simulate(paper_model(), belt_speed=0.1, initial=START, t_end=60, max_transitions=3)
+    run = reference.simulate(
+        known.paper_model(), belt_speed=0.1, initial=known.START, t_end=60, max_transitions=3
+    )
     assert not run.status.ok
     assert "after 3 switchings" in run.status.message
     assert run.t[-1] < 60
