@@ -268,7 +268,9 @@ def _final(search: Search, trial: Trial) -> Trial:
         short = again
     vector = short.fit.vector
     longs = [fitted(LONG, vector, states_of=short)]
-    if short.excess < 5 * CLEAN:  # the narrow valleys of (4.1) end a fit early: from other sides too
+    curved = any(map(unlisted.is_tabulated, trial.names))
+    if short.excess < 5 * CLEAN and not curved:
+        # the narrow valleys of (4.1) end a fit early: from other sides too
         longs += [
             fitted(LONG, vector),
             fitted(LONG, search.with_declared_law(short).fit.vector, states_of=short),

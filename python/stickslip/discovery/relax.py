@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window
+from stickslip.discovery.engine import Block, Engine, Window, with_state
 
 Floats = NDArray[np.float64]
 OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew
@@ -67,7 +66,7 @@ def _with_free(window: Window, values: Floats, below: int) -> Window:
     for k in window.free:
         if k < below:
             state[k] = values[k]
-    return replace(window, state=state)
+    return with_state(window, state)
 
 
 def sought(
@@ -81,7 +80,7 @@ def sought(
     for free, at in kinds.items():
         states, costs[at] = _sought(engine, vector, [windows[i] for i in at], list(free), steps)
         for i, state in zip(at, states, strict=True):
-            out[i] = replace(windows[i], state=state)
+            out[i] = with_state(windows[i], state)
     return out, costs
 
 
