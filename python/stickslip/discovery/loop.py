@@ -34,7 +34,16 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
-from stickslip.discovery.trace import MARGIN, decide_pairs, decide_single, declared, explained, settled
+from stickslip.discovery.trace import (
+    MARGIN,
+    beside,
+    decide_pairs,
+    decide_single,
+    declared,
+    deepened,
+    explained,
+    settled,
+)
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
@@ -145,7 +154,12 @@ def _choose(search: Search) -> _Choice:
     if explained(best, null):
         return _Choice(null, best, None, trials)
     curves = unlisted.learn(search, null, search.progress, beat=best)
-    if not (curves and _clearly(curves[0][1], best) and explained(curves[0][1], null)):
+    curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
+    trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
+    best = trials[0]
+    if explained(best, null) and not (curved and _clearly(curves[0][1], best)):
+        return _Choice(null, best, None, trials)
+    if not curved:
         trials = decide_pairs(search, trials)
         best = trials[0]
         if explained(best, null):

@@ -67,7 +67,12 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
 
 
 def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
-    """The most promising trials fitted in earnest on long windows, best first; hopeless ones are left out."""
+    """The most promising trials fitted in earnest, best first; hopeless ones are left out."""
+    return deepened(search, closely(search, trials, most))
+
+
+def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
+    """The most promising trials fitted closely on short windows, best first; hopeless ones are left out."""
     close: list[Trial] = []
     for trial in trials[:most]:
         if close and (search.left < 0 or trial.fit.cost > 50 * close[0].fit.cost):
@@ -79,18 +84,45 @@ def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tri
         close.append(search.close(trial))
         if min(one.excess for one in close) < CLEAN and len(close) >= 3:
             break
-    close.sort(key=lambda one: one.bic)
-    if close and close[0].excess > CLEAN:
-        close[0] = search.polish(close[0])
-        if close[0].excess > CLEAN and len(close) > 1 and close[1].fit.cost < 3 * close[0].fit.cost:
-            close[1] = search.polish(close[1])
     for one in close:
         search.keep(one, tuple(sorted(one.names)))
     return sorted(close, key=lambda one: one.bic)
 
 
+def deepened(search: Search, trials: Sequence[Trial]) -> list[Trial]:
+    """The two best trials shaken out of poor minima where they are left above the noise; best first."""
+    out, best = list(trials), None
+    for i in [i for i, one in enumerate(trials) if one.names][:2]:
+        if best is not None and (best.excess < CLEAN or out[i].fit.cost > 3 * best.fit.cost):
+            break
+        if out[i].excess > CLEAN:
+            search.progress(f"fitting {' + '.join(out[i].names)} from other sides")
+            out[i] = search.polish(out[i])
+            search.keep(out[i], tuple(sorted(out[i].names)))
+        best = out[i]
+    return sorted(out, key=lambda one: one.bic)
+
+
+def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4) -> list[Trial]:
+    """The trials, single effects fitted also from where a learned curve has the law and the windows; best first.
+
+    A curve that reaches the noise has every window on the right side of its transitions.
+    """
+    out = list(trials)
+    for i, trial in enumerate(trials[:most]):
+        if len(trial.names) != 1:
+            continue
+        search.progress(f"fitting {trial.names[0]} from where the curve is")
+        h = hypothesis(curve.hypothesis.model, starts_of(trial), search.model)
+        again = search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, anyway=True)
+        if again is not None and again.fit.cost < trial.fit.cost:
+            out[i] = again
+            search.keep(again, again.names)
+    return sorted(out, key=lambda one: one.bic)
+
+
 def decide_single(search: Search) -> list[Trial]:
-    """The declared law and single effects; best first."""
+    """The declared law and single effects, closely fitted; best first."""
     null = declared(search)
     if null is None:
         raise StickslipError(
@@ -98,7 +130,7 @@ def decide_single(search: Search) -> list[Trial]:
         )
     null = search.polish(null)
     search.keep(null, ())
-    singles = polished(search, screen(search, null))
+    singles = closely(search, screen(search, null))
     if not singles:
         return [null]
     null = _refitted(search, null, singles[0])
@@ -184,9 +216,12 @@ def _both_needed(search: Search, pair: Trial) -> bool:
 __all__ = [
     "Search",
     "Trial",
+    "beside",
+    "closely",
     "decide_pairs",
     "decide_single",
     "declared",
+    "deepened",
     "explained",
     "polished",
     "screen",
