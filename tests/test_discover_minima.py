@@ -11,11 +11,14 @@ from scipy.optimize import lsq_linear
 
 from discover_cases import LAW, RIG, make_case
 from stickslip import _core
+from stickslip.discovery import unlisted
 from stickslip.discovery.data import prepare
 from stickslip.discovery.engine import MOST_STEPS, Engine
 from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.rivals import Start, hypothesis
+from stickslip.discovery.search import CLEAN, SHORT, Search
 from stickslip.discovery.solve import Point, _shares, _total, _within, fit
+from stickslip.discovery.trace import beside
 from stickslip.discovery.windows import cut
 from stickslip.effects import effect
 from stickslip.friction import PaperFriction
@@ -127,3 +130,23 @@ def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(monkeypatch):
     monkeypatch.setattr(_core, "simulate_windows", simulate)
     assert engine.residual(h.start(len(data)), windows[0]) is None
     assert asked == [MOST_STEPS]
+
+
+def test_a_stuck_name_is_fitted_from_where_a_curve_has_the_windows():
+    cause = effect("block_viscous_damping", c=1.2)
+    data = prepare(make_case((cause,), seed=4).train)
+    search = Search(data, Model(RIG, friction=PaperFriction()), 2, lambda _: None, 60.0)
+    null = search.run(hypothesis(search.model, []), cycles=SHORT)
+    assert null is not None
+    term = next(one for one in unlisted.terms(null) if (one.where, one.variable) == ("block", "x2"))
+    curve = unlisted.with_term(search, null, term, iterations=30)
+    assert curve is not None
+    assert curve.excess < CLEAN
+    name = Start(effect("block_viscous_damping", c=0.0))
+    stuck = search.run(hypothesis(search.model, [name]), cycles=SHORT, iterations=1, rounds=0)
+    assert stuck is not None
+    assert stuck.excess > 10 * CLEAN
+    best = beside(search, [stuck, null], curve)
+    assert [one.names for one in best] == [("block_viscous_damping",), ()]
+    assert best[0].excess < CLEAN
+    assert search.tried[best[0].names] is best[0]

@@ -21,7 +21,6 @@ from stickslip.discovery.slider.table import Measured, natural_rate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-BLOCKS = ("rate", "frequency", "damping", "level")
 FLOOR = {"rate": 0.01, "frequency": 0.05, "damping": 0.02}  # spread between groups that is always allowed for
 SIZES = 3  # groups of slips by size
 FREE = 10.0  # spread of a run's mean level: not known beforehand
