@@ -22,9 +22,10 @@ from scipy.sparse import block_diag, csr_matrix, hstack, vstack
 
 import stickslip as ss
 from stickslip.discovery.data import prepare
-from stickslip.discovery.engine import Engine, moved
+from stickslip.discovery.engine import Engine
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.solve import Fit, fit
+from stickslip.discovery.window import moved
 from stickslip.discovery.windows import cut
 from stickslip.records import Recording
 from stickslip.units import Channel

@@ -7,7 +7,7 @@ import pytest
 
 from discover_cases import LAW, RIG, make_case
 from stickslip.discovery.data import prepare
-from stickslip.discovery.engine import Engine, moved
+from stickslip.discovery.engine import Engine
 from stickslip.discovery.intervals import intervals
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.readings import Learned, read
@@ -15,6 +15,7 @@ from stickslip.discovery.relax import sought
 from stickslip.discovery.ripple import ripple_starts
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.solve import fit
+from stickslip.discovery.window import moved
 from stickslip.discovery.windows import cut
 from stickslip.effects import effect
 from stickslip.friction import PaperFriction

@@ -17,6 +17,7 @@ from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.readings import Chain, Learned, read, states_read
 from stickslip.discovery.unknowns import Hypothesis
+from stickslip.discovery.window import STATES, Window, window_penalties
 from stickslip.lowering import SLOTS, WIDTH, lower
 
 Floats = NDArray[np.float64]
@@ -24,30 +25,9 @@ RTOL, ATOL = 1e-7, 1e-8
 ATTEMPTS = ((0.0, 0, RTOL), (1e-9, 20, RTOL), (0.0, 24, 1e-12), (1e-6, 24, 1e-12), (-5e-6, 0, RTOL))
 MOST_TRANSITIONS, MOST_STEPS = 500, 20_000  # in a window: beyond, its parameters are no rig's
 HOPELESS = (_core.Outcome.too_many_transitions, _core.Outcome.too_many_steps)
-STATES = len(_core.STATES)
-W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
-AUTO, STICK = 2, 0
 REACH = 0.75  # of an unknown's spread: the most that one step may move it
 FAILED, MOST_FAILED = 10.0, 0.15  # residual of a window that cannot be simulated; share of windows that may
 VISIBLE = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-
-
-@dataclass(frozen=True)
-class Window:
-    """Samples start <= i < stop of a run, met by one simulation.
-
-    `state` (9,) is its initial state, hidden states included; `free` the entries estimated; `spread` (9,) the
-    weak Gaussian that holds free hidden states about `centre`; `contact` the mode it starts in.
-    """
-
-    run: int
-    start: int
-    stop: int
-    state: Floats
-    free: tuple[int, ...]
-    centre: Floats
-    spread: Floats
-    contact: int = AUTO
 
 
 @dataclass
@@ -392,28 +372,4 @@ def _runs(windows: Sequence[Window]) -> Iterator[tuple[int, list[int]]]:
         yield number, list(part)
 
 
-def window_penalties(windows: Sequence[Window]) -> Floats:
-    """Prior of each window's own free states, (w,); what is not free has an infinite spread."""
-    if not windows:
-        return np.empty(0)
-    state, centre, spread = (
-        np.stack([getattr(w, key) for w in windows]) for key in ("state", "centre", "spread")
-    )
-    return np.asarray(np.sum(((state - centre) / spread) ** 2, axis=1))
-
-
-def moved(window: Window, step: Floats) -> Window:
-    """The window with its free states shifted."""
-    state = window.state.copy()
-    state[list(window.free)] += step
-    return with_state(window, state)
-
-
-def with_state(window: Window, state: Floats) -> Window:
-    """The window with another state; `dataclasses.replace` takes ten times as long, and a fit does it so often."""
-    out = object.__new__(Window)
-    out.__dict__.update(window.__dict__, state=state)
-    return out
-
-
-__all__ = ["SLOTS", "Block", "Engine", "Simulated", "Window", "moved", "window_penalties", "with_state"]
+__all__ = ["SLOTS", "Block", "Engine", "Simulated"]

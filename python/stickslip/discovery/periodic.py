@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Engine, Window
+from stickslip.discovery.engine import Engine
 from stickslip.discovery.rivals import PERIODIC, Start
 from stickslip.discovery.solve import Fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.discovery.window import Window
 from stickslip.effects import Effect, effect
 
 Floats = NDArray[np.float64]

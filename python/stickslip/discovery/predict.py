@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.discovery.data import Data
-from stickslip.discovery.engine import ATOL, RTOL, Engine, Window
+from stickslip.discovery.engine import ATOL, RTOL, Engine
 from stickslip.discovery.readings import Learned, read
 from stickslip.discovery.relax import relaxed
 from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.discovery.window import Window
 from stickslip.discovery.windows import start_window
 from stickslip.effects import Effect
 from stickslip.errors import StickslipError

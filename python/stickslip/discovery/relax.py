@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window, with_state
+from stickslip.discovery.engine import Block, Engine
+from stickslip.discovery.window import Window, with_state
 
 Floats = NDArray[np.float64]
 OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.engine import Engine, Window
+from stickslip.discovery.engine import Engine
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
+from stickslip.discovery.window import Window
 from stickslip.discovery.windows import cut, with_hidden
 from stickslip.model import Model
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Block, Engine, Window, moved, window_penalties
+from stickslip.discovery.engine import Block, Engine
 from stickslip.discovery.relax import followed, relaxed
+from stickslip.discovery.window import Window, moved, window_penalties
 
 Floats = NDArray[np.float64]
 EDGE = 1e-9  # from a bound, in the fitted coordinate

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.engine import AUTO, BELT, DWELL, LAGGED, STATES, STICK, W, Window, Z
+from stickslip.discovery.window import AUTO, BELT, DWELL, LAGGED, STATES, STICK, W, Window, Z
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
