@@ -75,9 +75,9 @@ def _some(words: list[str], most: int = 6) -> str:
 
 def must_be(key: str, value: object, kinds: type[T] | tuple[type[T], ...], hint: str = "") -> T:
     """Return `value`, or raise `InputError` if it is of none of the `kinds`; `hint` says where one comes from."""
-    kinds = kinds if isinstance(kinds, tuple) else (kinds,)
     if isinstance(value, kinds):
         return value
+    kinds = kinds if isinstance(kinds, tuple) else (kinds,)
     names = " or ".join("dict" if kind is Mapping else kind.__name__ for kind in kinds)
     article = "an" if names[:1] in "AEIO" else "a"
     tail = f"; {hint}" if hint else ""
@@ -98,6 +98,8 @@ def listed(key: str, values: Iterable[T], what: str) -> list[T]:
 
 def texts(key: str, values: Iterable[str], what: str) -> tuple[str, ...]:
     """Return names as a tuple; a single one may stand alone."""
+    if isinstance(values, tuple) and not values:
+        return ()
     names: list[object] = [values] if isinstance(values, str) else [*listed(key, values, what)]
     for one in names:
         if not isinstance(one, str):
@@ -115,6 +117,8 @@ def vector(key: str, values: object, what: str) -> NDArray[np.float64]:
             raise TypeError
         if array.ndim != 1:
             raise InputError(f"must be {what}, has shape {array.shape}", key=key)
+        if array.dtype == np.float64 and array.flags.c_contiguous:
+            return array
         return np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError) as error:
         if isinstance(error, InputError):
@@ -124,6 +128,8 @@ def vector(key: str, values: object, what: str) -> NDArray[np.float64]:
 
 def whole_number(key: str, value: object, *, least: int = 1, most: int = 10**15) -> int:
     """Return a whole number within bounds."""
+    if type(value) is int and least <= value <= most:
+        return value
     size = number(key, value, least=least, most=most)  # type: ignore[arg-type]  # `number` looks
     if size != int(size):
         raise InputError("must be a whole number", key=key, value=value)

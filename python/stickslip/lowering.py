@@ -49,11 +49,10 @@ class Lowered:
 
     def initial(self, state: Iterable[float]) -> Floats:
         """Return the core's full initial state from the visible one, followed by any hidden ones."""
-        given = np.asarray(list(state), dtype=np.float64)
-        full = np.zeros(len(STATES))
-        full[: self.dimension] = given[: self.dimension]
-        full[4 : 4 + given.size - self.dimension] = given[self.dimension :]
-        return full
+        given = list(state)
+        visible, hidden = given[: self.dimension], given[self.dimension :]
+        gap, rest = [0.0] * (4 - len(visible)), [0.0] * (len(STATES) - 4 - len(hidden))
+        return np.array([*visible, *gap, *hidden, *rest], dtype=np.float64)
 
     def seeds(self, names: Iterable[str]) -> Floats:
         """Return one row of weights a name, over all slots and states.

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -260,21 +260,24 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
             f"hidden states {', '.join(HIDDEN)}",
             key="initial",
         )
-    if not np.isfinite(given).all():
-        bad = [*names, *HIDDEN][int(np.flatnonzero(~np.isfinite(given))[0])]
-        raise InputError(f"{bad} is not finite", key="initial", value=given.tolist())
-    for name, value in zip(HIDDEN, given[len(names) :], strict=False):
+    values: list[float] = given.tolist()  # so few that numpy's loops cost more
+    if not all(map(math.isfinite, values)):
+        bad = next(name for name, x in zip((*names, *HIDDEN), values, strict=False) if not math.isfinite(x))
+        raise InputError(f"{bad} is not finite", key="initial", value=values)
+    for name, value in zip(HIDDEN, values[len(names) :], strict=False):
         if value and name not in owned:
             raise InputError(f"{name} = {value:g}, but no effect of the model has that state", key="initial")
-    return lowered.initial(given)
+    return lowered.initial(values)
 
 
 def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact: str, speed: float) -> Floats:
     """Return the full initial state, refusing a slip that goes the other way than `contact` says."""
     state = checked_initial(model, lowered, initial)
+    if contact not in ("slip-", "slip+"):
+        return state
     v = state[1] - speed
     moving = any(term.name in ("belt_speed_ripple", "belt_load_droop") for term in model.effects)
-    if not moving and contact in ("slip-", "slip+") and v * _CONTACTS[contact] < -1e-12 * abs(speed):
+    if not moving and v * _CONTACTS[contact] < -1e-12 * abs(speed):
         raise InputError(
             f"x2 = {state[1]:g} on a belt of {speed:g} slips the other way", key="contact", value=contact
         )
@@ -283,6 +286,10 @@ def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact:
 
 def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
     times = vector("t_eval", t_eval, "a list of times")
+    # nearly every call; NaN compares false, and what increases between finite ends is finite
+    within = times.size > 0 and start <= times.item(0) and times.item(-1) <= end
+    if within and (times.size == 1 or (times[1:] > times[:-1]).all()):
+        return times
     if times.size == 0:
         raise InputError(
             "empty; give at least one time, or leave it out for the integrator's steps", key="t_eval"
@@ -301,35 +308,33 @@ def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
     return np.clip(times, start, end)
 
 
-def _trajectory(raw: dict[str, object], d: int, names: tuple[str, ...]) -> Trajectory:
-    array = {key: np.asarray(value) for key, value in raw.items()}
-    n, k, p = len(array["t"]), len(array["transition_t"]), len(names)
-    state = array["state"]
-    sensitivity = array["sensitivity"].reshape(n, state.shape[1], p)
-    events = (
-        array["transition_sensitivity"].reshape(k, 1 + state.shape[1], p) if p else np.zeros((k, 1 + d, 0))
-    )
+def _trajectory(raw: dict[str, Any], d: int, names: tuple[str, ...]) -> Trajectory:
+    state: Floats = raw["state"]
+    sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
+    events: Floats = raw["transition_sensitivity"]  # (k, 1 + states, p)
     hidden = slice(4, 4 + len(HIDDEN))
     transitions = Transitions(
-        t=array["transition_t"],
-        state=np.ascontiguousarray(array["transition_state"][:, :d]),
-        before=array["transition_before"],
-        after=array["transition_after"],
+        t=raw["transition_t"],
+        state=raw["transition_state"][:, :d].copy(),
+        before=raw["transition_before"],
+        after=raw["transition_after"],
         sensitivity=events[:, 0],
         state_sensitivity=events[:, 1 : 1 + d],
     )
-    outcome = raw["outcome"]
-    assert isinstance(outcome, _core.Outcome)
     return Trajectory(
-        t=array["t"],
-        state=np.ascontiguousarray(state[:, :d]),
-        mode=array["mode"],
+        t=raw["t"],
+        state=state[:, :d].copy(),
+        mode=raw["mode"],
         hidden=dict(zip(HIDDEN, state.T[hidden], strict=True)),
         transitions=transitions,
-        kinks=array["kink_t"],
+        kinks=raw["kink_t"],
         sensitivity=sensitivity[:, :d],
-        hidden_sensitivity=dict(zip(HIDDEN, sensitivity.transpose(1, 0, 2)[hidden], strict=True)),
-        status=Status[outcome.name],
-        steps=int(array["steps"]),
+        hidden_sensitivity=(
+            dict(zip(HIDDEN, sensitivity.transpose(1, 0, 2)[hidden], strict=True))
+            if names
+            else dict.fromkeys(HIDDEN, sensitivity[:, 0])
+        ),
+        status=Status[raw["outcome"].name],
+        steps=int(raw["steps"]),
         sensitivity_names=names,
     )

@@ -1,79 +1,9 @@
 // W trajectories in the same mode, stepped together. A lane that meets a surface or its time leaves; another enters.
 #pragma once
 
-#include "stickslip/start.hpp"
-#include "stickslip/table.hpp"
-#include "stickslip/tally.hpp"
+#include "stickslip/member.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-// A trajectory between two batches.
-struct Member {
-  System<double> sys;
-  State<double> s;
-  Mode mode;
-  Side side;     // of watch_contact, where it has just left the surface
-  double limit;  // time at which it must be looked at: `after`, then t_end
-  long index, changes;
-  Tally tally;
-};
-
-// What all members share, and whether the law is part of it.
-struct Common {
-  System<double> sys;
-  bool law;
-};
-
-inline void prepare(const SweepRequest& q, Common& c) {
-  c.law = true;
-  for (int j = 0; j < q.n_varied; ++j) c.law &= q.varied[j] < T_s_minus || q.varied[j] > quadratic_plus;
-  for (int i = 0; i < parameter_count; ++i) c.sys.p[i] = q.base[i];
-  c.sys.structure = *q.structure;
-  if (c.law) build_law(c.sys);
-}
-
-// Sets up member m.index from its row of values and finds its mode.
-inline void start_member(const SweepRequest& q, const Common& common, Member& m, Piece<double>& scratch) {
-  for (int i = 0; i < parameter_count; ++i) m.sys.p[i] = q.base[i];
-  for (int i = 0; i < state_count; ++i) m.s.z[i] = q.base[parameter_count + i];
-  for (int j = 0; j < q.n_varied; ++j) {
-    const int slot = q.varied[j];
-    (slot < parameter_count ? m.sys.p[slot] : m.s.z[slot - parameter_count]) = q.values[m.index * q.n_varied + j];
-  }
-  m.s.t = 0;
-  m.sys.structure = *q.structure;
-  if (common.law) {
-    m.sys.minus = common.sys.minus;
-    m.sys.plus = common.sys.plus;
-  } else {
-    build_law(m.sys);
-  }
-  build_rig(m.sys);
-  build_table(m.sys);
-  Side on[watch_count] = {};
-  m.mode = Mode{};
-  set_modes(m.sys, m.s, m.mode, on, 2, scratch);
-  m.side = on[watch_contact];
-  m.changes = 0;
-  clear(m.tally);
-  m.limit = q.after > 0 ? q.after : q.t_end;
-}
-
-// Observables count from here.
-inline void begin_counting(const SweepRequest& q, Member& m) {
-  const double steps = m.tally.row.steps;
-  clear(m.tally);
-  m.tally.row.steps = steps;
-  m.limit = q.t_end;
-}
-
-inline void report(const SweepRequest& q, Member& m, Outcome outcome) {
-  SweepRow& row = m.tally.row;
-  for (int i = 0; i < state_count; ++i) row.final_state[i] = m.s.z[i];
-  row.t = m.s.t;
-  row.outcome = static_cast<double>(outcome);
-  q.done(q.context, m.index, row, &m.tally.points[0][0]);
-}
 
 template <int W>
 struct Batch {
@@ -188,6 +118,18 @@ bool locate(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, int i, i
   if (!first_crossing(c, order, h, leaving, true, t)) return false;
   h = t;
   return true;
+}
+
+// What the sweep observes of this step.
+template <int W>
+void observe(const SweepRequest& q, Batch<W>& b, int p, const Lanes<W>& h) {
+  for (int i = 0; i < W; ++i) {
+    Member* m = b.member[i];
+    if (m == nullptr || m->limit < q.t_end) continue;
+    Strided z[4];
+    for (int k = 0; k < 4; ++k) z[k] = {reinterpret_cast<const double*>(state_series(b.piece, k)) + i, W};
+    observe_step(m->tally, q.observe, m->sys.rig, z, b.mode.contact, p, h[i]);
+  }
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

@@ -9,54 +9,9 @@
 // evaluation. Where S' vanishes the step is singular (a graze); a bracket around the root keeps it safe.
 #pragma once
 
-#include "stickslip/series.hpp"
+#include "stickslip/bernstein.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-// Bernstein coefficients on [0, 1] of sum a_k x^k.
-template <class R>
-void to_bernstein(const R* a, int n, R* b) {
-  R binomial(1.0);
-  for (int k = 0; k <= n; ++k) {
-    b[k] = a[k] / binomial;
-    binomial = binomial * static_cast<double>(n - k) / static_cast<double>(k + 1);
-  }
-  for (int i = 1; i <= n; ++i)
-    for (int j = n; j >= i; --j) b[j] = b[j] + b[j - 1];
-}
-
-// The coefficients on the two halves (de Casteljau); the left half replaces b.
-template <class R>
-void halve(R* b, int n, R* right) {
-  for (int i = 0; i <= n; ++i) {
-    right[n - i] = b[n];
-    for (int j = n; j > i; --j) b[j] = (b[j] + b[j - 1]) * 0.5;
-  }
-}
-
-struct Bracket {
-  bool found = false;
-  double a = 0, b = 0;  // S(a) > 0 > S(b), one root between; as fractions of the step
-};
-
-// First root of a polynomial given by its Bernstein coefficients on [a, a + width]; positive at a.
-template <class R>
-Bracket first_sign_change(R* b, int n, double a, double width, R noise, int depth) {
-  int changes = 0;
-  bool positive = true, below = false;
-  for (int k = 0; k <= n; ++k) {
-    if (b[k] < -noise) below = true;
-    const bool p = b[k] > 0 || (k < n && b[k] >= -noise && positive);
-    if (p != positive) ++changes;
-    positive = p;
-  }
-  if (!below) return {};
-  if (changes == 1 || depth == 0) return {b[n] < 0, a, a + width};
-  R right[series_size];
-  halve(b, n, right);
-  const Bracket left = first_sign_change(b, n, a, 0.5 * width, noise, depth - 1);
-  return left.found ? left : first_sign_change(right, n, a + 0.5 * width, 0.5 * width, noise, depth - 1);
-}
 
 // S and S' at t, together, in even and odd powers: short chains instead of two passes.
 template <class R>
@@ -160,11 +115,9 @@ bool first_crossing(const R* c, int n, R h, bool on_surface, bool henon, R& t) {
     return true;
   }
   R a[series_size], b[series_size];
-  R power(1.0);
-  for (int k = 0; k <= m; ++k) {
-    a[k] = d[k] * power;
-    power *= h;
-  }
+  R power(h);
+  a[0] = d[0];
+  for (int k = 1; k <= m; ++k, power *= h) a[k] = d[k] * power;
   to_bernstein(a, m, b);
   R largest_b(0.0);
   for (int k = 0; k <= m; ++k) largest_b = largest(largest_b, R(magnitude(b[k])));

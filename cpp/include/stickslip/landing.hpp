@@ -91,4 +91,37 @@ Landings<W> land_lanes(const Lanes<W>* d, int order, const Lanes<W>& h, unsigned
   return out;
 }
 
+// Shortens h of the lanes that meet the surface first, and notes them in `events`.
+template <int W>
+void land_side(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, unsigned asked, int p, Lanes<W>& h,
+               Side* through, unsigned& events) {
+  const auto take = [&](int i, double t) {
+    h.set(i, t);
+    events |= 1u << i;
+    through[i] = side;
+  };
+  Lanes<W> d[series_size];
+  positive_inside(b, watch, side, p, d);
+  const Landings<W> easy = land_lanes(d, p, h, asked);
+  for (unsigned left = easy.found; left != 0; left &= left - 1) take(__builtin_ctz(left), easy.t[__builtin_ctz(left)]);
+  for (unsigned left = easy.undecided; left != 0; left &= left - 1) {
+    const int i = __builtin_ctz(left);
+    double t = h[i];
+    if (locate(b, watch, side, i, p, t)) take(i, t);
+  }
+}
+
+// The suspects of both sides, the side with more of them first.
+template <int W>
+void land_first(const Batch<W>& b, const Watch<Lanes<W>>& watch, unsigned lower, unsigned upper, int p, Lanes<W>& h,
+                Side* through, unsigned& events) {
+  const bool first_upper = __builtin_popcount(upper) > __builtin_popcount(lower);
+  land_side(b, watch, first_upper ? Side::upper : Side::lower, first_upper ? upper : lower, p, h, through, events);
+  unsigned other = first_upper ? lower : upper;
+  if (other == 0) return;  // up to where the first side was met, less may be in doubt
+  const Side side = first_upper ? Side::lower : Side::upper;
+  if (events != 0) other = suspects(b, watch, side, h, tail(watch.c, p, h));
+  if (other != 0) land_side(b, watch, side, other, p, h, through, events);
+}
+
 }  // namespace stickslip::inline STICKSLIP_ISA

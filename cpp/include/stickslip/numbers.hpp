@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "stickslip/dual.hpp"
-#include "stickslip/lanes.hpp"
+#include "stickslip/elementary.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
