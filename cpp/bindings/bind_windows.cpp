@@ -23,9 +23,9 @@ bool all_within(const IndexVector& values, Eigen::Index below) {
   return (values.array() >= 0).all() && (values.array() < static_cast<std::int32_t>(below)).all();
 }
 
-void check(const ConstMatrix& parameters, const IndexVector& set, const ConstMatrix& initial, const IndexVector& contact,
-           const ConstVector& t, const Offsets& offset, const ConstMatrix& seeds, const IndexVector& column, int columns,
-           const IndexVector& kept) {
+void check(const ConstMatrix& parameters, const IndexVector& set, const ConstMatrix& initial,
+           const IndexVector& contact, const ConstVector& t, const Offsets& offset, const ConstMatrix& seeds,
+           const IndexVector& column, int columns, const IndexVector& kept) {
   const Eigen::Index windows = set.size();
   if (parameters.cols() != parameter_count || initial.cols() != state_count || initial.rows() != windows ||
       contact.size() != windows || offset.size() != windows + 1 || !all_within(set, parameters.rows()))
@@ -87,12 +87,11 @@ py::dict simulate_windows(const Structure& structure, const ConstMatrix& paramet
 }  // namespace
 
 void bind_windows(py::module_& m) {
-  m.def("simulate_windows", &simulate_windows, py::kw_only(), py::arg("structure"),
-        py::arg("parameters").noconvert(), py::arg("set").noconvert(), py::arg("initial").noconvert(),
-        py::arg("contact").noconvert(), py::arg("t").noconvert(), py::arg("offset").noconvert(), py::arg("rtol"),
-        py::arg("atol"), py::arg("seeds").noconvert(), py::arg("column").noconvert(), py::arg("columns"),
-        py::arg("kept").noconvert(), py::arg("max_transitions"), py::arg("max_steps"), py::arg("order") = 0,
-        py::arg("threads") = 1,
+  m.def("simulate_windows", &simulate_windows, py::kw_only(), py::arg("structure"), py::arg("parameters").noconvert(),
+        py::arg("set").noconvert(), py::arg("initial").noconvert(), py::arg("contact").noconvert(),
+        py::arg("t").noconvert(), py::arg("offset").noconvert(), py::arg("rtol"), py::arg("atol"),
+        py::arg("seeds").noconvert(), py::arg("column").noconvert(), py::arg("columns"), py::arg("kept").noconvert(),
+        py::arg("max_transitions"), py::arg("max_steps"), py::arg("order") = 0, py::arg("threads") = 1,
         "Windows, each from its own start through its own times: state (n, 9), slopes (kept, n, columns), mode (n,)\n"
         "and the outcome (windows,) as numbers of Outcome.");
 }

@@ -17,10 +17,10 @@ struct WindowsRequest {
   long windows;
   double rtol, atol;
   int n_seeds;
-  const double* seeds;   // n_seeds x (parameter_count + state_count)
-  const int* column;     // (n_seeds): where the derivatives with respect to a seed go
-  int columns;           // of the derivatives; those of no seed are 0
-  const int* kept;       // (n_kept): the states whose derivatives are wanted
+  const double* seeds;  // n_seeds x (parameter_count + state_count)
+  const int* column;    // (n_seeds): where the derivatives with respect to a seed go
+  int columns;          // of the derivatives; those of no seed are 0
+  const int* kept;      // (n_kept): the states whose derivatives are wanted
   int n_kept;
   long max_transitions, max_steps;
   int order;
