@@ -63,7 +63,7 @@ def _wave(one: Weighed, choice: Choice) -> dict[str, Interval]:
     weight = 1 / variance[seen]
     # the square of an amplitude is too large by the variance of its parts
     squares = np.sum(pairs[seen] ** 2, axis=1) - variance[seen]
-    a = float(np.sqrt(max(weight @ squares / weight.sum(), 0.0)))
+    a = float(np.sqrt(max(float(weight @ squares / weight.sum()), 0.0)))
     a = a or float(np.sqrt(weight @ np.sum(pairs[seen] ** 2, axis=1) / weight.sum()))
     std = float(np.sqrt(0.5 / weight.sum()))
     force = choice.declared.rig.stiffness if one.candidate.name == "harmonic_forcing" else 1.0
