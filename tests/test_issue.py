@@ -86,3 +86,20 @@ def test_a_slow_belt_still_has_its_cycle(v):
     model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
     period = 2 * (np.pi - np.arctan(0.5 / v)) + 1 / v
     assert abs(ss.limit_cycle(model, belt_speed=v).period - period) < 1e-9 * period
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"t_eval": [0, 4.0, np.nextafter(4, 5)]}, "several entries"),
+        ({"t_eval": np.array(["0", "1.5"], dtype=object)}, "real numbers"),
+        ({"t_eval": [0, 10**400]}, "real numbers"),
+        ({"initial": np.array(["0.1", 0.1], dtype=object)}, "real numbers"),
+        ({"contact": np.array(["auto", "a"])}, "must be one of"),
+        ({"locator": np.array(["henon", "x"])}, "'henon' or 'bracket'"),
+    ],
+)
+def test_what_is_no_time_number_or_word_is_refused(given, words):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction())
+    with pytest.raises(ss.InputError, match=words):
+        ss.simulate(model, **({"belt_speed": 0.1, "initial": (0.1, 0.1), "t_end": 4} | given))

@@ -117,10 +117,12 @@ def vector(key: str, values: object, what: str) -> NDArray[np.float64]:
             raise TypeError
         if array.ndim != 1:
             raise InputError(f"must be {what}, has shape {array.shape}", key=key)
+        if array.dtype.kind == "O" and any(isinstance(one, (str, bytes, bool)) for one in array):
+            raise TypeError
         if array.dtype == np.float64 and array.flags.c_contiguous:
             return array
         return np.ascontiguousarray(array, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"must be {what}, real numbers", key=key, value=values) from None

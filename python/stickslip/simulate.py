@@ -204,9 +204,10 @@ def simulate(
     lowered = lower(model, speed)
     times = None if t_eval is None else _sample_times(t_eval, start, end)
     names = texts("sensitivity", sensitivity, "parameter names")
-    if contact not in tuple(_CONTACTS):  # a list, which cannot be looked up, is none either
+    words: tuple[object, object] = (contact, locator)  # whatever was given: an array has no truth value
+    if not isinstance(words[0], str) or contact not in _CONTACTS:
         raise InputError(f"must be one of {', '.join(_CONTACTS)}", key="contact", value=contact)
-    if locator not in ("henon", "bracket"):
+    if not isinstance(words[1], str) or locator not in ("henon", "bracket"):
         raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
     raw = _core.simulate(
         structure=lowered.structure,
@@ -305,7 +306,10 @@ def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
         raise InputError(
             f"runs from {times[0]:g} to {times[-1]:g}, outside the span {start:g} to {end:g}", key="t_eval"
         )
-    return np.clip(times, start, end)
+    clipped = np.clip(times, start, end)
+    if (clipped[1:] <= clipped[:-1]).any():
+        raise InputError("has several entries within rounding of an end of the span; give one", key="t_eval")
+    return clipped
 
 
 def _trajectory(raw: dict[str, Any], d: int, names: tuple[str, ...]) -> Trajectory:
