@@ -123,7 +123,7 @@ def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(monkeypatch):
         return {
             "outcome": np.full(windows, int(_core.Outcome.too_many_steps), dtype=np.int32),
             "state": np.zeros((n, 9)),
-            "slopes": np.zeros((0, n, 0)),
+            "slopes": np.zeros((len(given["kept"]), n, given["columns"])),
             "mode": np.zeros(n, dtype=np.int8),
         }
 

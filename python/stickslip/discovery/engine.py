@@ -17,7 +17,7 @@ from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.readings import Chain, Learned, read, states_read
 from stickslip.discovery.unknowns import Hypothesis
-from stickslip.discovery.window import STATES, Window, window_penalties
+from stickslip.discovery.window import STATES, Window, by_free, window_penalties
 from stickslip.lowering import SLOTS, WIDTH, lower
 
 Floats = NDArray[np.float64]
@@ -141,7 +141,7 @@ class Engine:
         initial = np.stack([w.state for w in windows]) if states is None else states
         lengths = np.array([w.stop - w.start for w in windows])
         offset = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
-        n, kept = int(offset[-1]), self.kept if columns else self.kept[:0]
+        n, kept = int(offset[-1]), self.kept
         sane = np.asarray(np.isfinite(numbers).all(axis=1))
         ok = np.isfinite(initial).all(axis=1) & sane[[w.run for w in windows]]
         out = Simulated(offset, np.zeros((n, STATES)), {}, np.zeros(n, dtype=np.int8), np.zeros_like(ok))
@@ -228,10 +228,7 @@ class Engine:
     ) -> list[Block | None]:
         """r, J and K of each window, None where it cannot be simulated; J has no columns with `own_only`."""
         out: list[Block | None] = [None] * len(windows)
-        kinds: dict[tuple[int, ...], list[int]] = {}
-        for i, w in enumerate(windows):
-            kinds.setdefault(w.free, []).append(i)
-        for free, at in kinds.items():
+        for free, at in by_free(windows).items():
             some = [windows[i] for i in at]
             found = self._linearised(vector, some, free, None if states is None else states[at], own_only)
             for i, block in zip(at, found, strict=True):

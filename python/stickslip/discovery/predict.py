@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import ATOL, RTOL, Engine
-from stickslip.discovery.readings import Learned, read
+from stickslip.discovery.readings import Learned, no_slopes, read
 from stickslip.discovery.relax import relaxed
 from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
@@ -152,7 +152,8 @@ class Forecaster:
         state = np.asarray(raw["state"])
         if len(state) != len(t):
             raise StickslipError("the model's run stopped before the horizon; its numbers make it ill-posed")
-        chain = read(t, state, {}, (), p, self.run.belt_speed, self.run.readings.shape[1], self.learned)
+        channels = self.run.readings.shape[1]
+        chain = read(t, state, no_slopes(len(t)), (), p, self.run.belt_speed, channels, self.learned)
         return Prediction(t, chain.values, state, np.asarray(raw["mode"]))
 
     def forecast(self, stop: int, future: Floats) -> Prediction:

@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.discovery.window import STATES
 from stickslip.effects import Effect, Tabulated, tabulated
 from stickslip.model import Model
 
@@ -78,6 +79,28 @@ class Chain:
 Slopes = Mapping[int, Floats]  # of a state by its index, (n, k)
 
 
+def no_slopes(n: int) -> Slopes:
+    """Slopes without columns, for readings alone."""
+    return dict.fromkeys(range(STATES), np.empty((n, 0)))
+
+
+@dataclass
+class _Samples:
+    """What the chain reads: times (n,), states (n, 9), their slopes, parameters by name; and the chain it fills."""
+
+    t: Floats
+    state: Floats
+    slopes: Slopes
+    p: Mapping[str, float]
+    names: tuple[str, ...]
+    out: Chain
+
+    def add(self, channel: int, name: str, slope: Floats) -> None:
+        """Add to the derivative of a channel with respect to a parameter, if that is asked for."""
+        if name in self.names:
+            self.out.slopes[:, channel, self.names.index(name)] += slope
+
+
 def states_read(known: Collection[str], channels: int, learned: tuple[Learned, ...] = ()) -> list[int]:
     """States whose sensitivities the chain of effects with the `known` parameters needs."""
     needed = {_COLUMN[one.variable] for one in learned if one.variable != "t"}
@@ -104,60 +127,47 @@ def read(
     each from its `offset` on, so that a delay does not look from one into the next.
     """
     out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
-    where = {name: i for i, name in enumerate(names)}
-    if not names:
-        sensitivity = {k: np.empty((len(t), 0)) for k in range(9)}
-    _read_x1(t, state, sensitivity, where, p, out)
-    _read_y1(t, state, sensitivity, where, p, out, np.array([0, len(t)]) if offset is None else offset)
+    samples = _Samples(t, state, sensitivity, p, names, out)
+    _read_x1(samples)
+    _read_y1(samples, np.array([0, len(t)]) if offset is None else offset)
     if channels == 3:
-        _read_belt(t, state, sensitivity, where, p, belt_speed, out)
+        _read_belt(samples, belt_speed)
     for curve in learned:
-        _add_curve(curve, t, state, sensitivity, where, p, out)
+        _add_curve(samples, curve)
     return out
 
 
-def _read_x1(
-    t: Floats, state: Floats, sens: Slopes, where: Mapping[str, int], p: Mapping[str, float], out: Chain
-) -> None:
-    if "sensor_lag.tau" in p:
-        out.values[:, 0] = state[:, M]
-        out.slopes[:, 0] = sens[M]
+def _read_x1(s: _Samples) -> None:
+    if "sensor_lag.tau" in s.p:
+        s.out.values[:, 0] = s.state[:, M]
+        s.out.slopes[:, 0] = s.slopes[M]
     else:
-        c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
-        x, y = state[:, 0], state[:, 2]
-        out.values[:, 0] = x + c * y + q * x**2 if c or q else x
-        out.slopes[:, 0] = sens[0] * (1 + 2 * q * x)[:, None] + c * sens[2] if c or q else sens[0]
-        if "sensor_crosstalk.c" in where:
-            out.slopes[:, 0, where["sensor_crosstalk.c"]] += y
-        if "sensor_nonlinearity.q" in where:
-            out.slopes[:, 0, where["sensor_nonlinearity.q"]] += x**2
-    if "sensor_drift.r" in p:
-        out.values[:, 0] += p["sensor_drift.r"] * t
-        if "sensor_drift.r" in where:
-            out.slopes[:, 0, where["sensor_drift.r"]] += t
+        c, q = s.p.get("sensor_crosstalk.c", 0.0), s.p.get("sensor_nonlinearity.q", 0.0)
+        x, y = s.state[:, 0], s.state[:, 2]
+        s.out.values[:, 0] = x + c * y + q * x**2 if c or q else x
+        s.out.slopes[:, 0] = (
+            s.slopes[0] * (1 + 2 * q * x)[:, None] + c * s.slopes[2] if c or q else s.slopes[0]
+        )
+        s.add(0, "sensor_crosstalk.c", y)
+        s.add(0, "sensor_nonlinearity.q", x**2)
+    if "sensor_drift.r" in s.p:
+        s.out.values[:, 0] += s.p["sensor_drift.r"] * s.t
+        s.add(0, "sensor_drift.r", s.t)
 
 
-def _read_y1(
-    t: Floats,
-    state: Floats,
-    sens: Slopes,
-    where: Mapping[str, int],
-    p: Mapping[str, float],
-    out: Chain,
-    offset: NDArray[np.int64],
-) -> None:
-    if "sensor_delay.delay" not in p:
-        out.values[:, 1] = state[:, 2]
-        out.slopes[:, 1] = sens[2]
+def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
+    if "sensor_delay.delay" not in s.p:
+        s.out.values[:, 1] = s.state[:, 2]
+        s.out.slopes[:, 1] = s.slopes[2]
         return
+    passed = np.empty(len(s.t))
     for a, b in itertools.pairwise(offset.tolist()):
-        weights, rates = _late(t[a:b], p["sensor_delay.delay"])
-        y1, y2 = state[a:b, 2], state[a:b, 3]
-        out.values[a:b, 1] = weights.apply(y1, y2)
-        if where:
-            out.slopes[a:b, 1] = weights.apply(sens[2][a:b], sens[3][a:b])
-        if "sensor_delay.delay" in where:
-            out.slopes[a:b, 1, where["sensor_delay.delay"]] -= rates.apply(y1, y2)
+        weights, rates = _late(s.t[a:b], s.p["sensor_delay.delay"])
+        y1, y2 = s.state[a:b, 2], s.state[a:b, 3]
+        s.out.values[a:b, 1] = weights.apply(y1, y2)
+        s.out.slopes[a:b, 1] = weights.apply(s.slopes[2][a:b], s.slopes[3][a:b])
+        passed[a:b] = rates.apply(y1, y2)
+    s.add(1, "sensor_delay.delay", -passed)
 
 
 @dataclass
@@ -197,50 +207,32 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
     return _Gather(left, w), _Gather(left, r)
 
 
-def _read_belt(
-    t: Floats,
-    state: Floats,
-    sens: Slopes,
-    where: Mapping[str, int],
-    p: Mapping[str, float],
-    v_b: float,
-    out: Chain,
-) -> None:
-    out.values[:, 2] = v_b + state[:, B]
-    out.slopes[:, 2] = sens[B]
-    if "belt_speed_ripple.a" not in p:
+def _read_belt(s: _Samples, v_b: float) -> None:
+    s.out.values[:, 2] = v_b + s.state[:, B]
+    s.out.slopes[:, 2] = s.slopes[B]
+    if "belt_speed_ripple.a" not in s.p:
         return
-    a, w, phi = (p[f"belt_speed_ripple.{key}"] for key in ("a", "w", "phi"))
-    sine, cosine = np.sin(w * t + phi), np.cos(w * t + phi)
-    out.values[:, 2] += v_b * a * sine
-    for key, slope in (("a", sine), ("w", a * t * cosine), ("phi", a * cosine)):
-        if f"belt_speed_ripple.{key}" in where:
-            out.slopes[:, 2, where[f"belt_speed_ripple.{key}"]] += v_b * slope
+    a, w, phi = (s.p[f"belt_speed_ripple.{key}"] for key in ("a", "w", "phi"))
+    sine, cosine = np.sin(w * s.t + phi), np.cos(w * s.t + phi)
+    s.out.values[:, 2] += v_b * a * sine
+    for key, slope in (("a", sine), ("w", a * s.t * cosine), ("phi", a * cosine)):
+        s.add(2, f"belt_speed_ripple.{key}", v_b * slope)
 
 
-def _add_curve(
-    curve: Learned,
-    t: Floats,
-    state: Floats,
-    sens: Slopes,
-    where: Mapping[str, int],
-    p: Mapping[str, float],
-    out: Chain,
-) -> None:
+def _add_curve(s: _Samples, curve: Learned) -> None:
     channel = _CHANNEL[curve.channel]
-    if channel >= out.values.shape[1]:
+    if channel >= s.out.values.shape[1]:
         return
     names = [f"{curve.name}.value_{i}" for i in range(len(curve.knots))]
-    values = np.array([p[name] for name in names])
-    x = t if curve.variable == "t" else state[:, _COLUMN[curve.variable]]
+    values = np.array([s.p[name] for name in names])
+    x = s.t if curve.variable == "t" else s.state[:, _COLUMN[curve.variable]]
     basis = curve.basis(x)
-    out.values[:, channel] += basis @ values
-    if curve.variable != "t" and where:
+    s.out.values[:, channel] += basis @ values
+    if curve.variable != "t":
         rate = curve.basis(x, 1) @ values
-        out.slopes[:, channel] += rate[:, None] * sens[_COLUMN[curve.variable]]
+        s.out.slopes[:, channel] += rate[:, None] * s.slopes[_COLUMN[curve.variable]]
     for i, name in enumerate(names):
-        if name in where:
-            out.slopes[:, channel, where[name]] += basis[:, i]
+        s.add(channel, name, basis[:, i])
 
 
 def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:

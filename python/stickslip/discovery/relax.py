@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Block, Engine
-from stickslip.discovery.window import Window, with_state
+from stickslip.discovery.window import Window, by_free, with_state
 
 Floats = NDArray[np.float64]
 OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew
@@ -75,10 +75,7 @@ def sought(
 ) -> tuple[list[Window], Floats]:
     """The windows with their own states improved by a few Levenberg-Marquardt steps, and their costs (w,)."""
     out, costs = list(windows), np.full(len(windows), np.inf)
-    kinds: dict[tuple[int, ...], list[int]] = {}
-    for i, w in enumerate(windows):
-        kinds.setdefault(w.free, []).append(i)
-    for free, at in kinds.items():
+    for free, at in by_free(windows).items():
         states, costs[at] = _sought(engine, vector, [windows[i] for i in at], list(free), steps)
         for i, state in zip(at, states, strict=True):
             out[i] = with_state(windows[i], state)
@@ -112,9 +109,8 @@ def _sought(
             at = going[left]
             add = damping[at, None] * size[left] + 1e-9 * size[left].sum(axis=1, keepdims=True) + 1e-300
             trial = states[at]
-            trial[:, free] += np.linalg.solve(C[left] + add[:, :, None] * np.eye(q), g[left, :, None])[
-                :, :, 0
-            ]
+            step = np.linalg.solve(C[left] + add[:, :, None] * np.eye(q), g[left, :, None])
+            trial[:, free] += step[:, :, 0]
             some = [windows[i] for i in at.tolist()]
             new = np.sum((centre[at] - trial[:, free]) ** 2 * hold[at], axis=1)
             new += engine.chi2(vector, some, trial)

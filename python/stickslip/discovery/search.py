@@ -26,9 +26,7 @@ CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
 ALMOST = 1.5  # and below which it is worth two more turns
 TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
-BESIDE = (
-    1.03  # of a hopeless cost: a fit that stalls within that of it stands where it began, windows and all
-)
+BESIDE = 1.03  # of a hopeless cost: a fit that stalls within that stands where it began, windows and all
 SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
 MORE = 6  # times that a fit goes on while it still falls fast
 

@@ -34,6 +34,14 @@ class Window:
     contact: int = AUTO
 
 
+def by_free(windows: Sequence[Window]) -> dict[tuple[int, ...], list[int]]:
+    """Indices of the windows that have the same free states."""
+    kinds: dict[tuple[int, ...], list[int]] = {}
+    for i, w in enumerate(windows):
+        kinds.setdefault(w.free, []).append(i)
+    return kinds
+
+
 def window_penalties(windows: Sequence[Window]) -> Floats:
     """Prior of each window's own free states, (w,); what is not free has an infinite spread."""
     if not windows:
