@@ -146,7 +146,10 @@ def test_a_stuck_name_is_fitted_from_where_a_curve_has_the_windows():
     stuck = search.run(hypothesis(search.model, [name]), cycles=SHORT, iterations=1, rounds=0)
     assert stuck is not None
     assert stuck.excess > 10 * CLEAN
+    run, lent = search.run, []
+    search.run = lambda *given, **named: lent.append(named["windows_of"]) or run(*given, **named)
     best = beside(search, [stuck, null], curve)
+    assert lent == [curve]
     assert [one.names for one in best] == [("block_viscous_damping",), ()]
     assert best[0].excess < CLEAN
     assert search.tried[best[0].names] is best[0]
