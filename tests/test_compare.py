@@ -158,6 +158,37 @@ def test_small_slips_between_large_ones_do_not_halve_the_period(tmp_path):
     np.testing.assert_allclose(marked, releases[::2], atol=0.15)
 
 
+@pytest.mark.parametrize(("shown", "counts"), [(0.3, False), (3.3, True)])
+def test_a_slip_cut_off_by_the_end_counts_if_enough_of_it_is_seen(shown, counts):
+    t, x, releases, _ = coulomb_record([STATIC] * 6, [KINETIC] * 6, V, 0.01)
+    n = int(np.searchsorted(t, releases[-1] + shown))
+    x = x[:n] + 3e-4 * np.random.default_rng(0).standard_normal(n)
+    kept = dominant(track(t[:n], x, belt_speed=V, noise=3e-4, period=2 * np.pi))
+    assert (kept.slips, kept.left_out) == (5, 0)
+    assert len(cycles(kept.track).period) == 4 + counts
+    np.testing.assert_allclose(cycles(kept.track).period, SLIP + STICK, atol=0.05)
+
+
+def test_the_amplitude_of_a_cycle_is_its_own_slip():
+    sizes = (1.0, 0.5), (0.66, 0.5)  # large and small in turn, all of them counted
+    t, x, *_ = coulomb_record([sizes[0][0], sizes[1][0]] * 5, [sizes[0][1], sizes[1][1]] * 5, 0.02, 0.02)
+    x = x + 1e-4 * np.random.default_rng(0).standard_normal(len(t))
+    seen = cycles(dominant(track(t, x, belt_speed=0.02, noise=1e-4, period=2 * np.pi)).track)
+    np.testing.assert_allclose(seen.amplitude[::2], 2 * np.hypot(0.5, 0.02), atol=0.01)
+    np.testing.assert_allclose(seen.amplitude[1::2], 2 * np.hypot(0.16, 0.02), atol=0.01)
+
+
+def test_a_block_that_comes_to_rest_on_a_belt_that_stands_still_is_seen_to_stick(tmp_path):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=0.3, kinetic=0.25))
+    t = np.arange(0, 60, 0.01)
+    run = ss.simulate(model, belt_speed=0.0, initial=(1.7, 0), t_end=60, t_eval=t)
+    resting = 1 - run.transitions.t[-1] / 60
+    assert 0.5 < resting < 0.9
+    c = ss.compare(model, recording(tmp_path, ss.BlockOnBelt(), t, run.state[:, 0], None, 0.0, "decay", 1e-9))
+    assert c.row("stick fraction").measured == pytest.approx(resting, abs=0.02)
+    assert c.row("stick fraction").simulated == pytest.approx(resting, abs=0.02)
+
+
 def test_many_tiny_slips_do_not_change_what_is_typical():
     assert typical(np.array([1.0, 1.1, 0.9, *[0.001] * 500])) >= 0.9
     assert typical(np.array([2.0])) == 2.0

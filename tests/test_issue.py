@@ -49,6 +49,30 @@ def test_return_to_the_belt_at_the_other_static_limit_is_no_chatter(tolerance):
         assert len(run.kinks) == 0
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "x1"), [(1.0, 5.940000000000007), (4.0, 1.4850000000000017), (4.0, -0.907500000000001)]
+)
+@pytest.mark.parametrize("effects", [[], [ss.effect("block_viscous_damping", c=0.1)]])
+def test_a_block_that_stands_on_its_static_limit_stays(stiffness, x1, effects):
+    """Where the belt stands still the demand is constant, to the last digit on the limit: nothing moves."""
+    rig = ss.BlockOnBelt(stiffness=stiffness)
+    model = ss.Model(rig, friction=ss.PaperFriction(), effects=effects)
+    run = ss.simulate(model, belt_speed=0, initial=(x1, 0), t_end=100)
+    assert run.status.ok
+    assert len(run.transitions.t) == 0
+    assert run.state[-1].tolist() == [x1, 0]
+    over = {"initial.x1": np.full(9, x1)}
+    swept = ss.sweep(model, over, belt_speed=0, initial=(x1, 0), t_end=100, after=10)
+    np.testing.assert_allclose(swept["stick_fraction"], 1, rtol=1e-12)
+
+
+def test_a_block_pushed_off_its_static_limit_goes():
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.PaperFriction())
+    run = ss.simulate(model, belt_speed=0.0, initial=(5.94 * (1 + 1e-11), 0), t_end=100)
+    assert run.transitions.after[0] != 0 or run.mode[0] != 0
+    assert abs(run.state[-1, 0]) < 5.9
+
+
 def test_a_periodic_table_is_a_periodic_spline():
     knots, values = [0, 1, 2.5, 3, 4], [0, 2, 1, 0.5, 0]
     term = ss.tabulated("block", "t", knots, values, period=4.0)

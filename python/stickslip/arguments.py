@@ -115,6 +115,8 @@ def vector(key: str, values: object, what: str) -> NDArray[np.float64]:
         array = np.asarray(values)
         if array.dtype.kind not in "iufO":
             raise TypeError
+        if array.dtype.kind == "O" and array.ndim == 0:
+            raise InputError(f"must be {what}, not {_kind(values)}", key=key)
         if array.ndim != 1:
             raise InputError(f"must be {what}, has shape {array.shape}", key=key)
         if array.dtype.kind == "O" and any(isinstance(one, (str, bytes, bool)) for one in array):
@@ -132,6 +134,8 @@ def whole_number(key: str, value: object, *, least: int = 1, most: int = 10**15)
     """Return a whole number within bounds."""
     if type(value) is int and least <= value <= most:
         return value
+    if isinstance(value, (bool, np.bool_)):
+        raise InputError("must be a whole number", key=key, value=value)
     size = number(key, value, least=least, most=most)  # type: ignore[arg-type]  # `number` looks
     if size != int(size):
         raise InputError("must be a whole number", key=key, value=value)

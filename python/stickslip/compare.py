@@ -239,7 +239,7 @@ def _cycle_rows(measured_: Dominant, simulated: Dominant, recording: Recording) 
             x,
             theirs.amplitude,
             mine.amplitude,
-            "range of x1 in a cycle",
+            "range of x1 from release to capture",
         ),
         ("largest slip speed", unit, abs(v), theirs.speed, mine.speed, "of |v_w| in a cycle"),
     )
@@ -310,7 +310,7 @@ def replace_track(run: Measured, x: Array) -> segments.Track:
         noise=run.noise[0],
         period=np.inf,
         width=run.track.width,
-        tolerance=run.track.threshold / abs(run.belt_speed or np.inf),
+        threshold=run.track.threshold,
     )
 
 

@@ -49,6 +49,8 @@ class Dominant:
 def dominant(track: Track, share: float = SHARE) -> Dominant:
     """Leave out the slips smaller than a share of the typical one.
 
+    A slip that the record's end cuts off counts if what is seen of it is large enough.
+
     The size of a slip is the range of the displacement from release to capture, what the eye sees of it. The typical
     size is the median weighted by size: half of all slipping is done in slips at least as large, so that it does not
     depend on how many tiny ones there are.
@@ -63,16 +65,17 @@ def dominant(track: Track, share: float = SHARE) -> Dominant:
     -------
     Dominant
     """
-    found = _between_sticks(track)
-    if not found:
+    found = _slips(track)
+    whole = [slip for slip in found if slip.stop < len(track.x)]
+    if not whole:
         return Dominant(track, 0, 0)
-    sizes = np.array([np.ptp(track.x[slip.start : slip.stop + 1]) for slip in found])
-    least = share * typical(sizes)
-    small = [slip for slip, size in zip(found, sizes, strict=True) if size < least]
+    least = share * typical(np.array([_size(track, slip) for slip in whole]))
+    small = [slip for slip in found if _size(track, slip) < least]
     mode = track.mode.copy()
     for slip in small:
         mode[slip] = 0
-    return Dominant(replace(track, mode=mode, segments=runs(mode)), len(found), len(small))
+    left_out = sum(slip in small for slip in whole)
+    return Dominant(replace(track, mode=mode, segments=runs(mode)), len(whole), left_out)
 
 
 def typical(sizes: Array) -> float:
@@ -84,18 +87,24 @@ def typical(sizes: Array) -> float:
 
 def cycles(track: Track) -> Cycles:
     """Period, stick time, slip amplitude and largest slip speed of every cycle from release to release."""
-    releases = [i for i, s in enumerate(track.segments[1:], 1) if s.mode and not track.segments[i - 1].mode]
     period, stick, amplitude, speed = [], [], [], []
-    for a, b in pairwise(releases):
-        part = slice(track.segments[a].start, track.segments[b].start)
-        x = track.x[part]
+    for a, b in pairwise(_slips(track)):
+        part = slice(a.start, b.start)
         period.append(track.t[part.stop] - track.t[part.start])
         stick.append(float(np.mean(track.mode[part] == 0)))
-        amplitude.append(float(x.max() - x.min()))
+        amplitude.append(_size(track, a))
         speed.append(float(np.max(np.abs(track.v[part] - track.belt_speed))))
     return Cycles(*(np.array(v, dtype=float) for v in (period, stick, amplitude, speed)))
 
 
-def _between_sticks(track: Track) -> list[slice]:
-    """Samples of the slips, either way and both ways without a stick between, from a stick to a stick."""
-    return [slice(a.stop, b.start) for a, b in pairwise(track.sticks)]
+def _slips(track: Track) -> list[slice]:
+    """Samples of the slips that begin after a stick; a stick ends each, but the record's end may cut the last off."""
+    sticks = track.sticks
+    ends = [*(b.start for b in sticks[1:]), len(track.x)]
+    slips = [slice(a.stop, end) for a, end in zip(sticks, ends, strict=False)]
+    return [slip for slip in slips if slip.start < slip.stop]
+
+
+def _size(track: Track, slip: slice) -> float:
+    """Range of the displacement from release to capture."""
+    return float(np.ptp(track.x[slip.start : slip.stop + 1]))

@@ -118,6 +118,7 @@ def track(
     period: float,
     width: int | None = None,
     tolerance: float = 0.05,
+    threshold: float | None = None,
 ) -> Track:
     """Modes and velocity of one displacement record.
 
@@ -134,7 +135,10 @@ def track(
     width : int, optional
         Samples of the local quadratic; chosen from the noise if absent.
     tolerance : float
-        Share of the belt speed by which a stick may be off it: belts ripple, and real contacts creep.
+        Share of the belt speed (of the typical speed, where the belt stands still) by which a stick may be off it:
+        belts ripple, and real contacts creep.
+    threshold : float, optional
+        |v - v_b| below which a sample can be stick; from the noise and `tolerance` if absent.
 
     Returns
     -------
@@ -154,7 +158,8 @@ def track(
     filled = np.interp(t, t[good], x[good])
     smooth = scipy.signal.savgol_filter(filled, n, 2)
     v = scipy.signal.savgol_filter(filled, n, 2, deriv=1, delta=dt)
-    threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * abs(belt_speed))
+    if threshold is None:
+        threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * reference)
     stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
     mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))
     return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)

@@ -104,7 +104,27 @@ unsigned suspects(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, co
   const Vec end = c0 + c1 * h.v, end1 = c1 + c2;
   const Vec free = (c0 < end ? c0 : end) - rest.v;
   const Vec left = (c1 < end1 ? c1 : end1) * h.v - rest.v + (c2 < 0 ? -c2 : c2) * h.v;
-  return mask_of<W>((b.standing(side) ? left : free) <= 0) & b.busy;
+  const Vec moves = (c1 < 0 ? -c1 : c1) * h.v + rest.v;
+  return mask_of<W>(b.standing(side) ? (left <= 0) & (moves > watch.rounding.v) : free <= 0) & b.busy;
+}
+
+template <int W>
+Side side_of(const Batch<W>& b, int i) {
+  return b.on_lower[i] != 0 ? Side::lower : b.on_upper[i] != 0 ? Side::upper : Side::none;
+}
+
+// A step on, a lane stands on no surface any more, unless it has not moved away from it.
+template <int W>
+void leave_surfaces(Batch<W>& b, const Lanes<W>& h) {
+  using Bits = typename Lanes<W>::Bits;
+  const Watch<Lanes<W>>& watch = b.piece.watch[0];
+  if (b.mode.contact == 0 && mask_of<W>(b.on_lower | b.on_upper) != 0) {
+    const Lanes<W> q = evaluate(watch.c, linear_order, h);
+    b.on_lower &= abs(q - watch.lo).v <= watch.rounding.v;
+    b.on_upper &= abs(q - watch.hi).v <= watch.rounding.v;
+  } else {
+    b.on_lower = b.on_upper = Bits{};
+  }
 }
 
 // The first exit of lane i through `side` within h, located as the scalar kernel does.

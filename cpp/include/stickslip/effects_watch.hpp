@@ -13,6 +13,7 @@ Watch<T>& watch_series(Piece<T>& piece, WatchId id, const T* c, double sign, int
   Watch<T>& w = piece.watch[piece.watches++];
   w.id = id;
   w.has_lo = w.has_hi = false;
+  w.rounding = Real<T>(0.0);
   w.c = out;
   return w;
 }
@@ -40,6 +41,7 @@ void watch_contact_effects(const System<T>& sys, const Mode& mode, int order, Pi
     }
     above(upper, T(0.0));
     above(lower, T(0.0));
+    upper.rounding = lower.rounding = value(up[0] + down[0]) * limit_rounding;
     return;
   }
   above(watch_series(piece, watch_contact, fx.v, mode.contact, order), T(0.0));

@@ -117,14 +117,14 @@ struct Ensemble {
   void finish_step(Batch<W>& b, const Lanes<W>& h, unsigned events, const Side* through, bool all) {
     b.steps += Lanes<W>(1.0);
     if (b.mode.contact == 0) b.stick += h;
-    b.on_lower = b.on_upper = typename Lanes<W>::Bits{};
+    leave_surfaces(b, h);
     const unsigned going =
         mask_of<W>((b.s.t.v < b.limit.v) & (h.v > 0) & (b.steps.v < static_cast<double>(q.max_steps)));
     for (unsigned left = (all ? b.busy : events | ~going) & b.busy; left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
       Member* m = b.member[i];
       const bool event = (events >> i & 1u) != 0;
-      m->side = Side::none;
+      m->side = side_of(b, i);
       leave(b, i);
       if (event && !change(q, *m, through[i])) {
         done(*m, Outcome::too_many_transitions);

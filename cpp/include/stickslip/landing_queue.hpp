@@ -36,7 +36,7 @@ struct Line {
 template <int W>
 void defer(Batch<W>& b, int i, Line<W>& landing) {
   Member* m = b.member[i];
-  m->side = b.on_lower[i] != 0 ? Side::lower : b.on_upper[i] != 0 ? Side::upper : Side::none;
+  m->side = side_of(b, i);
   leave(b, i);
   landing.add(*m);
 }

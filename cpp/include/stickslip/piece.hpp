@@ -56,6 +56,7 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
   Watch<T>& watch = piece.watch[0];
   piece.watches = 1;
   watch.id = watch_contact;
+  watch.rounding = Real<T>(0.0);
   watch.has_lo = watch.has_hi = true;
   linear_step = sys.line_step;
   if (mode.contact == 0) {
@@ -64,6 +65,7 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
     watch.c = piece.q;
     watch.lo = -sys.plus.static_limit;
     watch.hi = sys.minus.static_limit;
+    watch.rounding = value(watch.hi - watch.lo) * limit_rounding;
     return linear_order;
   }
   const Branch<T>& b = branch_of(sys, mode.contact);
@@ -100,7 +102,6 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
 
 // The block has come to rest on the belt with the given margins of q to the static limits: does it stay? On a limit, to
 // rounding, it does, and then stands on that surface: where q goes next decides, not the last digit.
-constexpr double limit_rounding = 1e-13;
 inline int contact_at_rest(double upper_margin, double lower_margin, double limit, Side& stands) {
   stands = Side::none;
   if (upper_margin < -limit_rounding * limit) return -1;

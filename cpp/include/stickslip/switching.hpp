@@ -20,10 +20,14 @@ enum WatchId : int {
   watch_count
 };
 
+// A force this near to a static limit, as a share of what the contact holds, is on it.
+constexpr double limit_rounding = 1e-13;
+
 template <class T>
 struct Watch {
   const T* c;  // coefficients, kept elsewhere in the piece
   T lo, hi;
+  Real<T> rounding{};  // differences of c below this are rounding: who stands on a bound and moves less, stays on it
   bool has_lo = false, has_hi = false;
   int id = watch_contact;
 };
@@ -87,11 +91,20 @@ bool surely_inside(const Watch<T>& watch, Side side, bool leaving, const Real<T>
   if (leaving) {
     const R quadratic = value(watch.c[2]) * h;
     const R c1 = sign * value(watch.c[1]), end = c1 + sign * quadratic;
+    if (magnitude(c1) * h + rest <= watch.rounding) return true;
     return (c1 < end ? c1 : end) * h > rest - magnitude(quadratic) * h;
   }
   const R c0 = sign * (value(watch.c[0]) - value(side == Side::lower ? watch.lo : watch.hi));
   const R end = c0 + sign * value(watch.c[1]) * h;
   return (c0 < end ? c0 : end) > rest;
+}
+
+// Does a trajectory that stands on a bound stand on it still, h later?
+template <class T>
+bool still_on(const Watch<T>& watch, Side side, int order, const Real<T>& h) {
+  if (side == Side::none || watch.rounding == 0) return false;
+  const T& bound = side == Side::lower ? watch.lo : watch.hi;
+  return magnitude(value(evaluate(watch.c, order, h)) - value(bound)) <= watch.rounding;
 }
 
 // sum over k >= 2 of |c_k| h^k; even and odd powers in chains of their own.

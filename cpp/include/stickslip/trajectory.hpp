@@ -73,7 +73,7 @@ struct Machine {
       observe(*this, h, order, last && !exit.found);
       advance(dt, order);
       if (!finite()) return finish(Outcome::not_finite);
-      for (Side& side : on) side = Side::none;
+      leave_surfaces(h, order, exit.found);
       if (exit.found) {
         const Mode before = mode;
         change_mode(sys, s, mode, on, piece.watch[exit.watch].id, exit.side, piece);
@@ -103,6 +103,15 @@ struct Machine {
     R sum = value(s.t);
     for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
     return std::isfinite(sum);
+  }
+  // A step on, it stands on no surface any more, unless it has not moved away from it.
+  void leave_surfaces(const R& h, int order, bool changes) {
+    Side next[watch_count] = {};
+    for (int w = 0; w < piece.watches && !changes; ++w) {
+      const int id = piece.watch[w].id;
+      if (still_on(piece.watch[w], on[id], order, h)) next[id] = on[id];
+    }
+    for (int id = 0; id < watch_count; ++id) on[id] = next[id];
   }
   bool chattering() {
     const long n = summary.transitions + summary.kinks;
