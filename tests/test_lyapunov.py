@@ -21,6 +21,20 @@ def chaotic():
     return ss.Model(ss.BlockOnBelt(), friction=law, effects=[forcing])
 
 
+def feeny_and_moon():
+    """The forced block of Feeny and Moon (1994): x'' + x + n(x) sgn x' = 1.9 cos 1.25 t, n = max(0, 1 + 1.5 x)."""
+    load = ss.tabulated("contact", "x1", [-1 / 1.5, 10], [-1, 15])
+    forcing = ss.effect("harmonic_forcing", a=1.9, w=1.25, phi=np.pi / 2)
+    law = ss.CoulombFriction(static=1, kinetic=1)
+    return ss.Model(ss.BlockOnBelt(), friction=law, effects=[load, forcing])
+
+
+CHAOTIC = [
+    pytest.param(chaotic(), 1.0, W, id="Popp and Stelter"),
+    pytest.param(feeny_and_moon(), 0.0, 1.25, id="Feeny and Moon"),
+]
+
+
 def test_damped_sliding_in_closed_form():
     model = ss.Model(ss.BlockOnBelt(damping=0.2), friction=ss.CoulombFriction())
     found = lyapunov(model, belt_speed=10.0, initial=(0.6, 0.1), t_end=500)
@@ -41,42 +55,53 @@ def test_on_a_cycle_the_exponents_are_those_of_its_multipliers():
     assert found.dimension == pytest.approx(1.0)
 
 
-def disturbed(model, z, direction, period, size=1e-6):
+def disturbed(model, belt_speed, z, direction, period, size=1e-6):
     """The reference's change of state after a period, per unit of disturbance along `direction`."""
     up, down = (
-        reference.simulate(model, belt_speed=1.0, initial=z + s * size * direction, t_end=period, tol=1e-12)
+        reference.simulate(
+            model, belt_speed=belt_speed, initial=z + s * size * direction, t_end=period, tol=1e-12
+        )
         for s in (1, -1)
     )
     return (up.state[-1] - down.state[-1]) / (2 * size)
 
 
-def test_chaos_of_popp_and_stelters_block_against_disturbed_runs_of_the_reference():
-    model, period, periods = chaotic(), 2 * np.pi / W, 40
+@pytest.mark.parametrize(("model", "belt_speed", "w"), CHAOTIC)
+def test_chaos_of_published_oscillators_against_disturbed_runs_of_the_reference(model, belt_speed, w):
+    period, periods = 2 * np.pi / w, 20
     wait = 300 * period
-    ours = lyapunov(model, belt_speed=1.0, t_end=wait + (20.5 + periods) * period, transient=wait)
-    # each period anew from the core's state, since two programs left alone drift apart in chaos
-    z = ss.simulate(model, belt_speed=1.0, t_end=wait, t_eval=[wait], rtol=1e-11, atol=1e-11).state[0]
+    ours = lyapunov(model, belt_speed=belt_speed, t_end=wait + 60.5 * period, transient=wait)
+    # each period anew from the core's state: two programs left alone drift apart, by e^24 in these 40 periods
+    exactly = {"belt_speed": belt_speed, "rtol": 1e-11, "atol": 1e-11}
+    z = ss.simulate(model, t_end=wait, t_eval=[wait], **exactly).state[0]
     direction, growth = np.array([1.0, 0.0]), []
     for k in range(20 + periods):
-        moved = disturbed(model, z, direction, period)
+        moved = disturbed(model, belt_speed, z, direction, period)
         growth.append(np.log(np.linalg.norm(moved)))
         direction = moved / np.linalg.norm(moved)
+        end = wait + (k + 1) * period
         z = ss.simulate(
-            model, belt_speed=1.0, initial=z, t_start=wait + k * period, t_end=wait + (k + 1) * period,
-            t_eval=[wait + (k + 1) * period], rtol=1e-11, atol=1e-11,
-        ).state[0]  # fmt: skip
+            model, initial=z, t_start=wait + k * period, t_end=end, t_eval=[end], **exactly
+        ).state[0]
     theirs = np.cumsum(growth[20:]) / (period * np.arange(1, periods + 1))
-    assert ours.history[:, 0] == pytest.approx(theirs, abs=1e-4)
+    assert ours.history[:periods, 0] == pytest.approx(theirs, abs=1e-4)
     assert ours.exponents[1] == -np.inf
 
 
-def test_chaos_is_told_from_order():
-    period = 2 * np.pi / W
-    found = lyapunov(chaotic(), belt_speed=1.0, t_end=2200 * period, transient=200 * period)
+@pytest.mark.parametrize(
+    ("model", "belt_speed", "w", "exponent"),
+    [(*p.values, b) for p, b in zip(CHAOTIC, (0.0471, 0.1146), strict=True)],
+)
+def test_chaos_is_told_from_order(model, belt_speed, w, exponent):
+    period = 2 * np.pi / w
+    found = lyapunov(model, belt_speed=belt_speed, t_end=5200 * period, transient=200 * period)
     assert found.chaotic
-    assert 0.02 < found.exponents[0] < 0.08
+    assert found.exponents[0] == pytest.approx(exponent, abs=0.005)  # four standard errors
     assert found.history[-1, 0] == pytest.approx(found.exponents[0])
     assert abs(found.history[len(found.t) // 2, 0] - found.exponents[0]) < 6 * found.standard_error[0]
+
+
+def test_a_cycle_is_not_chaotic():
     assert not lyapunov(RIG, belt_speed=0.1, t_end=3000, transient=1000).chaotic
 
 
