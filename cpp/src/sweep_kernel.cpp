@@ -1,7 +1,8 @@
-// Sweeps, compiled once per instruction set: lanes for models without effects, one at a time for the rest.
+// Sweeps, compiled once per instruction set.
 #include <cstddef>
 #include <new>
 
+#include "stickslip/effects_ensemble.hpp"
 #include "stickslip/ensemble.hpp"
 #include "stickslip/kernel.hpp"
 
@@ -20,12 +21,18 @@ struct Alone {
 }  // namespace
 
 std::size_t sweep_workspace() {
-  return sizeof(Ensemble<width>) > sizeof(Alone) ? sizeof(Ensemble<width>) : sizeof(Alone);
+  constexpr std::size_t plain = sizeof(Ensemble<width>), effects = sizeof(EffectEnsemble<width>);
+  return plain > effects ? plain : effects;
 }
 
 void sweep(const SweepRequest& q, void* workspace) {
   if (q.lanes && q.structure->effects == 0) {
     auto* ensemble = new (workspace) Ensemble<width>(q);
+    ensemble->run();
+    return;
+  }
+  if (q.lanes && q.structure->table_period == 0) {  // cycles of a table in t would keep the lanes apart
+    auto* ensemble = new (workspace) EffectEnsemble<width>(q);
     ensemble->run();
     return;
   }

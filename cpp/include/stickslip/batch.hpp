@@ -55,8 +55,8 @@ void enter(Batch<W>& b, int i, Member* m) {
   for (int k = 0; k < 4; ++k) b.s.z[k].set(i, m->s.z[k]);
   b.s.t.set(i, m->s.t);
   b.limit.set(i, m->limit);
-  b.on_lower[i] = m->side == Side::lower ? -1 : 0;
-  b.on_upper[i] = m->side == Side::upper ? -1 : 0;
+  b.on_lower[i] = m->on[watch_contact] == Side::lower ? -1 : 0;
+  b.on_upper[i] = m->on[watch_contact] == Side::upper ? -1 : 0;
   b.stick.set(i, 0.0);
   b.steps.set(i, m->tally.row.steps);
   b.mode = m->mode;
@@ -94,9 +94,10 @@ void fill_idle(Batch<W>& b, int busy) {
   }
 }
 
-// Lanes whose exit through `side` a bound does not exclude, as a mask of bits.
+// Lanes whose exit through `side` a bound does not exclude, as a mask of bits; those in `standing` are leaving the surface.
 template <int W>
-unsigned suspects(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, const Lanes<W>& h, const Lanes<W>& rest) {
+unsigned suspects(const Watch<Lanes<W>>& watch, Side side, const typename Lanes<W>::Bits& standing, const Lanes<W>& h,
+                  const Lanes<W>& rest) {
   using Vec = typename Lanes<W>::Vec;
   const double sign = side == Side::lower ? 1.0 : -1.0;
   const Vec bound = side == Side::lower ? watch.lo.v : watch.hi.v;
@@ -105,7 +106,11 @@ unsigned suspects(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, co
   const Vec free = (c0 < end ? c0 : end) - rest.v;
   const Vec left = (c1 < end1 ? c1 : end1) * h.v - rest.v + (c2 < 0 ? -c2 : c2) * h.v;
   const Vec moves = (c1 < 0 ? -c1 : c1) * h.v + rest.v;
-  return mask_of<W>(b.standing(side) ? (left <= 0) & (moves > watch.rounding.v) : free <= 0) & b.busy;
+  return mask_of<W>(standing ? (left <= 0) & (moves > watch.rounding.v) : free <= 0);
+}
+template <int W>
+unsigned suspects(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, const Lanes<W>& h, const Lanes<W>& rest) {
+  return suspects<W>(watch, side, b.standing(side), h, rest) & b.busy;
 }
 
 template <int W>

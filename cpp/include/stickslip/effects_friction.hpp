@@ -51,12 +51,11 @@ T slip_friction(const System<T>& sys, const Mode& mode, const Series<T>& s, Effe
   if (!has(sys, fx_compliance)) return fx.kinetic[k] * dir;
   const T bristle = p[contact_compliance_k] * fx.z[k] + p[contact_compliance_c] * fx.v[k];
   fx.zv[k] = product(fx.z, fx.v, k) * dir;
-  if (value(fx.kinetic[0]) > 0) {
-    fx.ratio[k] = quotient_next(fx.zv[k], fx.kinetic, fx.ratio, T(1.0) / fx.kinetic[0], k);
-    fx.z[k + 1] = (fx.v[k] - p[contact_compliance_k] * fx.ratio[k]) * inverse<T>(k + 1);
-  } else {  // lifted: the bristles are free
-    fx.z[k + 1] = T(0.0);
-  }
+  const auto pressed = greater(value(fx.kinetic[0]), Real<T>(0.0));  // lifted: the bristles are free
+  const T over = T(1.0) / select(pressed, fx.kinetic[0], T(1.0));
+  fx.ratio[k] = quotient_next(fx.zv[k], fx.kinetic, fx.ratio, over, k);
+  const T grows = (fx.v[k] - p[contact_compliance_k] * fx.ratio[k]) * inverse<T>(k + 1);
+  fx.z[k + 1] = select(pressed, grows, T(0.0));
   return bristle;
 }
 

@@ -23,7 +23,7 @@ void belt_next(const System<T>& sys, EffectSeries<T>& fx, const T& t0, int k) {
 constexpr double creep_reach = 20;
 template <class T>
 bool creeps(const System<T>& sys) {
-  return value(sys.p[pivot_dry_friction_v_c]) > 0;
+  return lane(value(sys.p[pivot_dry_friction_v_c]), 0) > 0;  // lanes that differ in this do not meet
 }
 
 // Force of the pivot's friction on the angle body, coefficient k; not called where it is stuck.

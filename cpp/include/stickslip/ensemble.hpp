@@ -123,21 +123,11 @@ struct Ensemble {
     for (unsigned left = (all ? b.busy : events | ~going) & b.busy; left != 0; left &= left - 1) {
       const int i = __builtin_ctz(left);
       Member* m = b.member[i];
-      const bool event = (events >> i & 1u) != 0;
-      m->side = side_of(b, i);
+      m->on[watch_contact] = side_of(b, i);
       leave(b, i);
-      if (event && !change(q, *m, through[i])) {
-        done(*m, Outcome::too_many_transitions);
-      } else if (!event && !std::isfinite(m->s.z[0] + m->s.z[1] + m->s.z[2] + m->s.z[3])) {
-        done(*m, Outcome::not_finite);
-      } else if (!(m->s.t < m->limit) && m->limit >= q.t_end) {
-        done(*m, Outcome::finished);
-      } else if (m->tally.row.steps >= static_cast<double>(q.max_steps)) {
-        done(*m, Outcome::too_many_steps);
-      } else {
-        if (!(m->s.t < m->limit)) begin_counting(q, *m);
-        waiting.add(*m);
-      }
+      Outcome outcome = Outcome::finished;
+      if ((events >> i & 1u) != 0) outcome = change(q, *m, watch_contact, through[i], scratch);
+      goes_on(q, *m, outcome) ? waiting.add(*m) : done(*m, outcome);
     }
   }
 

@@ -36,7 +36,7 @@ struct Line {
 template <int W>
 void defer(Batch<W>& b, int i, Line<W>& landing) {
   Member* m = b.member[i];
-  m->side = side_of(b, i);
+  m->on[watch_contact] = side_of(b, i);
   leave(b, i);
   landing.add(*m);
 }

@@ -1,6 +1,7 @@
 // One trajectory of a sweep while it is in no batch: how it starts, changes its mode and is reported.
 #pragma once
 
+#include "stickslip/chatter.hpp"
 #include "stickslip/start.hpp"
 #include "stickslip/table.hpp"
 #include "stickslip/tally.hpp"
@@ -12,9 +13,10 @@ struct Member {
   System<double> sys;
   State<double> s;
   Mode mode;
-  Side side;     // of watch_contact, where it has just left the surface
-  double limit;  // time at which it must be looked at: `after`, then t_end
+  Side on[watch_count];  // of the surfaces it has just left
+  double limit;          // time at which it must be looked at: `after`, then t_end
   long index, changes;
+  Chatter<double> chatter;
   Tally tally;
 };
 
@@ -50,10 +52,9 @@ inline void start_member(const SweepRequest& q, const Common& common, Member& m,
   }
   build_rig(m.sys);
   build_table(m.sys);
-  Side on[watch_count] = {};
+  for (Side& side : m.on) side = Side::none;
   m.mode = Mode{};
-  set_modes(m.sys, m.s, m.mode, on, 2, scratch);
-  m.side = on[watch_contact];
+  set_modes(m.sys, m.s, m.mode, m.on, 2, scratch);
   m.changes = 0;
   clear(m.tally);
   m.limit = q.after > 0 ? q.after : q.t_end;
@@ -80,15 +81,30 @@ inline void report(const SweepRequest& q, Member& m, Outcome outcome) {
   q.done(q.context, m.index, row, &m.tally.points[0][0]);
 }
 
-// Changes the mode of a member that has met a surface; false after its last transition.
-inline bool change(const SweepRequest& q, Member& m, Side through) {
-  Side on[watch_count] = {};
+// Changes the mode of a member that has met a surface. Finished: it goes on.
+inline Outcome change(const SweepRequest& q, Member& m, int id, Side through, Piece<double>& scratch) {
+  for (Side& side : m.on) side = Side::none;
   const int before = m.mode.contact;
-  change_plain(m.sys, m.s, m.mode, on, through);
-  m.side = on[watch_contact];
+  change_mode(m.sys, m.s, m.mode, m.on, id, through, scratch);
   if (before != m.mode.contact && m.limit >= q.t_end)
     observe_transition(m.tally, q.points, before, m.mode.contact, m.s.t, m.s.z);
-  return ++m.changes < q.max_transitions;
+  if (m.chatter.sees(++m.changes, m.s.t, natural_frequency(m.sys))) return Outcome::chatter;
+  return m.changes < q.max_transitions ? Outcome::finished : Outcome::too_many_transitions;
+}
+
+// Where a member is after a step: does it go on? Then the outcome is `finished` and its time below its limit.
+inline bool goes_on(const SweepRequest& q, Member& m, Outcome& outcome) {
+  double sum = 0;
+  for (const double z : m.s.z) sum += z;
+  if (!std::isfinite(sum)) outcome = Outcome::not_finite;
+  if (outcome != Outcome::finished) return false;
+  if (!(m.s.t < m.limit) && m.limit >= q.t_end) return false;
+  if (m.tally.row.steps >= static_cast<double>(q.max_steps)) {
+    outcome = Outcome::too_many_steps;
+    return false;
+  }
+  if (!(m.s.t < m.limit)) begin_counting(q, m);
+  return true;
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

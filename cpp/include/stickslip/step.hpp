@@ -38,37 +38,39 @@ Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T
 // grow. With X = sum |a_k| h^k the terms left out are below e^(a_0) X^p/p! (e^X beyond X = p): shorten h until that is
 // allowed.
 template <class T>
-Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Real<T> h, double allowed) {
-  using R = Real<T>;
-  const auto real = [](const R& x) { return static_cast<double>(x); };
-  const double v_s = real(value(sys.p[stribeck_peak_v_s])), u = real(value(fx.u[0]));
-  const double room = std::log(allowed / (std::abs(real(value(sys.p[stribeck_peak_dT] * sys.rig.over_a1))) + 1e-300)) +
-                      u * u / (v_s * v_s);
-  double step = real(h);
-  for (int i = 0; i < 200; ++i, step *= 0.8) {
-    double x = 0;
-    for (int k = order; k >= 1; --k) x = (x + std::abs(real(value(fx.peak_slope[k]))) / k) * step;
-    if ((x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x) <= room) break;
+Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Real<T> h, const Real<T>& allowed) {
+  for (int i = 0; i < lane_count<Real<T>>; ++i) {
+    const auto real = [&](const T& x) { return lane(value(x), i); };
+    const double v_s = real(sys.p[stribeck_peak_v_s]), u = real(fx.u[0]);
+    const double height = std::abs(real(sys.p[stribeck_peak_dT] * sys.rig.over_a1));
+    const double room = std::log(lane(allowed, i) / (height + 1e-300)) + u * u / (v_s * v_s);
+    double step = lane(h, i);
+    for (int tries = 0; tries < 200; ++tries, step *= 0.8) {
+      double x = 0;
+      for (int k = order; k >= 1; --k) x = (x + std::abs(real(fx.peak_slope[k])) / k) * step;
+      if ((x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x) <= room) break;
+    }
+    set_lane(h, i, step);
   }
-  return R(step);
-}
-
-// sum over k >= 1 of |c_k| h^k.
-template <class T>
-Real<T> tail_from(const T* c, int order, const Real<T>& h) {
-  Real<T> sum(0.0);
-  for (int k = order; k >= 1; --k) sum = (sum + magnitude(value(c[k]))) * h;
-  return sum;
+  return h;
 }
 
 // tanh(y2/v_c) has its nearest pole pi/2 beside the real axis, and seen from afar hides as the peak does: y2 may move a
 // share of its distance from there.
 template <class T>
 Real<T> creep_step(const System<T>& sys, const Series<T>& s, int order, Real<T> h) {
-  using R = Real<T>;
-  const R v_c = value(sys.p[pivot_dry_friction_v_c]), y2 = value(s.y2[0]);
-  const R most = square_root(R(y2 * y2 + v_c * v_c * 2.467)) * 0.3;
-  for (int i = 0; i < 200 && tail_from(s.y2, order, h) > most; ++i) h = h * 0.8;
+  for (int i = 0; i < lane_count<Real<T>>; ++i) {
+    const auto real = [&](const T& x) { return lane(value(x), i); };
+    const double v_c = real(sys.p[pivot_dry_friction_v_c]), y2 = real(s.y2[0]);
+    const double most = 0.3 * std::sqrt(y2 * y2 + v_c * v_c * 2.467);
+    double step = lane(h, i);
+    for (int tries = 0; tries < 200; ++tries, step *= 0.8) {
+      double moves = 0;
+      for (int k = order; k >= 1; --k) moves = (moves + std::abs(real(s.y2[k]))) * step;
+      if (moves <= most) break;
+    }
+    set_lane(h, i, step);
+  }
   return h;
 }
 
@@ -96,15 +98,19 @@ void settle_lag(const System<T>& sys, Piece<T>& piece, int order, Real<T>& h, do
   using R = Real<T>;
   EffectSeries<T>& fx = piece.fx;
   const T tau = sys.p[sensor_lag_tau];
-  if (value(tau) > h) {
-    const auto size = [&](int k) { return R(magnitude(value(fx.m[k]))); };
-    h = smallest(h, step_from<T>(size(order), size(order - 1), motion_scale(sys, piece.s), order, rtol, atol));
-    return;
-  }
+  const auto slow = greater(value(tau), h);
+  const auto size = [&](int k) { return R(magnitude(value(fx.m[k]))); };
+  const R limited =
+      smallest(h, step_from<T>(size(order), size(order - 1), motion_scale(sys, piece.s), order, rtol, atol));
+  h = select(slow, limited, h);
   fx.lag_settles = true;
   const T start = fx.m[0];
-  fx.m[order] = fx.reads[order];
-  for (int k = order - 1; k >= 0; --k) fx.m[k] = fx.reads[k] - tau * fx.m[k + 1] * static_cast<double>(k + 1);
+  T follows = fx.reads[order];
+  fx.m[order] = select(slow, fx.m[order], follows);
+  for (int k = order - 1; k >= 0; --k) {
+    follows = fx.reads[k] - tau * follows * static_cast<double>(k + 1);
+    fx.m[k] = select(slow, fx.m[k], follows);
+  }
   fx.lag_rest = start - fx.m[0];
 }
 
@@ -122,7 +128,7 @@ Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piec
   R h = step_from<T>(size(order), size(order - 1), scale, order, rtol, atol);
   if (has(sys, fx_pivot) && creeps(sys) && mode.pivot == 0) h = creep_step(sys, s, order, h);
   if (mode.contact == 0 || !has(sys, fx_peak)) return h;
-  return peak_step(sys, piece.fx, order, h, tolerance_share * (atol + rtol * static_cast<double>(scale)));
+  return peak_step(sys, piece.fx, order, h, R((R(atol) + R(rtol) * scale) * tolerance_share));
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

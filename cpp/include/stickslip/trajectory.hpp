@@ -1,13 +1,10 @@
 // The mode machine: expand a piece, step, watch its switching functions, land, change mode, go on.
 #pragma once
 
+#include "stickslip/chatter.hpp"
 #include "stickslip/start.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-// Accumulation of transitions: this many within `chatter_span` natural time units end the run.
-constexpr int chatter_window = 64;
-constexpr double chatter_span = 1e-9;
 
 struct Options {
   double rtol, atol, t_end;
@@ -32,7 +29,7 @@ struct Machine {
   Piece<T> piece;
   Side on[watch_count] = {};
   Summary summary;
-  R recent[chatter_window] = {};
+  Chatter<R> chatter;
 
   Machine(const System<T>& system, const Options& options) : sys(system), opt(options) {}
 
@@ -80,8 +77,9 @@ struct Machine {
         const bool kink = before.contact == mode.contact;
         ++(kink ? summary.kinks : summary.transitions);
         changed(*this, before, kink);
-        if (chattering()) return finish(Outcome::chatter);
-        if (summary.transitions + summary.kinks >= opt.max_transitions) return finish(Outcome::too_many_transitions);
+        const long changes = summary.transitions + summary.kinks;
+        if (chatter.sees(changes, value(s.t), natural_frequency(sys))) return finish(Outcome::chatter);
+        if (changes >= opt.max_transitions) return finish(Outcome::too_many_transitions);
       }
       stepped(*this);
       if (last && !exit.found) break;
@@ -112,13 +110,6 @@ struct Machine {
       if (still_on(piece.watch[w], on[id], order, h)) next[id] = on[id];
     }
     for (int id = 0; id < watch_count; ++id) on[id] = next[id];
-  }
-  bool chattering() {
-    const long n = summary.transitions + summary.kinks;
-    R& slot = recent[n % chatter_window];
-    const bool dense = n > chatter_window && value(s.t) - slot < chatter_span / natural_frequency(sys);
-    slot = value(s.t);
-    return dense;
   }
   void finish(Outcome outcome) {
     summary.outcome = outcome;
