@@ -73,6 +73,24 @@ def test_a_block_pushed_off_its_static_limit_goes():
     assert abs(run.state[-1, 0]) < 5.9
 
 
+@pytest.mark.parametrize(
+    "law", [ss.HyperbolicFriction(scale=1, decay=3), ss.CoulombFriction(static=1, kinetic=1)]
+)
+@pytest.mark.parametrize("c", [3.0, 100.0])
+def test_quadratic_drag_opposes_the_motion_off_a_belt_at_rest(law, c):
+    """A release without a drop in friction starts with neither velocity nor acceleration: its direction decides."""
+    rig = ss.Rig(alpha1=2, alpha2=3, beta3=2, eta1=0, eta12=0.1)
+    model = ss.Model(rig, friction=law, effects=[ss.effect("block_quadratic_damping", c=c)])
+    start = np.array([0.4, 0, 0, 0.5])
+    runs = [ss.simulate(model, belt_speed=0, initial=s * start, t_end=10, rtol=1e-10) for s in (1, -1)]
+    told = reference.simulate(model, belt_speed=0, initial=start, t_end=10, tol=1e-12)
+    np.testing.assert_allclose(runs[0].state[-1], -runs[1].state[-1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(runs[0].state[-1], told.state[-1], atol=1e-8)
+    np.testing.assert_allclose(runs[0].transitions.t, told.transitions.t, atol=1e-6)
+    swept = ss.sweep(model, {"initial.x1": [0.4, 0.4]}, belt_speed=0, initial=start, t_end=10, rtol=1e-10)
+    np.testing.assert_allclose(swept["final_state"][0], told.state[-1], atol=1e-8)
+
+
 def test_a_periodic_table_is_a_periodic_spline():
     knots, values = [0, 1, 2.5, 3, 4], [0, 2, 1, 0.5, 0]
     term = ss.tabulated("block", "t", knots, values, period=4.0)

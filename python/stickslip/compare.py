@@ -12,18 +12,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from stickslip import segments
 from stickslip.arguments import explained, must_be
 from stickslip.dominant import SHARE, Dominant, cycles, dominant
-from stickslip.errors import InputError, StickslipError
-from stickslip.identify import BeltSpeed, Measured, columns, measured, natural_period
+from stickslip.identify import BeltSpeed, Measured, measured
 from stickslip.model import Model
 from stickslip.records import Recording
 from stickslip.rig import Rig
-from stickslip.shooting import Array, Simulator, Window, shoot
+from stickslip.running import runs_of
+from stickslip.shooting import Array, Simulator
 from stickslip.simulate import simulate
 from stickslip.verdict import Row, verdict
+
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,13 +127,12 @@ def compare(
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
     run = _from_a_stick(measured(recording, model.rig, belt=belt_speed), model)
-    windows = _windows(run, model)
-    tell("simulating", 0.2)
-    free = _free_run(run, model, simulator)
+    tell("simulating, and forecasting from cycle to cycle", 0.2)
+    both = runs_of(run, model, recording, simulator)
+    free, ahead, where = both.free, both.ahead, both.forecast
     ours = replace_track(run, free[:, 0])
-    tell("forecasts from cycle to cycle", 0.5)
-    ahead, where = _forecasts(run, model, windows, simulator)
-    rows = [*_cycle_rows(dominant(run.track), dominant(ours), recording)]
+    tell("comparing", 0.8)
+    rows = [*_cycle_rows(dominant(run.track), dominant(_noisy(run, free)), recording)]
     rows += _timing_rows(run, ahead, where, recording)
     rows.append(_portrait_row(run, ours))
     rows.append(_forecast_row(run, ahead, where))
@@ -162,67 +164,6 @@ def speed_unit(recording: Recording) -> tuple[str, float]:
         return "mm/s", 1e3
     t, x = recording.unit("t"), recording.unit("x1")
     return ("1" if t == x == "1" else f"{x}/{t}"), per_model(recording, "x1") / per_model(recording, "t")
-
-
-def _windows(run: Measured, model: Model) -> list[tuple[Window, int]]:
-    """Windows of about two cycles for forecasting: (window from past readings, its first sample)."""
-    length = 1.2 * natural_period(model.rig)
-    return [
-        (segments.window(run.track, run.readings, b, run=0, columns=columns(model.rig), past_only=True), b[0])
-        for b in segments.cut(run.track, length)
-        if b[1] - b[0] > 12
-    ]
-
-
-def _free_run(run: Measured, model: Model, simulator: Simulator) -> Array:
-    """Readings (n, c) of the model running freely from the start, its initial state fitted to the run."""
-    cols = list(columns(model.rig))
-    whole = segments.window(run.track, run.readings, (0, len(run.t)), run=0, columns=cols)
-    first = segments.cut(run.track, 2 * natural_period(model.rig))[0]
-    opening = segments.window(run.track, run.readings, first, run=0, columns=cols)
-    fitted = opening
-    try:
-        # a stick says where the block is; slips whose friction scatters would only pull the start astray
-        if len(cols) > 1 or "x2" in opening.free:
-            short = shoot(model, [opening], (), noise=run.noise, simulator=simulator, iterations=20)
-            fitted = short.windows[0]
-        if len(cols) > 1:
-            whole = replace(whole, initial=fitted.initial)
-            longer = shoot(model, [whole], (), noise=run.noise, simulator=simulator, iterations=20)
-            fitted = longer.windows[0] if np.isfinite(longer.chi2) else fitted
-    except (StickslipError, np.linalg.LinAlgError):
-        fitted = opening
-    state = _states(model, replace(whole, initial=fitted.initial), simulator)
-    if state is None:
-        raise InputError("the model cannot be simulated over the run from the estimated start")
-    return state[:, cols]
-
-
-def _states(model: Model, window: Window, simulator: Simulator) -> Array | None:
-    try:
-        run = simulator(
-            model,
-            belt_speed=window.belt_speed,
-            initial=tuple(window.initial),
-            t_end=float(window.t[-1]),
-            t_eval=window.t,
-        )
-    except StickslipError:
-        return None
-    return run.state if len(run.state) == len(window.t) else None
-
-
-def _forecasts(
-    run: Measured, model: Model, windows: list[tuple[Window, int]], simulator: Simulator
-) -> tuple[Array, Array]:
-    """Readings forecast cycle by cycle, each from a state estimated from earlier readings only; and where."""
-    cols = list(columns(model.rig))
-    out = np.full_like(run.readings, np.nan)
-    for window, start in windows[1:]:
-        state = _states(model, window, simulator)
-        if state is not None:
-            out[start : start + len(state)] = state[:, cols]
-    return out, np.isfinite(out[:, 0])
 
 
 def _cycle_rows(measured_: Dominant, simulated: Dominant, recording: Recording) -> list[Row]:
@@ -266,7 +207,7 @@ def _std(x: Array) -> float | None:
     return float(x.std(ddof=1)) if x.size > 1 else None
 
 
-def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording) -> list[Row]:
+def _timing_rows(run: Measured, ahead: Array, where: Flags, recording: Recording) -> list[Row]:
     """Errors of release and capture times forecast from one cycle to the next, matched event by event."""
     out = []
     scale = per_model(recording, "t")
@@ -299,6 +240,12 @@ def _timing_rows(run: Measured, ahead: Array, where: Array, recording: Recording
         )
     )
     return out
+
+
+def _noisy(run: Measured, free: Array) -> segments.Track:
+    """Track of the simulated readings with noise as large as the measured: the largest of noisy speeds is larger."""
+    rng = np.random.default_rng(0)
+    return replace_track(run, free[:, 0] + run.noise[0] * rng.standard_normal(len(run.t)))
 
 
 def replace_track(run: Measured, x: Array) -> segments.Track:
@@ -352,7 +299,7 @@ def _portrait_row(run: Measured, ours: segments.Track) -> Row:
     return Row("phase-portrait distance", "1", None, distance, floor, meaning)
 
 
-def _forecast_row(run: Measured, ahead: Array, where: Array) -> Row:
+def _forecast_row(run: Measured, ahead: Array, where: Flags) -> Row:
     x = run.readings[where, 0]
     ok = np.isfinite(x)
     spread = float(np.nanstd(run.readings[:, 0]))

@@ -11,6 +11,10 @@ void leave_rest(const System<T>& sys, State<T>& s, Mode& mode, Side* on) {
   s.z[hidden_dwell] = mode.contact == 0 ? s.z[hidden_dwell] : T(0.0);
   if (mode.contact == 0) return;
   on[watch_contact] = Side::lower;
+  if (has(sys, fx_quadratic) && value(s.z[1]) == 0) {  // off a belt at rest: x2 has the sign of v_w
+    mode.x2_sign = mode.contact;
+    on[watch_x2] = Side::lower;
+  }
   if (!has(sys, fx_memory)) return;
   const double w = static_cast<double>(value(s.z[hidden_w]));
   if (w == 0) {

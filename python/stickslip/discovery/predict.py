@@ -205,12 +205,24 @@ def joined(pieces: Sequence[Prediction]) -> Prediction:
     )
 
 
-def free_run(forecaster: Forecaster, seed: int) -> Data:
-    """The run as the model itself would have given it, with fresh noise: what the floor is measured on."""
+def started(forecaster: Forecaster) -> Window:
+    """The first quarter of the run, its states and the phases fitted."""
     run = forecaster.run
     forecaster.settle(len(run.t))
     start = start_window(run, 0, forecaster.model, 0, len(run.t) // 4)
-    window = relaxed(forecaster.engine, forecaster.vector, [start])[0]
-    whole = forecaster.run_on(window, run.t)
+    return relaxed(forecaster.engine, forecaster.vector, [start])[0]
+
+
+def whole_run(forecaster: Forecaster) -> Prediction:
+    """The model from the start of the run to its end, the state at the start fitted to all of it."""
+    run = forecaster.run
+    window = replace(started(forecaster), stop=len(run.t))
+    return forecaster.run_on(relaxed(forecaster.engine, forecaster.vector, [window], 15)[0], run.t)
+
+
+def free_run(forecaster: Forecaster, seed: int) -> Data:
+    """The run as the model itself would have given it, with fresh noise: what the floor is measured on."""
+    run = forecaster.run
+    whole = forecaster.run_on(started(forecaster), run.t)
     noise = np.random.default_rng(seed).standard_normal(whole.readings.shape) * run.noise
     return replace(run, readings=whole.readings + noise)

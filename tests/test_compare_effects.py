@@ -1,0 +1,90 @@
+"""A model with effects against its own motion: the comparison must use all of it, and then finds the noise alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.discovery.readings import no_slopes, read
+from stickslip.lowering import HIDDEN
+from test_compare import recording
+
+RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+NOISE = 1e-3
+EFFECTS = {
+    "belt_speed_ripple": {"a": 0.3, "w": 1.7, "phi": 0.4},
+    "harmonic_forcing": {"a": 1.0, "w": 0.7},
+    "friction_drift": {"r": 0.01},
+    "belt_seam": {"a": 0.3, "L": 5.0},
+    "static_aging": {"dT": 3.0, "tau": 4.0},
+    "belt_load_droop": {"k": 0.005, "tau": 2.0},
+    "friction_memory": {"tau": 0.3},
+    "sensor_lag": {"tau": 0.3},
+    "sensor_crosstalk": {"c": 0.5},
+    "sensor_drift": {"r": 0.01},
+    "sensor_nonlinearity": {"q": 1.0},
+    "sensor_delay": {"delay": 0.3},
+}
+
+
+def readings(model, run, t, speed):
+    """The chain of docs/effects.md, by the functions that the loop's own tests hold to it."""
+    state = np.zeros((len(t), 9))
+    state[:, : run.state.shape[1]] = run.state
+    for i, name in enumerate(HIDDEN):
+        state[:, 4 + i] = run.hidden.get(name, 0.0)
+    return read(t, state, no_slopes(len(t)), (), model.parameters, speed, 2).values
+
+
+@pytest.mark.parametrize("kind", EFFECTS)
+def test_the_exact_model_is_forecast_to_the_noise(tmp_path, kind):
+    model = ss.Model(RIG, friction=ss.PaperFriction(), effects=[ss.effect(kind, **EFFECTS[kind])])
+    t = np.arange(0, 120, 0.02)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=120, t_eval=t)
+    seen = readings(model, run, t, 0.1)
+    seen += NOISE * np.random.default_rng(0).standard_normal(seen.shape)
+    record = recording(tmp_path, RIG, t, seen[:, 0], seen[:, 1], 0.1, "exact", NOISE)
+    elsewhere = {"phi": 2.0} if "phi" in model.effects[0].parameters else {}  # a phase is the run's own
+    given = ss.Model(
+        RIG, friction=ss.PaperFriction(), effects=[ss.effect(kind, **(EFFECTS[kind] | elsewhere))]
+    )
+    c = ss.compare(given, record)
+    rms = np.sqrt(np.mean((c.simulated_readings - c.readings) ** 2, axis=0))
+    np.testing.assert_allclose(rms, NOISE, rtol=0.1)
+    row = c.row("forecast NRMSE")
+    assert row.simulated < 3 * row.scatter
+    if kind not in ("belt_load_droop", "sensor_crosstalk"):  # whose plateaus do not rise as the belt does
+        assert c.row("release time error").simulated < 0.1
+
+
+@pytest.mark.parametrize(
+    "kind", ["harmonic_forcing", "friction_drift", "static_aging", "sensor_nonlinearity"]
+)
+def test_a_block_on_a_belt_keeps_the_time_of_the_run(tmp_path, kind):
+    numbers = {
+        "harmonic_forcing": {"a": 0.1, "w": 0.3},
+        "friction_drift": {"r": 0.003},
+        "static_aging": {"dT": 0.5, "tau": 3.0},
+        "sensor_nonlinearity": {"q": 0.02},
+    }
+    law, rig = ss.CoulombFriction(static=1, kinetic=0.5), ss.BlockOnBelt()
+    model = ss.Model(rig, friction=law, effects=[ss.effect(kind, **numbers[kind])])
+    t = np.arange(0, 100, 0.02)
+    run = ss.simulate(model, belt_speed=0.2, initial=(0, 0.2), t_end=100, t_eval=t)
+    seen = readings(model, run, t, 0.2)[:, 0]
+    seen = seen + 1e-4 * np.random.default_rng(0).standard_normal(len(t))
+    c = ss.compare(model, recording(tmp_path, rig, t, seen, None, 0.2, "exact", 1e-4))
+    assert c.row("forecast NRMSE").simulated < 0.02
+    assert c.row("release time error").simulated < 0.05
+
+
+def test_noise_makes_the_largest_speed_larger_on_both_sides(tmp_path):
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
+    t = np.arange(0, 150, 0.01)
+    run = ss.simulate(model, belt_speed=0.2, initial=(0, 0.2), t_end=150, t_eval=t)
+    x = run.state[:, 0] + 5e-3 * np.random.default_rng(3).standard_normal(len(t))
+    row = ss.compare(model, recording(tmp_path, ss.BlockOnBelt(), t, x, None, 0.2, "noisy", 5e-3)).row(
+        "largest slip speed"
+    )
+    assert abs(row.difference) < 2 * row.scatter
