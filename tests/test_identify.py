@@ -199,6 +199,43 @@ def test_friction_that_falls_with_speed_is_told_from_coulomb(tmp_path):
     np.testing.assert_allclose(found.law.magnitude(-u), law.magnitude(-u), atol=0.02)
 
 
+@pytest.mark.parametrize(
+    ("law", "noise"), [((1.0, 3.0, 0.3), 3e-3), ((1.0, 3.0, 0.0), 1e-3), ((0.7, 8.0, 0.3), 1e-3)]
+)
+def test_a_hyperbolic_law_is_found_slip_by_slip(tmp_path, law, noise):
+    """The decay that all slips share is told as well as the readings tell it; 0.2 % where they are clean."""
+    scale, decay, constant = law
+    t = np.arange(0, 150, 0.02)
+    true = ss.HyperbolicFriction(scale=scale, decay=decay, constant=constant)
+    model = ss.Model(ss.BlockOnBelt(), friction=true)
+    run = ss.simulate(model, belt_speed=0.2, initial=(0, 0.2), t_end=150, t_eval=t)
+    x = run.state[:, 0] + noise * np.random.default_rng(1).standard_normal(len(t))
+    found = ss.identify(
+        recording(tmp_path, ss.BlockOnBelt(), t, x, None, 0.2, "hyperbolic", noise), rig=ss.BlockOnBelt()
+    )
+    assert found.law.decay == pytest.approx(decay, rel=0.005)
+    assert found.law.constant + found.law.scale == pytest.approx(scale + constant, rel=0.002)
+    assert found.reduced_chi2 == pytest.approx(1, abs=0.06)
+    if constant:  # inside its bounds
+        for name, value in zip(("scale", "decay", "constant"), law, strict=True):
+            one = found.estimates[name]
+            assert one.low <= value <= one.high, name
+
+
+@pytest.mark.parametrize("start", [(3.99, 2.99, 1.005), (3.0, 2.0, 1.5)])
+def test_a_number_declared_as_zero_does_not_hold_the_others(tmp_path, start):
+    """`quadratic` is 0, the least a law may have: a step below that follows the bound instead of ending the fit."""
+    t = np.arange(0, 150, DT)
+    true = ss.Model(RIG, friction=ss.HyperbolicFriction(scale=4, decay=3, constant=1))
+    run = ss.simulate(true, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=150, t_eval=t)
+    runs = noisy(tmp_path, [(t, run.state)], 3, (0.1,))
+    law = ss.HyperbolicFriction(scale=start[0], decay=start[1], constant=start[2])
+    found = ss.identify(runs, rig=RIG, friction=law)
+    assert found.reduced_chi2 == pytest.approx(1, abs=0.05)
+    for name, value in {"scale": 4.0, "decay": 3.0, "constant": 1.0}.items():
+        assert found.estimates[name].value == pytest.approx(value, abs=3 * found.estimates[name].std), name
+
+
 def test_modes_and_transition_times_of_a_closed_form(tmp_path):
     _, run, _, _, releases, captures = slider(tmp_path, 3)
     found = track(run.t, run.x1, belt_speed=0.1, noise=5e-4, period=2 * np.pi)

@@ -20,7 +20,7 @@ from stickslip.identified import Branch, Estimate, Events, Identified
 from stickslip.identify_words import event_messages
 from stickslip.model import Model
 from stickslip.rig import AnyRig, BlockOnBelt
-from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
+from stickslip.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.segments import Segment, stick_position
 from stickslip.shooting import Array, Shot, Simulator, Window, shoot
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
+REFINEMENTS = 10  # of the profile of the decay: its points are a factor 4 apart, then 2, 1.4, .. 1.001
+CURVED = 2.0  # -2 log likelihood between neighbouring points; below it chance decides
 DECISIVE = 6.0  # difference of BIC from which the law with one more number is taken
 
 
@@ -208,13 +210,24 @@ class _Profile:
     shots: list[Shot]
     scores: Array
 
+    def lowest(self, total: Array) -> int:
+        """Index of the least total score that has a neighbour on either side."""
+        return int(np.clip(np.argmin(total), 1, len(total) - 2))
+
     def best(self, weights: Array) -> float:
         """Decay of least total score, by a parabola in log decay through the three lowest."""
         total = self.scores @ weights
-        i = int(np.clip(np.argmin(total), 1, len(total) - 2))
+        i = self.lowest(total)
         a, b, _ = np.polyfit(np.log(self.decays[i - 1 : i + 2]), total[i - 1 : i + 2], 2)
         at = float(np.exp(-b / (2 * a))) if a > 0 else float(self.decays[np.argmin(total)])
-        return float(np.clip(at, self.decays[0], self.decays[-1]))
+        return float(np.clip(at, self.decays[i - 1], self.decays[i + 1]))
+
+    def refit(self, weights: Array) -> Array:
+        """Mean numbers of the slips, each counted as often as `weights` (k,) says, and the decay that suits best."""
+        decay = self.best(weights)
+        means = np.array([weights @ _levels(shot) / weights.sum() for shot in self.shots])
+        near = [np.interp(np.log(decay), np.log(self.decays), column) for column in means.T]
+        return np.array([*near, decay])
 
 
 def _hyperbolic(
@@ -225,26 +238,51 @@ def _hyperbolic(
     simulator: Simulator,
     tell: Callable[[str, float], None],
 ) -> tuple[Shot, float, _Profile]:
-    """Each slip with its own R(0) and level at speed under a common decay, which is profiled."""
+    """Each slip with its own R(0) and level at speed under a common decay, which is profiled.
+
+    The profile is refined where it is lowest, until a parabola through three of its points errs by less than chance.
+    """
     decays = np.array([0.1, 0.4, 1.5, 6.0, 24.0]) / float(np.median([s.speed for s in slips]))
     shots = []
     for i, decay in enumerate(decays):
-        tell("hyperbolic law", 0.5 + 0.06 * i)
+        tell("hyperbolic law", 0.5 + 0.04 * i)
         shots.append(_hyperbolic_at(decay, coulomb, rig, noise, simulator))
-    scores = np.array([_scores(s, coulomb) for s in shots])
-    profile = _Profile(decays, shots, scores)
+    profile = _Profile(decays, shots, np.array([_scores(s, coulomb) for s in shots]))
+    for level in range(REFINEMENTS):
+        total = profile.scores.sum(axis=1)
+        i = profile.lowest(total)
+        if total[i - 1] + total[i + 1] - 2 * total[i] < CURVED:
+            break
+        tell("hyperbolic law", 0.7 + 0.02 * level)
+        for at in (i + 1, i):  # the later gap first: it does not move the earlier
+            decay = float(np.sqrt(profile.decays[at - 1] * profile.decays[at]))
+            shot = _hyperbolic_at(decay, coulomb, rig, noise, simulator, profile.shots[at - 1 : at + 1])
+            profile = _Profile(
+                np.insert(profile.decays, at, decay),
+                [*profile.shots[:at], shot, *profile.shots[at:]],
+                np.insert(profile.scores, at, _scores(shot, coulomb), axis=0),
+            )
     decay = profile.best(np.ones(len(slips)))
-    return _hyperbolic_at(decay, coulomb, rig, noise, simulator), decay, profile
+    near = profile.shots[profile.lowest(profile.scores.sum(axis=1))]
+    return _hyperbolic_at(decay, coulomb, rig, noise, simulator, [near]), decay, profile
 
 
-def _hyperbolic_at(decay: float, coulomb: Shot, rig: BlockOnBelt, noise: Array, simulator: Simulator) -> Shot:
+def _hyperbolic_at(
+    decay: float,
+    coulomb: Shot,
+    rig: BlockOnBelt,
+    noise: Array,
+    simulator: Simulator,
+    near: Sequence[Shot] = (),
+) -> Shot:
+    """All slips under one decay, each started from where it fitted best under a decay `near` it."""
     model = Model(rig, friction=HyperbolicFriction(decay=decay))
     shots = []
-    for w, r, std in zip(coulomb.windows, coulomb.residuals, coulomb.local_std, strict=True):
-        static, kinetic = w.local["static"], w.local["kinetic"]
-        u = 0.05 * float(np.nanmax(np.abs(np.diff(w.readings[:, 0])))) / float(np.median(np.diff(w.t)))
-        drop = min((static - kinetic) * (1 + 1 / max(decay * u, 1e-3)), 0.9 * static)
-        start = replace(w, local={"scale": drop, "constant": static - drop})
+    for i, (w, r, std) in enumerate(zip(coulomb.windows, coulomb.residuals, coulomb.local_std, strict=True)):
+        start = _begun(w, decay)
+        if near:
+            fits = [float(np.sum(one.residuals[i] ** 2)) for one in near]
+            start = near[int(np.argmin(fits))].windows[i]
         try:
             shot = shoot(model, [start], (), noise=noise, simulator=simulator, iterations=15)
         except StickslipError:
@@ -252,6 +290,19 @@ def _hyperbolic_at(decay: float, coulomb: Shot, rig: BlockOnBelt, noise: Array, 
             shot = Shot((), np.zeros(0), none, none, [start], [std], [3 * r], np.inf, 1, np.zeros(0))
         shots.append(shot)
     return _merged(shots)
+
+
+def _levels(shot: Shot) -> Array:
+    """Each slip's own numbers, (k, p)."""
+    return np.array([list(w.local.values()) for w in shot.windows])
+
+
+def _begun(w: Window, decay: float) -> Window:
+    """A slip's start under the hyperbolic law from its Coulomb levels."""
+    static, kinetic = w.local["static"], w.local["kinetic"]
+    u = 0.05 * float(np.nanmax(np.abs(np.diff(w.readings[:, 0])))) / float(np.median(np.diff(w.t)))
+    drop = min((static - kinetic) * (1 + 1 / max(decay * u, 1e-3)), 0.9 * static)
+    return replace(w, local={"scale": drop, "constant": static - drop})
 
 
 def _scores(shot: Shot, reference: Shot) -> Array:
@@ -272,11 +323,12 @@ def _conclude(
     unit: str,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
-    local = {n: np.array([w.local[n] for w in shot.windows]) for n in shot.windows[0].local}
+    level = _levels(shot)
+    local = dict(zip(shot.windows[0].local, level.T, strict=True))
     names = (*local, *choice.common)
-    level = np.column_stack(list(local.values()))
     mean = np.array([*level.mean(axis=0), *choice.common.values()])
-    resamples = block_bootstrap(level, None if choice.profile is None else choice.profile.best)
+    resamples = block_bootstrap(level, None if choice.profile is None else choice.profile.refit)
+    resamples = mean + few(len(slips)) * (resamples - mean)
     covariance = np.atleast_2d(np.cov(resamples.T))
     law, estimates = _law(kind, branch, names, mean, resamples, declared)
     suffix = "" if branch == "minus" else "_plus"

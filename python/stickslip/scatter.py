@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import scipy
 
 from stickslip.shooting import Array
 
@@ -41,7 +42,12 @@ def correlation_length(x: Array) -> float:
     return total
 
 
-def block_bootstrap(level: Array, common: Callable[[Array], float] | None = None) -> Array:
+def few(n: int) -> float:
+    """By how much an interval from a bootstrap over n events is too narrow: Student's t for the normal, n - 1 for n."""
+    return float(scipy.stats.t.ppf(0.975, n - 1) / scipy.stats.norm.ppf(0.975) * np.sqrt(n / (n - 1)))
+
+
+def block_bootstrap(level: Array, refit: Callable[[Array], Array] | None = None) -> Array:
     """Means over events of resampled records.
 
     Parameters
@@ -49,20 +55,18 @@ def block_bootstrap(level: Array, common: Callable[[Array], float] | None = None
     level : (k, p) array
         Numbers of each event, in time order. Circular blocks of twice the correlation length are drawn, so that
         neighbours keep their correlation.
-    common : callable, optional
-        Gives what all events share from how often each was drawn, (k,).
+    refit : callable, optional
+        Gives the numbers (q,) of a resampled record from how often each event was drawn, (k,); the means if absent.
 
     Returns
     -------
-    (RESAMPLES, p) or (RESAMPLES, p + 1) array
+    (RESAMPLES, p) or (RESAMPLES, q) array
     """
     n = len(level)
     size = int(min(max(np.ceil(2 * max(correlation_length(c) for c in level.T)), 1), max(n // 4, 1)))
     rng = np.random.default_rng(0)
     starts = rng.integers(0, n, size=(RESAMPLES, -(-n // size)))
     index = ((starts[:, :, None] + np.arange(size)) % n).reshape(RESAMPLES, -1)[:, :n]
-    means = level[index].mean(axis=1)
-    if common is not None:
-        shared = [common(np.bincount(i, minlength=n).astype(float)) for i in index]
-        means = np.column_stack([means, shared])
-    return np.asarray(means, dtype=float)
+    if refit is None:
+        return np.asarray(level[index].mean(axis=1), dtype=float)
+    return np.array([refit(np.bincount(i, minlength=n).astype(float)) for i in index])

@@ -325,7 +325,7 @@ def _improve(
     """One accepted step, or the old values once the damping says that there is none."""
     while damping < 1e8:
         A, g, follow = _eliminate(blocks, prior, prior @ (shared - centre), damping)
-        step = -np.linalg.solve(A, g)
+        step = _above(shared, np.asarray(-np.linalg.solve(A, g), dtype=float), A, g, centre)
         moved = []
         for w, X in zip(windows, follow, strict=True):
             own = pack(w, p.state_names) - X[:, -1] - X[:, :-1] @ step
@@ -338,14 +338,26 @@ def _improve(
     return shared, windows, cost, damping
 
 
-def limited(values: Array, declared: Array) -> Array:
-    """Values held within a factor `FARTHEST` of what was declared, of its sign; where that is 0, as they are.
+def _above(shared: Array, step: Array, A: Array, g: Array, declared: Array) -> Array:
+    """The step along the bound where it would take numbers declared as 0 below that: the others follow."""
+    pinned = (declared == 0) & (shared + step < 0)
+    if not pinned.any():
+        return step
+    out = np.where(pinned, -shared, 0.0)
+    free = ~pinned
+    out[free] = -np.linalg.solve(A[np.ix_(free, free)], g[free] + A[np.ix_(free, pinned)] @ out[pinned])
+    return out
 
-    A law that cannot explain the readings would else run off to where its terms are spikes or vanish.
+
+def limited(values: Array, declared: Array) -> Array:
+    """Values held within a factor `FARTHEST` of what was declared, of its sign; where that is 0, not below it.
+
+    No number of a law may be negative that is 0 where it does nothing. A law that cannot
+    explain the readings would else run off to where its terms are spikes or vanish.
     """
     size = np.abs(declared)
     bounded = np.sign(declared) * np.clip(np.sign(declared) * values, size / FARTHEST, size * FARTHEST)
-    return np.where(size > 0, bounded, values)
+    return np.where(size > 0, bounded, np.maximum(values, 0.0))
 
 
 def _conclude(
