@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stickslip/alone.hpp"
-#include "stickslip/effects_batch.hpp"
+#include "stickslip/effects_landing.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 

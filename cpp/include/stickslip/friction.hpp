@@ -123,11 +123,7 @@ Branch<T> hyperbolic(const T& scale, const T& decay, const T& constant, const T&
 // A curve that starts at or below its floor is all floor.
 template <class T>
 Branch<T> without_empty_curve(const Branch<T>& b) {
-  if (!b.has_kink || value(b.kink) > 0) return b;
-  Branch<T> flat{};
-  flat.static_limit = b.static_limit;
-  flat.c0 = b.saturated;
-  return flat;
+  return !b.has_kink || value(b.kink) > 0 ? b : coulomb(b.static_limit, b.saturated);
 }
 
 template <class T>

@@ -2,7 +2,7 @@
 // the step or just one. What is not that simple is left to the scalar code, lane by lane.
 #pragma once
 
-#include "stickslip/batch.hpp"
+#include "stickslip/batch_surfaces.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 

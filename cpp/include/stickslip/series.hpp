@@ -2,6 +2,7 @@
 // differentiation in time; Jorba and Zou 2005). Coefficient k is that of (t - t0)^k.
 #pragma once
 
+#include "stickslip/lanewise.hpp"
 #include "stickslip/pair.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {

@@ -20,8 +20,7 @@ enum WatchId : int {
   watch_count
 };
 
-// A force this near to a static limit, as a share of what the contact holds, is on it.
-constexpr double limit_rounding = 1e-13;
+constexpr double limit_rounding = 1e-13;  // a force this near to a static limit, as a share of both limits, is on it
 
 template <class T>
 struct Watch {
@@ -102,9 +101,8 @@ bool surely_inside(const Watch<T>& watch, Side side, bool leaving, const Real<T>
 // Does a trajectory that stands on a bound stand on it still, h later?
 template <class T>
 bool still_on(const Watch<T>& watch, Side side, int order, const Real<T>& h) {
-  if (side == Side::none || watch.rounding == 0) return false;
-  const T& bound = side == Side::lower ? watch.lo : watch.hi;
-  return magnitude(value(evaluate(watch.c, order, h)) - value(bound)) <= watch.rounding;
+  const Real<T> bound = value(side == Side::lower ? watch.lo : watch.hi);
+  return side != Side::none && magnitude(value(evaluate(watch.c, order, h)) - bound) < watch.rounding;
 }
 
 // sum over k >= 2 of |c_k| h^k; even and odd powers in chains of their own.
