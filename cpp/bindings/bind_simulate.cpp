@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "pybind.hpp"
+#include "results.hpp"
 #include "stickslip/record.hpp"
 #include "stickslip/slots.hpp"
 
@@ -13,19 +13,6 @@ namespace stickslip::bindings {
 namespace {
 
 using namespace stickslip_abi;
-
-// An array that owns a vector moved out of the record.
-template <class V>
-py::array_t<V> as_array(std::vector<V>&& values, std::vector<py::ssize_t> shape) {
-  auto* owner = new std::vector<V>(std::move(values));
-  const py::capsule free(owner, [](void* p) { delete static_cast<std::vector<V>*>(p); });
-  return py::array_t<V>(std::move(shape), owner->data(), free);
-}
-
-bool interrupted(void*) {
-  const py::gil_scoped_acquire gil;
-  return PyErr_CheckSignals() != 0;
-}
 
 py::dict as_dict(Record&& r) {
   const auto n = static_cast<py::ssize_t>(r.t.size()), k = static_cast<py::ssize_t>(r.event_t.size());

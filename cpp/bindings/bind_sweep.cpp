@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "pybind.hpp"
+#include "results.hpp"
 #include "stickslip/sweep.hpp"
 
 namespace stickslip::bindings {
@@ -11,17 +11,6 @@ namespace stickslip::bindings {
 namespace {
 
 using namespace stickslip_abi;
-
-bool interrupted() {
-  const py::gil_scoped_acquire gil;
-  return PyErr_CheckSignals() != 0;
-}
-
-py::array_t<double> as_array(std::vector<double>&& values, std::vector<py::ssize_t> shape) {
-  auto* owner = new std::vector<double>(std::move(values));
-  const py::capsule free(owner, [](void* p) { delete static_cast<std::vector<double>*>(p); });
-  return py::array_t<double>(std::move(shape), owner->data(), free);
-}
 
 py::tuple sweep_members(const Structure& structure, const ConstVector& base, const IndexVector& varied,
                         const ConstMatrix& values, double t_end, double after, double rtol, double atol,

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "pybind.hpp"
+#include "results.hpp"
 #include "stickslip/windows.hpp"
 
 namespace stickslip::bindings {
@@ -13,11 +13,6 @@ using namespace stickslip_abi;
 using Offsets = Eigen::Ref<const Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>>;  // (n,) int64
 
 static_assert(sizeof(long) == sizeof(std::int64_t) && sizeof(int) == sizeof(std::int32_t) && sizeof(Outcome) == 4);
-
-bool interrupted(void*) {
-  const py::gil_scoped_acquire gil;
-  return PyErr_CheckSignals() != 0;
-}
 
 bool all_within(const IndexVector& values, Eigen::Index below) {
   return (values.array() >= 0).all() && (values.array() < static_cast<std::int32_t>(below)).all();

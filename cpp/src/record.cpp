@@ -70,13 +70,12 @@ Record record(const Request& request, bool (*interrupted)(void*)) {
     out.state.reserve(static_cast<std::size_t>(request.n_eval) * state_count);
   }
   constexpr int row = parameter_count + state_count;
-  const int groups = request.n_seeds == 0 ? 1 : (request.n_seeds + dispatch::max_seeds - 1) / dispatch::max_seeds;
-  for (int group = 0; group < groups; ++group) {  // of even size
+  for (int group = 0; group < dispatch::seed_groups(request.n_seeds); ++group) {
+    const auto [first, count] = dispatch::seed_group(request.n_seeds, group);
     Request part = request;
-    const int first = request.n_seeds * group / groups;
-    part.n_seeds = request.n_seeds * (group + 1) / groups - first;
+    part.n_seeds = count;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * row;
-    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(part.n_seeds),
+    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count),
                         request.t_eval == nullptr};
     const Sink sink{&collector, on_sample, on_transition, interrupted};
     dispatch::simulate(part, sink, out.summary);

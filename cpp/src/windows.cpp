@@ -65,12 +65,11 @@ void run_window(Shared& shared, long index, bool (*interrupted)(void*)) {
   one.max_steps = q.max_steps;
   one.order = q.order;
   Summary summary;
-  const int groups = q.n_seeds == 0 ? 1 : (q.n_seeds + dispatch::max_seeds - 1) / dispatch::max_seeds;
-  for (int group = 0; group < groups; ++group) {  // of even size
-    const int first = q.n_seeds * group / groups;
-    one.n_seeds = q.n_seeds * (group + 1) / groups - first;
+  for (int group = 0; group < dispatch::seed_groups(q.n_seeds); ++group) {
+    const auto [first, count] = dispatch::seed_group(q.n_seeds, group);
+    one.n_seeds = count;
     one.seeds = q.seeds + static_cast<std::ptrdiff_t>(first) * width;
-    Writer writer{q, shared.out, begin, first, one.n_seeds};
+    Writer writer{q, shared.out, begin, first, count};
     dispatch::simulate(one, {&writer, on_sample, no_transition, interrupted}, summary);
     if (summary.outcome != Outcome::finished) break;
   }

@@ -22,6 +22,16 @@ namespace stickslip::dispatch {
 
 constexpr int max_seeds = 12;
 
+// More seeds are taken in groups of even size: seeds first <= s < first + count.
+struct SeedGroup {
+  int first, count;
+};
+constexpr int seed_groups(int seeds) { return seeds == 0 ? 1 : (seeds + max_seeds - 1) / max_seeds; }
+constexpr SeedGroup seed_group(int seeds, int group) {
+  const int groups = seed_groups(seeds), first = seeds * group / groups;
+  return {first, seeds * (group + 1) / groups - first};
+}
+
 void simulate(const stickslip_abi::Request& request, const stickslip_abi::Sink& sink, stickslip_abi::Summary& summary);
 void sweep(const stickslip_abi::SweepRequest& request, void* workspace);
 std::size_t sweep_workspace();
