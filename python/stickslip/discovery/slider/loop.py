@@ -62,7 +62,7 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
     train, validate = ([measure(prepare(one)) for one in runs] for runs in (case.train, case.validate))
     _enough(train)
     choice = choose(train, seed, tell, draws)
-    before, after, law = models(case, choice, train)
+    (before, law_before), (after, law) = models(case, choice, train)
     tell("fitting single events under both models")
     was, now = ([held(one, constants_of(model, one)) for one in train] for model in (before, after))
     tell("forecasting the validate runs")
@@ -81,7 +81,7 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
         before=before,
         after=after,
         law=law,
-        law_before=law,
+        law_before=law_before,
         residual_before=residual(train, was, 0),
         residual_after=left,
         error=error,

@@ -88,7 +88,7 @@ def _waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
     X = np.column_stack([*columns, *means]) * root[:, None]
     theta = np.linalg.lstsq(X, rate.y * root, rcond=None)[0][: len(columns)]
     seen = float(np.sqrt(np.mean(np.sum(theta.reshape(-1, 2) ** 2, axis=1))))
-    implied = 2 * np.pi * a * float(np.mean(level.x)) / length
+    implied = 2 * np.pi * a * float(np.mean(level.load)) / length
     if seen >= 0.5 * implied:
         return ()
     return (
