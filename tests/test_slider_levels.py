@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.discovery.slider.levels import carried, held_at, sliding
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
@@ -13,38 +14,9 @@ from stickslip.discovery.slider.table import measure, prepare
 from stickslip.effects import Effect, effect
 from stickslip.friction import CoulombFriction
 from stickslip.model import Model
-from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt
 from stickslip.simulate import simulate
 
-MASS, STIFFNESS, STATIC, KINETIC = 1.2, 850.0, 6.0, 4.2  # kg, N/m, N
-NOISE = 1e-5  # m
 RATIOS = [0.0, 0.005, 0.02, 0.05, 0.1]  # damping over critical damping
-
-
-def rig_of(ratio: float) -> BlockOnBelt:
-    return BlockOnBelt(mass=MASS, stiffness=STIFFNESS, damping=2 * ratio * np.sqrt(MASS * STIFFNESS))
-
-
-def case_of(rig: BlockOnBelt, folder: Path) -> Case:
-    """Three runs simulated by the core, at 10, 20 and 30 mm/s."""
-    rng = np.random.default_rng(3)
-    model = Model(rig, friction=CoulombFriction(static=STATIC, kinetic=KINETIC))
-    lines = [
-        f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}\nc = {rig.damping}',
-        f'[friction]\nkind = "coulomb"\nstatic = {STATIC}\nkinetic = {KINETIC}',
-    ]
-    t = np.arange(0, 8, 1e-3)
-    for mm, role in ((10, "train"), (20, "train"), (30, "validate")):
-        run = simulate(model, belt_speed=mm * 1e-3, initial=(0, 0), t_end=8.0, t_eval=t)
-        x = run.state[:, 0] + NOISE * rng.standard_normal(len(t))
-        np.savetxt(
-            folder / f"b{mm}.csv", np.column_stack([t, 1e3 * x]), delimiter=",", header="t,x1", comments=""
-        )
-        lines.append(f'[[run]]\nfile = "b{mm}.csv"\nrole = "{role}"\nbelt_speed = "{mm} mm/s"')
-    lines.append('[channels]\nt = { column = "t", unit = "s" }\nx1 = { column = "x1", unit = "mm" }\n')
-    (folder / "rig.toml").write_text("\n".join(lines), encoding="utf-8")
-    return load_case(folder / "rig.toml")
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

@@ -60,6 +60,7 @@ def identify_events(
     simulator: Simulator,
     tell: Callable[[str, float], None],
     unit: str = "",
+    why_idle: Callable[[int], str] = lambda number: f"run {number}",
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
 
@@ -74,6 +75,8 @@ def identify_events(
         Progress.
     unit : str
         Written behind forces in sentences: " N", or nothing.
+    why_idle : callable
+        Says, for the number of a run, why no slip of it is used.
 
     Returns
     -------
@@ -90,10 +93,10 @@ def identify_events(
     branch = _branch(runs)
     noise = np.mean([r.noise for r in runs], axis=0)
     coulomb, slips = _one_by_one(slips, rig, noise, simulator, tell)
+    used = {s.run for s in slips}
+    idle = tuple(f"{r.name}: no slip is used: {why_idle(i)}" for i, r in enumerate(runs) if i not in used)
     if len(slips) < 3:
-        raise InputError(
-            f"{len(slips)} slips found; at least 3 are needed (is the belt speed right, does the block stick?)"
-        )
+        raise InputError("; ".join([f"{len(slips)} slips found; at least 3 are needed", *idle]))
     hyperbolic, decay, profile = _hyperbolic(slips, coulomb, rig, noise, simulator, tell)
     # three numbers a slip in both laws; the hyperbolic one has one more for all
     readings = effective_readings(coulomb.residuals)
@@ -104,7 +107,8 @@ def identify_events(
         choice = _Choice("hyperbolic", hyperbolic, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    return _conclude(runs, rig, branch, choice, slips, noise, declared, unit)
+    found = _conclude(runs, rig, branch, choice, slips, noise, declared, unit)
+    return replace(found, messages=(*found.messages, *idle))
 
 
 def _branch(runs: Sequence[Measured]) -> Branch:

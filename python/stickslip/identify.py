@@ -22,6 +22,7 @@ from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identi
 from stickslip.identify_words import fit_messages, plateau_messages
 from stickslip.model import Model
 from stickslip.records import Case, Recording
+from stickslip.ridden import why_idle, wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.shooting import FARTHEST, Array, Shot, Simulator, Window, shoot
 from stickslip.simulate import simulate
@@ -176,10 +177,20 @@ def identify(
         from stickslip.events import identify_events  # it needs what is above
 
         unit = "" if recordings[0].unit("x1") == "1" else " N"
-        found = identify_events(runs, rig, declared=friction, simulator=simulator, tell=tell, unit=unit)
+        found = identify_events(
+            runs,
+            rig,
+            declared=friction,
+            simulator=simulator,
+            tell=tell,
+            unit=unit,
+            why_idle=lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
+        )
     else:
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
         found = _identify_by_shooting(runs, rig, start, simulator, tell)
+        doubts = ((r.name, wrong_set_point(replace(r, rig=rig))) for r in recordings)
+        found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
     found = replace(found, force=_force(runs, rig), messages=(*found.messages, *rode))
