@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from slider import coulomb_record
+from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip import reference
 from stickslip.identify import covered_speeds, estimate, law_parameters
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
@@ -281,3 +282,45 @@ def test_cases_without_an_effect_give_their_true_branches(name):
         assert ((low <= R) & (high >= R)).all()
     for n in ("T_s_minus", "T_s_plus"):
         assert found.estimates[n].low <= getattr(true, n) <= found.estimates[n].high
+
+
+@pytest.mark.parametrize(
+    ("friction", "plus", "words"),
+    [
+        ('kind = "coulomb"\nstatic = 7.0\nkinetic = 5.0', (7.0, 5.0), "the declared ones are kept"),
+        (
+            'kind = "coulomb"\nstatic = 7.0\nkinetic = 5.0\nstatic_plus = 3.0\nkinetic_plus = 2.0',
+            (3.0, 2.0),
+            "the declared ones are kept",
+        ),
+        ('kind = "coulomb"', None, "T_minus's are repeated, as its own are not declared"),
+        ('kind = "coulomb"\nstatic = 1.0', None, "T_minus's are repeated, as its own are not declared"),
+        ("none", None, "T_minus's are repeated, as its own are not declared"),
+    ],
+)
+def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default(
+    tmp_path, friction, plus, words
+):
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction))
+    law = found.law
+    assert (law.static, law.kinetic) == pytest.approx((STATIC, KINETIC), rel=1e-3)
+    assert (law.static_plus, law.kinetic_plus) == (plus or (law.static, law.kinetic))
+    assert f"branch T_plus was never visited: its numbers are unidentified, {words}" in found.messages
+    assert set(found.unidentified) == {"static_plus", "kinetic_plus"}
+
+
+def test_a_backward_belt_repeats_its_own_direction_where_the_other_is_not_declared(tmp_path):
+    said = ("-10 mm/s", "-20 mm/s", "-30 mm/s")
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0))
+    assert (found.law.static_plus, found.law.kinetic_plus) == pytest.approx((STATIC, KINETIC), rel=1e-3)
+    assert (found.law.static, found.law.kinetic) == (found.law.static_plus, found.law.kinetic_plus)
+    assert any("T_plus's are repeated" in one for one in found.messages)
+
+
+def test_a_law_of_which_only_the_kind_is_given_has_no_size_to_hold_readings_against(tmp_path):
+    case = case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"')
+    assert case.undeclared == ("static", "kinetic", "static_plus", "kinetic_plus")
+    assert (
+        case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"\nstatic = 6.0').undeclared[0] == "kinetic"
+    )
+    assert case.findings == ()

@@ -29,7 +29,37 @@ if TYPE_CHECKING:
 
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
+MAKE: dict[Kind, type[CoulombFriction] | type[HyperbolicFriction]] = {
+    "coulomb": CoulombFriction,
+    "hyperbolic": HyperbolicFriction,
+}
 DECISIVE = 6.0  # difference of BIC from which the law with one more number is taken
+
+
+@dataclass(frozen=True)
+class _Declared:
+    """The declared law, with the names of its numbers that are mere defaults."""
+
+    law: FrictionLaw | None
+    undeclared: frozenset[str]
+
+    def unseen(
+        self, branch: Branch, kind: type[CoulombFriction] | type[HyperbolicFriction], names: Sequence[str]
+    ) -> dict[str, float] | None:
+        """Numbers declared for the direction other than `branch`; None unless every one of them is."""
+        law = self.law
+        if not isinstance(law, kind):
+            return None
+        # a number without one of its own for v_w > 0 is declared for both directions
+        own = {
+            n: f"{n}_plus" if branch == "minus" and getattr(law, f"{n}_plus") is not None else n
+            for n in names
+        }
+        return (
+            None
+            if self.undeclared & set(own.values())
+            else {n: float(getattr(law, m)) for n, m in own.items()}
+        )
 
 
 @dataclass(frozen=True)
@@ -60,6 +90,7 @@ def identify_events(
     simulator: Simulator,
     tell: Callable[[str, float], None],
     unit: str = "",
+    undeclared: Sequence[str] = (),
     why_idle: Callable[[int], str] = lambda number: f"run {number}",
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
@@ -69,12 +100,14 @@ def identify_events(
     runs : sequence of Measured
     rig : BlockOnBelt
     declared : law or None
-        Gives the numbers of the direction that is not visited, where it is of the kind chosen.
+        Gives the numbers of the direction that is not visited, where it is of the kind chosen and they are declared.
     simulator : callable
     tell : callable
         Progress.
     unit : str
         Written behind forces in sentences: " N", or nothing.
+    undeclared : sequence of str
+        Numbers of `declared` that are the library's defaults.
     why_idle : callable
         Says, for the number of a run, why no slip of it is used.
 
@@ -107,7 +140,9 @@ def identify_events(
         choice = _Choice("hyperbolic", hyperbolic, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    found = _conclude(runs, rig, branch, choice, slips, noise, declared, unit)
+    found = _conclude(
+        runs, rig, branch, choice, slips, noise, _Declared(declared, frozenset(undeclared)), unit
+    )
     return replace(found, messages=(*found.messages, *idle))
 
 
@@ -272,7 +307,7 @@ def _conclude(
     choice: _Choice,
     slips: Sequence[_Slip],
     noise: Array,
-    declared: FrictionLaw | None,
+    declared: _Declared,
     unit: str,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
@@ -282,7 +317,9 @@ def _conclude(
     mean = np.array([*level.mean(axis=0), *choice.common.values()])
     resamples = block_bootstrap(level, None if choice.profile is None else choice.profile.best)
     covariance = np.atleast_2d(np.cov(resamples.T))
-    law, estimates = _law(kind, branch, names, mean, resamples, declared)
+    numbers = dict(zip(names, mean.tolist(), strict=True))
+    known = declared.unseen(branch, MAKE[kind], names)
+    law, estimates = _law(kind, branch, numbers, resamples, known or numbers)
     suffix = "" if branch == "minus" else "_plus"
     events = _events(choice, local, slips, noise)
     visited = (0.0, float(max(s.speed for s in slips)))
@@ -300,7 +337,7 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=event_messages(kind, branch, preference, events, unit),
+        messages=event_messages(kind, branch, preference, events, unit, known is not None),
     )
 
 
@@ -327,29 +364,17 @@ def _kinetic(local: dict[str, Array], slips: Sequence[_Slip], decay: float) -> A
 
 
 def _law(
-    kind: Kind,
-    branch: Branch,
-    names: Sequence[str],
-    mean: Array,
-    resamples: Array,
-    declared: FrictionLaw | None,
+    kind: Kind, branch: Branch, numbers: dict[str, float], resamples: Array, unseen: dict[str, float]
 ) -> tuple[FrictionLaw, dict[str, Estimate]]:
-    """The mean law; the direction never visited keeps what was declared, or else repeats the other's numbers."""
-    make = CoulombFriction if kind == "coulomb" else HyperbolicFriction
-    numbers = dict(zip(names, mean.tolist(), strict=True))
+    """The mean law, `unseen` being the numbers of the direction never visited."""
     own, other = ("", "_plus") if branch == "minus" else ("_plus", "")
-    unseen = dict(numbers)
-    if isinstance(declared, make):
-        for n in numbers:
-            value = getattr(declared, n + other)
-            unseen[n] = float(getattr(declared, n) if value is None else value)
     low, high = np.quantile(resamples, [0.025, 0.975], axis=0)
     estimates = {
         n + own: Estimate(v, float(a), float(b), float(s), "weak" if s > abs(v) / 3 else "identified", v)
         for (n, v), a, b, s in zip(numbers.items(), low, high, resamples.std(axis=0), strict=True)
     }
     estimates |= {n + other: Estimate(v, None, None, None, "unidentified", v) for n, v in unseen.items()}
-    return make(**{n: e.value for n, e in estimates.items()}), estimates
+    return MAKE[kind](**{n: e.value for n, e in estimates.items()}), estimates
 
 
 def _diagnostics(

@@ -169,6 +169,7 @@ def identify(
         scatter = friction is None and isinstance(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt
         )
+    undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
@@ -184,11 +185,12 @@ def identify(
             simulator=simulator,
             tell=tell,
             unit=unit,
+            undeclared=undeclared,
             why_idle=lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
         )
     else:
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
-        found = _identify_by_shooting(runs, rig, start, simulator, tell)
+        found = _identify_by_shooting(runs, rig, start, simulator, tell, undeclared)
         doubts = ((r.name, wrong_set_point(replace(r, rig=rig))) for r in recordings)
         found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
     tell("friction force", 0.95)
@@ -219,7 +221,12 @@ def _material(
 
 
 def _identify_by_shooting(
-    runs: Sequence[Measured], rig: AnyRig, start: FrictionLaw, simulator: Simulator, tell: Progress
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    start: FrictionLaw,
+    simulator: Simulator,
+    tell: Progress,
+    undeclared: Sequence[str],
 ) -> Identified:
     """Fit the law to windows, then to whole runs if it explains those as well."""
     branches = law_parameters(start)
@@ -256,7 +263,7 @@ def _identify_by_shooting(
             best, where = long, "whole runs"
     except (np.linalg.LinAlgError, ValueError):
         pass  # whole runs are a refinement; a law that cannot follow one keeps the windows' estimate
-    return _conclude(runs, rig, start, names, declared, best, short, where, simulator)
+    return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
 
 
 def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
@@ -298,6 +305,7 @@ def _conclude(
     short: Shot,
     where: str,
     simulator: Simulator,
+    undeclared: Sequence[str],
 ) -> Identified:
     covariance = _widened(best)
     seen = best.prior_share < 0.99
@@ -311,7 +319,7 @@ def _conclude(
     }
     kept = np.flatnonzero(seen)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
-    messages = fit_messages(estimates, covered, best, where)
+    messages = fit_messages(estimates, covered, best, where, undeclared)
     return Identified(
         rig=rig,
         law=law,
