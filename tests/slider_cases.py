@@ -13,6 +13,7 @@ from stickslip.simulate import simulate
 
 MASS, STIFFNESS, STATIC, KINETIC = 1.2, 850.0, 6.0, 4.2  # kg, N/m, N
 NOISE = 1e-5  # m
+LAW = CoulombFriction(static=STATIC, kinetic=KINETIC)
 
 
 def rig_of(ratio: float) -> BlockOnBelt:
@@ -20,11 +21,17 @@ def rig_of(ratio: float) -> BlockOnBelt:
 
 
 def case_of(
-    rig: BlockOnBelt, folder: Path, *, said: Sequence[float | str] = (), friction: str = "", sign: float = 1.0
+    rig: BlockOnBelt,
+    folder: Path,
+    *,
+    said: Sequence[float | str] = (),
+    friction: str = "",
+    sign: float = 1.0,
+    law: CoulombFriction = LAW,
 ) -> Case:
     """Three runs simulated by the core, at 10, 20 and 30 mm/s times `sign`; `said` is what the case says instead."""
     rng = np.random.default_rng(3)
-    model = Model(rig, friction=CoulombFriction(static=STATIC, kinetic=KINETIC))
+    model = Model(rig, friction=law)
     declared = friction or f'kind = "coulomb"\nstatic = {STATIC}\nkinetic = {KINETIC}'
     lines = [
         f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}\nc = {rig.damping}',

@@ -46,11 +46,10 @@ class _Declared:
     def unseen(
         self, branch: Branch, kind: type[CoulombFriction] | type[HyperbolicFriction], names: Sequence[str]
     ) -> dict[str, float] | None:
-        """Numbers declared for the direction other than `branch`; None unless every one of them is."""
+        """Numbers declared for the direction other than `branch` (for both, without `_plus`); None unless all are."""
         law = self.law
         if not isinstance(law, kind):
             return None
-        # a number without one of its own for v_w > 0 is declared for both directions
         own = {
             n: f"{n}_plus" if branch == "minus" and getattr(law, f"{n}_plus") is not None else n
             for n in names
@@ -150,7 +149,8 @@ def _branch(runs: Sequence[Measured]) -> Branch:
     directions = {np.sign(r.belt_speed) for r in runs}
     if len(directions) != 1 or 0.0 in directions:
         raise InputError(
-            "slips are fitted one by one for one belt direction; identify each direction separately"
+            "slips are fitted one by one for one belt direction; identify each direction separately and join the laws: "
+            "the runs of a negative belt speed give static_plus and kinetic_plus"
         )
     return "minus" if directions == {1.0} else "plus"
 

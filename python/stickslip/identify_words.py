@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.identified import BRANCHES, Branch, Estimate, Events
+from stickslip.scale import percent
 from stickslip.shooting import Shot
 
 
@@ -90,7 +91,7 @@ def event_messages(
         f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
         f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
         f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
-        f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "
+        f"a single slip is reproduced to {percent(float(np.median(events.rms / events.amplitude)))} of its "
         "amplitude (median)",
         f"branch T_{other} was never visited: its numbers are unidentified, "
         + (

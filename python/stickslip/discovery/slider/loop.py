@@ -96,7 +96,7 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
         gate=_gate(choice),
         runs=tuple(views),
         spectrum=spectrum(train, was, now),
-        messages=(*idle, *remarks(choice, train, effects), *words),
+        messages=(*idle, *remarks(case, choice, train, effects), *words),
         seconds=time.monotonic() - began,
     )
 
