@@ -101,6 +101,16 @@ def test_a_branch_never_visited_is_unidentified_and_keeps_its_declared_start(tmp
     assert "branch T_plus was never visited" in found.summary()
 
 
+def test_the_interval_of_a_positive_number_is_positive_and_that_of_a_sure_one_even():
+    loose = estimate(236.0, 168.0, 0.0, 200.0)
+    assert 0 < loose.low < 236.0 < loose.high
+    assert loose.low * loose.high == pytest.approx(236.0**2)
+    assert estimate(1e-3, 10.0, 0.0, 1e-3).high < 1.0
+    sure = estimate(6.0, 0.01, 0.0, 5.0)
+    assert (sure.low, sure.high) == pytest.approx((6.0 - 0.0196, 6.0 + 0.0196), rel=1e-5)
+    assert estimate(-1.0, 0.1, 0.0, -1.0).low == pytest.approx(-1.196)
+
+
 def test_an_estimate_resting_on_its_declared_start_is_said_to_be_weak():
     assert estimate(2.0, 0.1, 0.0, 3.0).status == "identified"
     assert estimate(2.0, 1.0, 0.0, 3.0).status == "weak"

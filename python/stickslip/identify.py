@@ -345,8 +345,17 @@ def estimate(value: float, std: float, prior_share: float, declared: float) -> E
         return Estimate(declared, None, None, None, "unidentified", declared)
     at_limit = declared != 0 and not 1.001 / FARTHEST < value / declared < FARTHEST / 1.001
     weak = prior_share > 0.1 or std > abs(value) / 3 or at_limit
+    low, high = interval(value, std)
+    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
+
+
+def interval(value: float, std: float) -> tuple[float, float]:
+    """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
     half = 1.96 * std
-    return Estimate(value, value - half, value + half, std, "weak" if weak else "identified", declared)
+    if value <= 0:
+        return value - half, value + half
+    factor = float(np.exp(min(half / value, np.log(FARTHEST**2))))  # what is not known at all is not known
+    return value / factor, value * factor
 
 
 def covered_speeds(
