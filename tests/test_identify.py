@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from slider import coulomb_record
+from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip import reference
 from stickslip.identify import covered_speeds, estimate, law_parameters
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
@@ -98,6 +99,16 @@ def test_a_branch_never_visited_is_unidentified_and_keeps_its_declared_start(tmp
     assert found.estimates["T_s_plus"].low is None
     assert np.isnan(found.band("plus", np.array([0.1]))[0]).all()
     assert "branch T_plus was never visited" in found.summary()
+
+
+def test_the_interval_of_a_positive_number_is_positive_and_that_of_a_sure_one_even():
+    loose = estimate(236.0, 168.0, 0.0, 200.0)
+    assert 0 < loose.low < 236.0 < loose.high
+    assert loose.low * loose.high == pytest.approx(236.0**2)
+    assert estimate(1e-3, 10.0, 0.0, 1e-3).high < 1.0
+    sure = estimate(6.0, 0.01, 0.0, 5.0)
+    assert (sure.low, sure.high) == pytest.approx((6.0 - 0.0196, 6.0 + 0.0196), rel=1e-5)
+    assert estimate(-1.0, 0.1, 0.0, -1.0).low == pytest.approx(-1.196)
 
 
 def test_an_estimate_resting_on_its_declared_start_is_said_to_be_weak():
@@ -318,3 +329,59 @@ def test_cases_without_an_effect_give_their_true_branches(name):
         assert ((low <= R) & (high >= R)).all()
     for n in ("T_s_minus", "T_s_plus"):
         assert found.estimates[n].low <= getattr(true, n) <= found.estimates[n].high
+
+
+@pytest.mark.parametrize(
+    ("friction", "plus", "words"),
+    [
+        ('kind = "coulomb"\nstatic = 7.0\nkinetic = 5.0', (7.0, 5.0), "the declared ones are kept"),
+        (
+            'kind = "coulomb"\nstatic = 7.0\nkinetic = 5.0\nstatic_plus = 3.0\nkinetic_plus = 2.0',
+            (3.0, 2.0),
+            "the declared ones are kept",
+        ),
+        ('kind = "coulomb"', None, "T_minus's are repeated, as its own are not declared"),
+        ('kind = "coulomb"\nstatic = 1.0', None, "T_minus's are repeated, as its own are not declared"),
+        ("none", None, "T_minus's are repeated, as its own are not declared"),
+    ],
+)
+def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default(
+    tmp_path, friction, plus, words
+):
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction))
+    law = found.law
+    assert (law.static, law.kinetic) == pytest.approx((STATIC, KINETIC), rel=1e-3)
+    assert (law.static_plus, law.kinetic_plus) == (plus or (law.static, law.kinetic))
+    assert f"branch T_plus was never visited: its numbers are unidentified, {words}" in found.messages
+    assert set(found.unidentified) == {"static_plus", "kinetic_plus"}
+
+
+def test_a_backward_belt_repeats_its_own_direction_where_the_other_is_not_declared(tmp_path):
+    said = ("-10 mm/s", "-20 mm/s", "-30 mm/s")
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0))
+    assert (found.law.static_plus, found.law.kinetic_plus) == pytest.approx((STATIC, KINETIC), rel=1e-3)
+    assert (found.law.static, found.law.kinetic) == (found.law.static_plus, found.law.kinetic_plus)
+    assert any("T_plus's are repeated" in one for one in found.messages)
+
+
+def test_two_directions_are_identified_one_by_one_and_joined_as_the_page_says(tmp_path):
+    truth = ss.CoulombFriction(static=STATIC, kinetic=KINETIC, static_plus=5.0, kinetic_plus=3.5)
+    cases = []
+    for sign, said in ((1.0, ()), (-1.0, ("-10 mm/s", "-20 mm/s", "-30 mm/s"))):
+        (tmp_path / f"{sign}").mkdir()
+        cases.append(case_of(rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth))
+    with pytest.raises(ss.InputError, match=r"each direction separately and join the laws: .*static_plus"):
+        ss.identify([*cases[0].train, *cases[1].train], rig=cases[0].rig)
+    ahead, back = (ss.identify(case) for case in cases)
+    joined = ahead.model.replace(static_plus=back.law.static_plus, kinetic_plus=back.law.kinetic_plus)
+    assert joined.friction.static_limits == pytest.approx(truth.static_limits, rel=1e-3)
+    assert joined.friction.kinetic_limits == pytest.approx(truth.kinetic_limits, rel=1e-3)
+
+
+def test_a_law_of_which_only_the_kind_is_given_has_no_size_to_hold_readings_against(tmp_path):
+    case = case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"')
+    assert case.undeclared == ("static", "kinetic", "static_plus", "kinetic_plus")
+    assert (
+        case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"\nstatic = 6.0').undeclared[0] == "kinetic"
+    )
+    assert case.findings == ()

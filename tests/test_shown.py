@@ -1,6 +1,8 @@
 """What a prompt shows of a result: a line, never pages of arrays."""
 
 import stickslip as ss
+from stickslip.report.words import sentence
+from stickslip.scale import percent, plainly
 from test_cli import folder  # noqa: F401  # a fixture
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
@@ -52,3 +54,15 @@ def test_identified_and_comparison_print_as_tables(folder):  # noqa: F811
     compared = ss.compare(found.model, case.validate[0])
     assert repr(compared).startswith("<Comparison with 'b': ")
     assert str(compared) == compared.table()
+
+
+def test_numbers_in_sentences_have_no_powers_of_ten():
+    assert [plainly(x) for x in (100.0, 167.3, 1.0, 0.0553, 2340.0)] == ["100", "170", "1", "0.055", "2300"]
+    assert [percent(x) for x in (1.0, 0.123, 4.2e-7, 0.0)] == ["100 %", "12 %", "less than 0.01 %", "0 %"]
+
+
+def test_a_sentence_leaves_the_names_of_runs_and_effects_as_they_are():
+    assert sentence("b50: forecasts are off") == "b50: forecasts are off."
+    assert sentence("rig_mass and sensor_gain are alike") == "rig_mass and sensor_gain are alike."
+    assert sentence("noise is 0.1 +- 0.2.") == "Noise is 0.1 ± 0.2."
+    assert sentence("chi-squared is 1") == "Chi-squared is 1."

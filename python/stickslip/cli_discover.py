@@ -114,7 +114,11 @@ def errors_table(found: Found) -> Table:
 @click.command(short_help="The readings that follow a recording.")
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("run", type=click.Path(path_type=Path))
-@click.option("--belt-speed", required=True, help="v_b in the belt channel's unit, or with one: '12 mm/s'.")
+@click.option(
+    "--belt-speed",
+    required=True,
+    help="v_b of RUN and of what follows it, in the belt channel's unit, or with one: '12 mm/s'.",
+)
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
 @click.option(
     "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
@@ -152,7 +156,8 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
     with whole(out) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.10g")
     for doubt in doubts:
-        console.print(f"- {doubt.message}; is the belt speed right?", markup=False, soft_wrap=True)
+        asked = "" if "belt_speed" in str(doubt.message) else "; is the belt speed right?"
+        console.print(f"- {doubt.message}{asked}", markup=False, soft_wrap=True)
     t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
     console.print(
         f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to "

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from stickslip.decay import Profile, hyperbolic, levels, merged, scores_of
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction
 from stickslip.identified import Branch, Estimate, Events, Identified
@@ -29,9 +30,36 @@ if TYPE_CHECKING:
 
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
-REFINEMENTS = 10  # of the profile of the decay: its points are a factor 4 apart, then 2, 1.4, .. 1.001
-CURVED = 2.0  # -2 log likelihood between neighbouring points; below it chance decides
+MAKE: dict[Kind, type[CoulombFriction] | type[HyperbolicFriction]] = {
+    "coulomb": CoulombFriction,
+    "hyperbolic": HyperbolicFriction,
+}
 DECISIVE = 6.0  # difference of BIC from which the law with one more number is taken
+
+
+@dataclass(frozen=True)
+class _Declared:
+    """The declared law, with the names of its numbers that are mere defaults."""
+
+    law: FrictionLaw | None
+    undeclared: frozenset[str]
+
+    def unseen(
+        self, branch: Branch, kind: type[CoulombFriction] | type[HyperbolicFriction], names: Sequence[str]
+    ) -> dict[str, float] | None:
+        """Numbers declared for the direction other than `branch` (for both, without `_plus`); None unless all are."""
+        law = self.law
+        if not isinstance(law, kind):
+            return None
+        own = {
+            n: f"{n}_plus" if branch == "minus" and getattr(law, f"{n}_plus") is not None else n
+            for n in names
+        }
+        return (
+            None
+            if self.undeclared & set(own.values())
+            else {n: float(getattr(law, m)) for n, m in own.items()}
+        )
 
 
 @dataclass(frozen=True)
@@ -50,7 +78,7 @@ class _Choice:
     kind: Kind
     shot: Shot
     common: dict[str, float]
-    profile: _Profile | None
+    profile: Profile | None
     preference: float
 
 
@@ -62,6 +90,8 @@ def identify_events(
     simulator: Simulator,
     tell: Callable[[str, float], None],
     unit: str = "",
+    undeclared: Sequence[str] = (),
+    why_idle: Callable[[int], str] = lambda number: f"run {number}",
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
 
@@ -70,12 +100,16 @@ def identify_events(
     runs : sequence of Measured
     rig : BlockOnBelt
     declared : law or None
-        Gives the numbers of the direction that is not visited, where it is of the kind chosen.
+        Gives the numbers of the direction that is not visited, where it is of the kind chosen and they are declared.
     simulator : callable
     tell : callable
         Progress.
     unit : str
         Written behind forces in sentences: " N", or nothing.
+    undeclared : sequence of str
+        Numbers of `declared` that are the library's defaults.
+    why_idle : callable
+        Says, for the number of a run, why no slip of it is used.
 
     Returns
     -------
@@ -92,28 +126,33 @@ def identify_events(
     branch = _branch(runs)
     noise = np.mean([r.noise for r in runs], axis=0)
     coulomb, slips = _one_by_one(slips, rig, noise, simulator, tell)
+    used = {s.run for s in slips}
+    idle = tuple(f"{r.name}: no slip is used: {why_idle(i)}" for i, r in enumerate(runs) if i not in used)
     if len(slips) < 3:
-        raise InputError(
-            f"{len(slips)} slips found; at least 3 are needed (is the belt speed right, does the block stick?)"
-        )
-    hyperbolic, decay, profile = _hyperbolic(slips, coulomb, rig, noise, simulator, tell)
+        raise InputError("; ".join([f"{len(slips)} slips found; at least 3 are needed", *idle]))
+    speed = float(np.median([s.speed for s in slips]))
+    falling, decay, profile = hyperbolic(speed, coulomb, rig, noise, simulator, tell)
     # three numbers a slip in both laws; the hyperbolic one has one more for all
     readings = effective_readings(coulomb.residuals)
-    gain = float(np.sum(_scores(coulomb, coulomb) - _scores(hyperbolic, coulomb)))
+    gain = float(np.sum(scores_of(coulomb, coulomb) - scores_of(falling, coulomb)))
     preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
     if preference > DECISIVE:
-        choice = _Choice("hyperbolic", hyperbolic, {"decay": decay}, profile, preference)
+        choice = _Choice("hyperbolic", falling, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    return _conclude(runs, rig, branch, choice, slips, noise, declared, unit)
+    found = _conclude(
+        runs, rig, branch, choice, slips, noise, _Declared(declared, frozenset(undeclared)), unit
+    )
+    return replace(found, messages=(*found.messages, *idle))
 
 
 def _branch(runs: Sequence[Measured]) -> Branch:
     directions = {np.sign(r.belt_speed) for r in runs}
     if len(directions) != 1 or 0.0 in directions:
         raise InputError(
-            "slips are fitted one by one for one belt direction; identify each direction separately"
+            "slips are fitted one by one for one belt direction; identify each direction separately and join the laws: "
+            "the runs of a negative belt speed give static_plus and kinetic_plus"
         )
     return "minus" if directions == {1.0} else "plus"
 
@@ -183,133 +222,7 @@ def _one_by_one(
             shots.append(shot)
             kept.append(s)
         tell("slips one by one", 0.1 + 0.5 * i / len(slips))
-    return _merged(shots), kept
-
-
-def _merged(shots: Sequence[Shot]) -> Shot:
-    empty = np.zeros((0, 0))
-    return Shot(
-        names=(),
-        values=np.zeros(0),
-        covariance=empty,
-        sandwich=empty,
-        windows=[w for s in shots for w in s.windows],
-        local_std=[d for s in shots for d in s.local_std],
-        residuals=[r for s in shots for r in s.residuals],
-        chi2=float(sum(s.chi2 for s in shots)),
-        dof=sum(s.dof for s in shots),
-        prior_share=np.zeros(0),
-    )
-
-
-@dataclass(frozen=True)
-class _Profile:
-    """Hyperbolic fits of every slip at several common decays: (g,), g shots, and scores (g, k)."""
-
-    decays: Array
-    shots: list[Shot]
-    scores: Array
-
-    def lowest(self, total: Array) -> int:
-        """Index of the least total score that has a neighbour on either side."""
-        return int(np.clip(np.argmin(total), 1, len(total) - 2))
-
-    def best(self, weights: Array) -> float:
-        """Decay of least total score, by a parabola in log decay through the three lowest."""
-        total = self.scores @ weights
-        i = self.lowest(total)
-        a, b, _ = np.polyfit(np.log(self.decays[i - 1 : i + 2]), total[i - 1 : i + 2], 2)
-        at = float(np.exp(-b / (2 * a))) if a > 0 else float(self.decays[np.argmin(total)])
-        return float(np.clip(at, self.decays[i - 1], self.decays[i + 1]))
-
-    def refit(self, weights: Array) -> Array:
-        """Mean numbers of the slips, each counted as often as `weights` (k,) says, and the decay that suits best."""
-        decay = self.best(weights)
-        means = np.array([weights @ _levels(shot) / weights.sum() for shot in self.shots])
-        near = [np.interp(np.log(decay), np.log(self.decays), column) for column in means.T]
-        return np.array([*near, decay])
-
-
-def _hyperbolic(
-    slips: Sequence[_Slip],
-    coulomb: Shot,
-    rig: BlockOnBelt,
-    noise: Array,
-    simulator: Simulator,
-    tell: Callable[[str, float], None],
-) -> tuple[Shot, float, _Profile]:
-    """Each slip with its own R(0) and level at speed under a common decay, which is profiled.
-
-    The profile is refined where it is lowest, until a parabola through three of its points errs by less than chance.
-    """
-    decays = np.array([0.1, 0.4, 1.5, 6.0, 24.0]) / float(np.median([s.speed for s in slips]))
-    shots = []
-    for i, decay in enumerate(decays):
-        tell("hyperbolic law", 0.5 + 0.04 * i)
-        shots.append(_hyperbolic_at(decay, coulomb, rig, noise, simulator))
-    profile = _Profile(decays, shots, np.array([_scores(s, coulomb) for s in shots]))
-    for level in range(REFINEMENTS):
-        total = profile.scores.sum(axis=1)
-        i = profile.lowest(total)
-        if total[i - 1] + total[i + 1] - 2 * total[i] < CURVED:
-            break
-        tell("hyperbolic law", 0.7 + 0.02 * level)
-        for at in (i + 1, i):  # the later gap first: it does not move the earlier
-            decay = float(np.sqrt(profile.decays[at - 1] * profile.decays[at]))
-            shot = _hyperbolic_at(decay, coulomb, rig, noise, simulator, profile.shots[at - 1 : at + 1])
-            profile = _Profile(
-                np.insert(profile.decays, at, decay),
-                [*profile.shots[:at], shot, *profile.shots[at:]],
-                np.insert(profile.scores, at, _scores(shot, coulomb), axis=0),
-            )
-    decay = profile.best(np.ones(len(slips)))
-    near = profile.shots[profile.lowest(profile.scores.sum(axis=1))]
-    return _hyperbolic_at(decay, coulomb, rig, noise, simulator, [near]), decay, profile
-
-
-def _hyperbolic_at(
-    decay: float,
-    coulomb: Shot,
-    rig: BlockOnBelt,
-    noise: Array,
-    simulator: Simulator,
-    near: Sequence[Shot] = (),
-) -> Shot:
-    """All slips under one decay, each started from where it fitted best under a decay `near` it."""
-    model = Model(rig, friction=HyperbolicFriction(decay=decay))
-    shots = []
-    for i, (w, r, std) in enumerate(zip(coulomb.windows, coulomb.residuals, coulomb.local_std, strict=True)):
-        start = _begun(w, decay)
-        if near:
-            fits = [float(np.sum(one.residuals[i] ** 2)) for one in near]
-            start = near[int(np.argmin(fits))].windows[i]
-        try:
-            shot = shoot(model, [start], (), noise=noise, simulator=simulator, iterations=15)
-        except StickslipError:
-            none = np.zeros((0, 0))
-            shot = Shot((), np.zeros(0), none, none, [start], [std], [3 * r], np.inf, 1, np.zeros(0))
-        shots.append(shot)
-    return _merged(shots)
-
-
-def _levels(shot: Shot) -> Array:
-    """Each slip's own numbers, (k, p)."""
-    return np.array([list(w.local.values()) for w in shot.windows])
-
-
-def _begun(w: Window, decay: float) -> Window:
-    """A slip's start under the hyperbolic law from its Coulomb levels."""
-    static, kinetic = w.local["static"], w.local["kinetic"]
-    u = 0.05 * float(np.nanmax(np.abs(np.diff(w.readings[:, 0])))) / float(np.median(np.diff(w.t)))
-    drop = min((static - kinetic) * (1 + 1 / max(decay * u, 1e-3)), 0.9 * static)
-    return replace(w, local={"scale": drop, "constant": static - drop})
-
-
-def _scores(shot: Shot, reference: Shot) -> Array:
-    """-2 log likelihood of each slip, its noise level unknown, on the reference's number of readings."""
-    effective = np.array([effective_readings([r]) for r in reference.residuals])
-    chi2 = np.array([float(np.sum(r**2)) for r in shot.residuals])
-    return np.asarray(effective * np.log(np.maximum(chi2, 1e-300)), dtype=float)
+    return merged(shots), kept
 
 
 def _conclude(
@@ -319,18 +232,20 @@ def _conclude(
     choice: _Choice,
     slips: Sequence[_Slip],
     noise: Array,
-    declared: FrictionLaw | None,
+    declared: _Declared,
     unit: str,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
-    level = _levels(shot)
+    level = levels(shot)
     local = dict(zip(shot.windows[0].local, level.T, strict=True))
     names = (*local, *choice.common)
     mean = np.array([*level.mean(axis=0), *choice.common.values()])
     resamples = block_bootstrap(level, None if choice.profile is None else choice.profile.refit)
     resamples = mean + few(len(slips)) * (resamples - mean)
     covariance = np.atleast_2d(np.cov(resamples.T))
-    law, estimates = _law(kind, branch, names, mean, resamples, declared)
+    numbers = dict(zip(names, mean.tolist(), strict=True))
+    known = declared.unseen(branch, MAKE[kind], names)
+    law, estimates = _law(kind, branch, numbers, resamples, known or numbers)
     suffix = "" if branch == "minus" else "_plus"
     events = _events(choice, local, slips, noise)
     visited = (0.0, float(max(s.speed for s in slips)))
@@ -348,7 +263,7 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=event_messages(kind, branch, preference, events, unit),
+        messages=event_messages(kind, branch, preference, events, unit, known is not None),
     )
 
 
@@ -375,29 +290,17 @@ def _kinetic(local: dict[str, Array], slips: Sequence[_Slip], decay: float) -> A
 
 
 def _law(
-    kind: Kind,
-    branch: Branch,
-    names: Sequence[str],
-    mean: Array,
-    resamples: Array,
-    declared: FrictionLaw | None,
+    kind: Kind, branch: Branch, numbers: dict[str, float], resamples: Array, unseen: dict[str, float]
 ) -> tuple[FrictionLaw, dict[str, Estimate]]:
-    """The mean law; the direction never visited keeps what was declared, or else repeats the other's numbers."""
-    make = CoulombFriction if kind == "coulomb" else HyperbolicFriction
-    numbers = dict(zip(names, mean.tolist(), strict=True))
+    """The mean law, `unseen` being the numbers of the direction never visited."""
     own, other = ("", "_plus") if branch == "minus" else ("_plus", "")
-    unseen = dict(numbers)
-    if isinstance(declared, make):
-        for n in numbers:
-            value = getattr(declared, n + other)
-            unseen[n] = float(getattr(declared, n) if value is None else value)
     low, high = np.quantile(resamples, [0.025, 0.975], axis=0)
     estimates = {
         n + own: Estimate(v, float(a), float(b), float(s), "weak" if s > abs(v) / 3 else "identified", v)
         for (n, v), a, b, s in zip(numbers.items(), low, high, resamples.std(axis=0), strict=True)
     }
     estimates |= {n + other: Estimate(v, None, None, None, "unidentified", v) for n, v in unseen.items()}
-    return make(**{n: e.value for n, e in estimates.items()}), estimates
+    return MAKE[kind](**{n: e.value for n, e in estimates.items()}), estimates
 
 
 def _diagnostics(

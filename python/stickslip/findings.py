@@ -26,7 +26,7 @@ class FindingKind(Enum):
     QUANTISED = "a channel is coarsely quantised"
     GLITCHES = "a channel has one-sample glitches"
     CONSTANT = "a channel never changes"
-    BELT = "the measured belt speed is far from its set-point"
+    BELT = "the belt is far from its set-point"
     SIZE = "readings are of a size the rig can hardly reach"
 
 

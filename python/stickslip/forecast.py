@@ -16,6 +16,7 @@ from stickslip.discovery.readings import curves_of
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.model import Model
 from stickslip.records import Recording
+from stickslip.ridden import NEAR, wrong_set_point
 from stickslip.rig import BlockOnBelt, DrivenSlider
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     """Predict the readings that follow a recording.
 
     The state at its last sample, hidden states of effects and phases included, comes from its own readings by
-    output error over windows; from there the model runs freely. The belt's set-point may differ from then on
-    only in the sense that it is the same for the past: a change of speed is not modelled.
+    output error over windows; from there the model runs freely. The belt speed is that of the past and of the future:
+    a change of speed is not modelled.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     recording
         The past, at least one cycle of it.
     belt_speed
-        v_b in model units.
+        v_b in model units, that of the recording and of what follows it.
     horizon
         How far to predict, in the model's unit of time.
 
@@ -61,7 +62,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Warns
     -----
     ModelWarning
-        The model does not pass through the last readings: the forecast starts somewhere else.
+        The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
+        belt, the sticks of the past ride at another speed than `belt_speed`.
     """
     import pandas as pd  # slow to import
 
@@ -100,6 +102,10 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     from stickslip.discovery.slider.table import measure
     from stickslip.discovery.slider.table import prepare as ready
 
+    wrong = wrong_set_point(recording, clear=NEAR)
+    if wrong:
+        said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
+        warnings.warn(said, ModelWarning, stacklevel=4)
     measured = measure(ready(recording))
     run = measured.run
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)

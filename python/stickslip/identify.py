@@ -22,6 +22,7 @@ from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identi
 from stickslip.identify_words import fit_messages, plateau_messages
 from stickslip.model import Model
 from stickslip.records import Case, Recording
+from stickslip.ridden import why_idle, wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.shooting import FARTHEST, Array, Shot, Simulator, Window, shoot
 from stickslip.simulate import simulate
@@ -168,6 +169,7 @@ def identify(
         scatter = friction is None and isinstance(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt
         )
+    undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
@@ -176,10 +178,21 @@ def identify(
         from stickslip.events import identify_events  # it needs what is above
 
         unit = "" if recordings[0].unit("x1") == "1" else " N"
-        found = identify_events(runs, rig, declared=friction, simulator=simulator, tell=tell, unit=unit)
+        found = identify_events(
+            runs,
+            rig,
+            declared=friction,
+            simulator=simulator,
+            tell=tell,
+            unit=unit,
+            undeclared=undeclared,
+            why_idle=lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
+        )
     else:
         start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
-        found = _identify_by_shooting(runs, rig, start, simulator, tell)
+        found = _identify_by_shooting(runs, rig, start, simulator, tell, undeclared)
+        doubts = ((r.name, wrong_set_point(replace(r, rig=rig))) for r in recordings)
+        found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
     found = replace(found, force=_force(runs, rig), messages=(*found.messages, *rode))
@@ -208,7 +221,12 @@ def _material(
 
 
 def _identify_by_shooting(
-    runs: Sequence[Measured], rig: AnyRig, start: FrictionLaw, simulator: Simulator, tell: Progress
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    start: FrictionLaw,
+    simulator: Simulator,
+    tell: Progress,
+    undeclared: Sequence[str],
 ) -> Identified:
     """Fit the law to windows, then to whole runs if it explains those as well."""
     branches = law_parameters(start)
@@ -245,7 +263,7 @@ def _identify_by_shooting(
             best, where = long, "whole runs"
     except (np.linalg.LinAlgError, ValueError):
         pass  # whole runs are a refinement; a law that cannot follow one keeps the windows' estimate
-    return _conclude(runs, rig, start, names, declared, best, short, where, simulator)
+    return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
 
 
 def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
@@ -287,6 +305,7 @@ def _conclude(
     short: Shot,
     where: str,
     simulator: Simulator,
+    undeclared: Sequence[str],
 ) -> Identified:
     covariance = _widened(best)
     seen = best.prior_share < 0.99
@@ -300,7 +319,7 @@ def _conclude(
     }
     kept = np.flatnonzero(seen)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
-    messages = fit_messages(estimates, covered, best, where)
+    messages = fit_messages(estimates, covered, best, where, undeclared)
     return Identified(
         rig=rig,
         law=law,
@@ -326,8 +345,17 @@ def estimate(value: float, std: float, prior_share: float, declared: float) -> E
         return Estimate(declared, None, None, None, "unidentified", declared)
     at_limit = declared != 0 and not 1.001 / FARTHEST < value / declared < FARTHEST / 1.001
     weak = prior_share > 0.1 or std > abs(value) / 3 or at_limit
+    low, high = interval(value, std)
+    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
+
+
+def interval(value: float, std: float) -> tuple[float, float]:
+    """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
     half = 1.96 * std
-    return Estimate(value, value - half, value + half, std, "weak" if weak else "identified", declared)
+    if value <= 0:
+        return value - half, value + half
+    factor = float(np.exp(min(half / value, np.log(FARTHEST**2))))  # what is not known at all is not known
+    return value / factor, value * factor
 
 
 def covered_speeds(

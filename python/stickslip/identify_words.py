@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.identified import BRANCHES, Branch, Estimate, Events
+from stickslip.scale import percent
 from stickslip.shooting import Shot
 
 
@@ -15,8 +16,12 @@ def fit_messages(
     covered: Mapping[Branch, tuple[float, float] | None],
     best: Shot,
     where: str,
+    undeclared: Sequence[str] = (),
 ) -> tuple[str, ...]:
-    """Say how well the law fits, and which of its numbers and branches the runs do not tell."""
+    """Say how well the law fits, and which of its numbers and branches the runs do not tell.
+
+    `undeclared` names the numbers whose start nobody declared.
+    """
     out = [
         f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"
     ]
@@ -25,8 +30,12 @@ def fit_messages(
             "the declared law does not explain the readings; the intervals are widened by what it leaves"
         )
     absent = [n for n, e in estimates.items() if e.status == "unidentified"]
-    if absent:
-        out.append(f"unidentified, declared start kept: {', '.join(absent)}")
+    for names, whose in (
+        ([n for n in absent if n not in undeclared], "declared start"),
+        ([n for n in absent if n in undeclared], "the start of the law's defaults, as none is declared,"),
+    ):
+        if names:
+            out.append(f"unidentified, {whose} kept: {', '.join(names)}")
     weak = [n for n, e in estimates.items() if e.status == "weak"]
     if weak:
         out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")
@@ -55,9 +64,19 @@ def plateau_messages(runs: Sequence[tuple[float, float, float]], belt: str) -> l
 
 
 def event_messages(
-    kind: str, branch: Branch, preference: float, events: Events, unit: str
+    kind: str, branch: Branch, preference: float, events: Events, unit: str, declared: bool
 ) -> tuple[str, ...]:
-    """Say what slips fitted one by one were like; `unit` is written behind forces."""
+    """Say what slips fitted one by one were like.
+
+    Parameters
+    ----------
+    kind, branch, preference, events
+        Of the law chosen.
+    unit
+        Written behind forces.
+    declared
+        Whether the numbers of the direction never visited are declared ones.
+    """
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
     why = {
@@ -72,7 +91,12 @@ def event_messages(
         f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
         f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
         f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
-        f"a single slip is reproduced to {100 * float(np.median(events.rms / events.amplitude)):.0f} % of its "
+        f"a single slip is reproduced to {percent(float(np.median(events.rms / events.amplitude)))} of its "
         "amplitude (median)",
-        f"branch T_{other} was never visited: its numbers are unidentified (declared, or T_{branch}'s repeated)",
+        f"branch T_{other} was never visited: its numbers are unidentified, "
+        + (
+            "the declared ones are kept"
+            if declared
+            else f"T_{branch}'s are repeated, as its own are not declared"
+        ),
     )

@@ -16,6 +16,7 @@ from stickslip.arguments import path as as_path
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.findings import (
     Finding,
+    FindingKind,
     belt_findings,
     channel_findings,
     drive_findings,
@@ -23,6 +24,7 @@ from stickslip.findings import (
     time_findings,
 )
 from stickslip.friction import FrictionLaw
+from stickslip.ridden import wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.scale import scales
 from stickslip.tables import Columns, column_names, read_columns
@@ -393,6 +395,9 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
             stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else rig.alpha1
             reach = max(friction.static_limits) / stiffness
             found += size_findings(name, recording.x1, reach, _word(channel.unit), per_unit)
+    wrong = wrong_set_point(recording)
+    if wrong and not any(one.kind is FindingKind.BELT for one in found):
+        found.append(Finding(FindingKind.BELT, "belt", f"belt: {wrong}"))
     return found
 
 

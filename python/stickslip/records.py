@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -80,6 +80,8 @@ class Case:
         Column, unit and scale by channel.
     path
         The file rig.toml.
+    undeclared
+        Numbers of `friction` that the file does not give: they are where a fit starts, and nobody's word.
     """
 
     title: str
@@ -89,6 +91,7 @@ class Case:
     runs: tuple[Recording, ...]
     channels: Mapping[str, Channel]
     path: Path
+    undeclared: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         roles = ", ".join(
@@ -179,7 +182,8 @@ def load_case(path: str | os.PathLike[str]) -> Case:
         _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
     )
     title = declared.title or document.path.resolve().parent.name
-    return Case(title, rig, friction, noise, runs, channels, document.path)
+    undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
+    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared)
 
 
 def _case_file(path: Path) -> Path:
@@ -255,7 +259,8 @@ def _read_run(
         noise=noise,
         window=(run.start, run.end),
         name=name,
-        friction=friction if declared.friction or isinstance(own, Rig) else None,  # Table 1 is no guess in N
+        # Table 1 is no guess in N, and neither are the defaults of a law of which only the kind is given
+        friction=friction if isinstance(own, Rig) or set(declared.friction) - {"kind"} else None,
     )
 
 

@@ -85,6 +85,18 @@ def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = N
     return Scale(known["force"].size ** force * velocity**speed, _UNITS[exponents])
 
 
+def plainly(value: float, digits: int = 2) -> str:
+    """Write a number to a few digits and without a power of ten: "170", never "1.7e+02"."""
+    return f"{float(f'{value:.{digits}g}'):.15g}" if abs(value) >= 1 else f"{value:.{digits}g}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """Write a share of 1 in per cent; below a hundredth of one it is only said to be less."""
+    if 0 < abs(share) < 1e-4:
+        return "less than 0.01 %"
+    return f"{plainly(100 * share, digits)} %"
+
+
 def to_digits(value: float, doubt: float | None) -> str:
     """Write a number to the first digit that is in doubt, or the second; to four digits where that is not known."""
     if not doubt or not math.isfinite(doubt) or abs(value) < 1e-4:

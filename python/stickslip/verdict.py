@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.dominant import SHARE
 from stickslip.recording import Recording
+from stickslip.scale import percent, plainly
 
 CYCLIC = ("period", "stick fraction", "slip amplitude", "largest slip speed")
 # of the forecast's NRMSE, below which it is called so; 1 is forecasting the mean
@@ -97,8 +98,8 @@ def _shape(rows: Mapping[str, Row]) -> str:
     if row is None or row.simulated is None or row.scatter is None:
         return ""
     return (
-        f"the portraits lie {100 * row.simulated:.2g} % of their size apart; the two halves of the measured one "
-        f"{100 * row.scatter:.2g} %"
+        f"the portraits lie {percent(row.simulated)} of their size apart; the two halves of the measured one "
+        f"{percent(row.scatter)}"
     )
 
 
@@ -121,5 +122,5 @@ def _forecast(rows: Mapping[str, Row]) -> str:
     than_mean = ", no better than forecasting the mean" if row.simulated >= 1 else ""
     return (
         f"forecast from cycle to cycle: {judged(row.simulated)}{than_mean}; NRMSE {row.simulated:.3g} (good to "
-        f"{GOOD:g}, poor to {POOR:g}, 1 is forecasting the mean), {times:.2g} times what the noise alone leaves"
+        f"{GOOD:g}, poor to {POOR:g}, 1 is forecasting the mean), {plainly(times)} times what the noise alone leaves"
     )

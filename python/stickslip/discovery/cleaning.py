@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.data import Data, refined, rounding, without_outliers
 from stickslip.discovery.solve import Fit
 from stickslip.errors import InputError
+from stickslip.scale import plainly
 
 Floats = NDArray[np.float64]
 LOW, HIGH = 3, 5  # orders of difference from which the noise is read
@@ -54,8 +55,8 @@ def cleaned(
         elif sure and abs(np.log(size)) > OFF:
             factor[c] = size
             said.append(
-                f"[noise] declares {declared[channel]:.3g} for {channel}, but its readings scatter by {size:.2g} times "
-                "that from sample to sample; taken as they scatter"
+                f"[noise] declares {declared[channel]:.3g} for {channel}, but its readings scatter by {plainly(size)} "
+                "times that from sample to sample; taken as they scatter"
             )
     kept = without_outliers(fitted, [_bridged(r / factor) for r in residuals])
     return refined([*kept, *data[len(kept) :]], factor), tuple(said)

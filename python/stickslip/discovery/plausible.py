@@ -11,13 +11,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.errors import InputError
 from stickslip.findings import FindingKind
 from stickslip.records import Case
+from stickslip.ridden import commonest_rate
 from stickslip.rig import Rig
 from stickslip.units import default_speed_unit, factor
 
@@ -29,7 +29,6 @@ RATIO = 1.6  # a ratio of y1 to x1 that no sensor of the list has
 SPEED = 2.5  # the same for the speed of the sticking block over the belt's
 ODD, ALIKE = 0.33, 0.03  # in the logarithm: a run's speed that is off, where the others' are right
 GAIN = 1.15  # a belt channel off by more, where block and set-point agree, is not believed
-PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
 SHIFTED = 0.1  # share of the equation left over below which a shifted zero explains what is wrong
 FITS = 0.15  # how near a unit must bring a ratio to 1, in the logarithm, to be suggested
 TIMES = ("s", "ms", "us", "min", "hour")
@@ -127,21 +126,11 @@ def _period(t: Floats, x: Floats) -> float:
 
 
 def stick_speed(run: Data) -> float | None:
-    """The rate of x1 at which the block rides the belt: the middle of its commonest fifth; None if none stands out.
-
-    It must outweigh the opposite rate, which an oscillation without sticks has as often.
-    """
+    """The rate of x1 at which the block rides the belt; None if none stands out, or the run is too short to tell."""
     dt, period = float(np.median(np.diff(run.t))), _period(run.t, run.readings[:, 0])
     if period < 25 * dt or run.t[-1] - run.t[0] < 2.5 * period:
         return None
-    even = np.interp(np.arange(run.t[0], run.t[-1], dt), run.t, run.readings[:, 0])
-    v = np.sort(scipy.signal.savgol_filter(even, max(7, int(period / 25 / dt) | 1), 2, deriv=1, delta=dt))
-    count = len(v) // 5
-    spans = v[count:] - v[:-count]
-    at = int(np.argmin(spans))
-    middle, half = 0.5 * float(v[at] + v[at + count]), 0.5 * float(spans[at])
-    opposite = int(np.count_nonzero(np.abs(v + middle) <= half))
-    return middle if 0 < 2 * half < PRONOUNCED * abs(middle) and opposite < 0.4 * count else None
+    return commonest_rate(run.t, run.readings[:, 0], int(period / 25 / dt))
 
 
 def plausible(case: Case, data: Sequence[Data]) -> tuple[list[Data], tuple[str, ...]]:

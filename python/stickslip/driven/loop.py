@@ -26,6 +26,7 @@ from stickslip.friction import CoulombFriction
 from stickslip.model import Model
 from stickslip.records import Case, Recording
 from stickslip.rig import DrivenSlider
+from stickslip.scale import percent, plainly
 
 Floats = NDArray[np.float64]
 
@@ -201,9 +202,9 @@ def evidence(
     base = _power(validate, less)
     ratio = float(np.sqrt(_power(validate, chosen) / base))
     share = 100 * drop / max(search.excess, 1e-300)
-    words = f"it explains {share:.2g} % of what the declared law leaves beyond the noise"
+    words = f"it explains {plainly(share)} % of what the declared law leaves beyond the noise"
     if best is None and name:
-        words += f"; {name} would explain {100 * control / max(search.excess, 1e-300):.2g} %"
+        words += f"; {name} would explain {percent(control / max(search.excess, 1e-300))}"
     if best is not None:
         held = float(np.sqrt(_power(validate, best) / base))
         words += f"; on the validate runs the error falls to {ratio:.3f} of what it was"
@@ -292,7 +293,7 @@ def remarks(search: Search, chosen: Fit, over: Band) -> tuple[str, ...]:
     if chosen.per_reading > 1.1:
         left = 100 * (chosen.chi2 - len(chosen.white)) / max(search.excess, 1e-300)
         out.append(
-            f"{left:.2g} % of what the declared law left beyond the noise is still unexplained; "
+            f"{plainly(left)} % of what the declared law left beyond the noise is still unexplained; "
             "no candidate explains more than 1 % of it"
         )
     if len(search.balance.runs) > 1:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
 from stickslip.rig import BlockOnBelt
+from stickslip.scale import percent
 
 PLAIN: Mapping[str, str] = {
     "block_viscous_damping": "viscous damping of the block",
@@ -76,8 +77,10 @@ def joined(words: Sequence[str]) -> str:
 
 
 def sentence(text: str) -> str:
-    """A remark as a sentence: capital, full stop, ±."""
-    return f"{text[:1].upper()}{text[1:].rstrip('.')}.".replace("+-", "±")
+    """A remark as a sentence: capital, full stop, ±; the name of a run or of an effect stays as it is."""
+    first = text.partition(" ")[0].rstrip(",")
+    head = text[:1].upper() if first.replace("-", "").isalpha() else text[:1]
+    return f"{head}{text[1:].rstrip('.')}.".replace("+-", "±")
 
 
 def ties(effect: FoundEffect) -> list[Alternative]:
@@ -144,7 +147,7 @@ def alarms(found: Found) -> str:
 
 def _share(found: Found) -> str:
     share = sum(float(one) >= found.gate.observed for one in found.gate.draws) / len(found.gate.draws)
-    return f"{100 * share:.2g} %" if share else "none"
+    return percent(share) if share else "none"
 
 
 def _of_the_name(effect: FoundEffect) -> str:

@@ -2,7 +2,7 @@
 
     ln rate      = ln of (declared gain, spring, belt speed) wrong
     ln frequency = ln(k/m) wrong
-    damping      = c/(2 sqrt(k m)) of whatever brakes the slip
+    damping      = c/(2 sqrt(k m)) of whatever brakes the slip beside the declared damper
     level        = relative change of the friction along the belt, in time, with the rest before it
 
 A parameter that acts on several of them has one column over all.
@@ -132,10 +132,10 @@ def waves(blocks: Sequence[Block], name: str, scale: float) -> Candidate:
 
 
 def _means(level: Block) -> Floats:
-    """Mean deflection at breakaway of each event's run."""
+    """Mean force at breakaway of each event's run, over the stiffness."""
     out = np.ones(len(level))
     for run in np.unique(level.run):
-        out[level.run == run] = level.x[level.run == run].mean()
+        out[level.run == run] = level.load[level.run == run].mean()
     return out
 
 

@@ -46,15 +46,17 @@ def _drawn(block: Block, rng: np.random.Generator) -> Block:
     y = block.drawn(rng)
     if block.name != "level":
         return estimated(replace(block, y=y))
-    x = np.empty_like(block.x)
+    x, load = np.empty_like(block.x), np.empty_like(block.x)
     dwell = block.dwell.copy()
     for run in np.unique(block.run):
         at = np.flatnonzero(block.run == run)
-        mean = float(block.x[at].mean())
-        x[at] = mean * (1 + y[at])
+        mean = float(block.load[at].mean())
+        carried = float((block.load - block.x)[at[0]])
+        load[at] = mean * (1 + y[at])
+        x[at] = load[at] - carried
         fall = block.fall[at][rng.integers(0, len(at), len(at))]
         climbed = x[at][1:] - (x[at][:-1] - fall[:-1])
         rise = np.maximum(climbed, 0.02 * float(np.median(block.fall[at])))
         dwell[at[1:]] = rise / block.speed[at[1:]]
-        y[at] = x[at] / float(x[at].mean()) - 1
-    return estimated(replace(block, y=y, x=x, dwell=dwell))
+        y[at] = load[at] / float(load[at].mean()) - 1
+    return estimated(replace(block, y=y, x=x, load=load, dwell=dwell))

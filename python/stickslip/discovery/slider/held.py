@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.slider.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions
 from stickslip.discovery.slider.fit import Fitted, Prior, Windows, fit
-from stickslip.discovery.slider.predict import Reading, reading_of, true_stiffness
+from stickslip.discovery.slider.levels import damping, true_stiffness
+from stickslip.discovery.slider.predict import Reading, reading_of
 from stickslip.discovery.slider.table import Measured, cut
 from stickslip.effects import Effect
 from stickslip.model import Model
@@ -43,7 +44,12 @@ def constants_of(model: Model, measured: Measured) -> Constants:
     assert isinstance(model.rig, BlockOnBelt)
     stiffness = run.rig.stiffness * true_stiffness(model) / model.rig.stiffness
     mass = run.rig.mass * (1 + known.get("rig_mass", {}).get("e", 0.0))
-    c = run.rig.damping + known.get("block_viscous_damping", {}).get("c", 0.0)
+    fastest = (
+        0.5 * float(np.median(measured.events.slip)) * np.sqrt(stiffness / mass)
+        if len(measured.events)
+        else 0.0
+    )
+    c = run.rig.damping - model.rig.damping + damping(model, fastest)
     middle = float(np.median(measured.events.p[:, S])) if len(measured.events) else 0.0
     slope = _slope(reading, middle) + reading.drift / run.belt_speed
     squeeze = known.get("contact_compliance", {}).get("k")

@@ -24,7 +24,8 @@ from stickslip.discovery.slider.views import spectrum, train_view, validate_view
 from stickslip.discovery.slider.weigh import PRICE, Weighed
 from stickslip.effects import CONSTANTS
 from stickslip.errors import InputError
-from stickslip.records import Case
+from stickslip.records import Case, Recording
+from stickslip.ridden import why_idle
 
 
 def discover(
@@ -60,9 +61,10 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
     began = time.monotonic()
     tell("finding events")
     train, validate = ([measure(prepare(one)) for one in runs] for runs in (case.train, case.validate))
-    _enough(train)
+    idle = _idle(case.train, train)
+    _enough(train, idle)
     choice = choose(train, seed, tell, draws)
-    before, after, law = models(case, choice, train)
+    (before, law_before), (after, law) = models(case, choice, train)
     tell("fitting single events under both models")
     was, now = ([held(one, constants_of(model, one)) for one in train] for model in (before, after))
     tell("forecasting the validate runs")
@@ -71,7 +73,11 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
     effects = tuple(_effect(one, choice, train, validate) for one in choice.chosen)
     left = residual(train, now, len(choice.chosen))
     views = [
-        *(train_view(m, before, after, pair) for m, *pair in zip(train, was, now, strict=True)),  # type: ignore[arg-type]
+        *(
+            train_view(m, before, after, (a, b))
+            for m, a, b in zip(train, was, now, strict=True)
+            if len(m.events)
+        ),
         *(validate_view(one, before, after, forecasts[one.run.name]) for one in validate),
     ]
     return Found(
@@ -81,7 +87,7 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
         before=before,
         after=after,
         law=law,
-        law_before=law,
+        law_before=law_before,
         residual_before=residual(train, was, 0),
         residual_after=left,
         error=error,
@@ -90,17 +96,26 @@ def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) ->
         gate=_gate(choice),
         runs=tuple(views),
         spectrum=spectrum(train, was, now),
-        messages=(*remarks(choice, train, effects), *words),
+        messages=(*idle, *remarks(case, choice, train, effects), *words),
         seconds=time.monotonic() - began,
     )
 
 
-def _enough(train: Sequence[Measured]) -> None:
+def _idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:
+    """Every run that no slip is found in, with the reason."""
+    return tuple(
+        f"{recording.name}: no slip is used: {why_idle(recording, len(one.run.track.sticks))}"
+        for recording, one in zip(recordings, runs, strict=True)
+        if not len(one.events)
+    )
+
+
+def _enough(train: Sequence[Measured], idle: Sequence[str]) -> None:
     count = sum(len(one.events) for one in train)
     if count < FEWEST:
         raise InputError(
             f"{count} slips between sticks found in the train runs; {FEWEST} are needed to tell an effect from "
-            "friction that differs from event to event (does the block stick? is the belt speed right?)"
+            "friction that differs from event to event" + "".join(f"; {one}" for one in idle)
         )
 
 

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from stickslip.discovery.result import Interval
 from stickslip.discovery.slider.choose import Choice
 from stickslip.discovery.slider.cycle import S
+from stickslip.discovery.slider.held import constants_of
+from stickslip.discovery.slider.levels import carried, number_of, sliding
 from stickslip.discovery.slider.population import Block
-from stickslip.discovery.slider.predict import Reading, reading_of, true_stiffness
+from stickslip.discovery.slider.predict import reading_of
 from stickslip.discovery.slider.table import Measured
 from stickslip.discovery.slider.weigh import Weighed, columns_of, weigh
 from stickslip.effects import CONSTANTS, Effect, effect
@@ -21,6 +23,7 @@ from stickslip.records import Case
 from stickslip.scatter import block_bootstrap
 
 Floats = NDArray[np.float64]
+Law = Mapping[str, Interval]
 Z = 1.96
 LATE = 0.1  # of 1/w: the delay given to a belt that droops, too short to matter
 
@@ -39,7 +42,7 @@ def parameters(one: Weighed, choice: Choice) -> dict[str, Interval]:
     if candidate.per_run:
         return _wave(one, choice)
     level = next(block for block in choice.blocks if block.name == "level")
-    force = rig.stiffness * float(np.mean(level.x))
+    force = rig.stiffness * float(np.mean(level.load))
     if candidate.name == "static_aging":
         return {"dT": _interval(force * theta, force * std), "tau": Interval(candidate.scale, None, None)}
     if candidate.name == "contact_compliance":
@@ -111,35 +114,36 @@ def _numbers(one: Weighed, runs: Sequence[Measured]) -> list[int]:
 
 def models(
     case: Case, choice: Choice, runs: Sequence[Measured]
-) -> tuple[Model, Model, Mapping[str, Interval]]:
-    """The declared model with the law of the mean event, the same with what was found, and the law's intervals."""
+) -> tuple[tuple[Model, Law], tuple[Model, Law]]:
+    """The declared model with the law of the mean event, and the same with what was found; each law's intervals."""
     own = case.model()
     rig = choice.declared.rig
     terms = []
     for one in choice.chosen:
         values = {name: interval.value for name, interval in parameters(one, choice).items()}
         terms.append(effect(one.candidate.name, **values))
-    before, law = _law(rig.stiffness, Reading(1.0, 0.0, 0.0), runs, ())
-    made = Model(rig, friction=before, effects=tuple(terms))
-    after, _ = _law(true_stiffness(made), reading_of(made, choice.declared.force_channel), runs, terms)
+    before, law_before = _law(Model(rig, friction=CoulombFriction()), choice.declared.force_channel, runs)
+    after, law = _law(Model(rig, friction=before, effects=tuple(terms)), choice.declared.force_channel, runs)
 
     def whole(friction: CoulombFriction, effects: Sequence[Effect]) -> Model:
         return Model(rig, friction=friction, effects=tuple(effects), channels=own.channels, noise=own.noise)
 
-    return whole(before, ()), whole(after, terms), law
+    return (whole(before, ()), law_before), (whole(after, terms), law)
 
 
 def _law(
-    stiffness: float, reading: Reading, runs: Sequence[Measured], terms: Sequence[Effect]
+    model: Model, force_channel: bool, runs: Sequence[Measured]
 ) -> tuple[CoulombFriction, Mapping[str, Interval]]:
     """Mean static and kinetic force, every run counting alike; intervals from blocks of neighbouring events."""
-    aged = next((one.parameters for one in terms if one.name == "static_aging"), None)
+    reading = reading_of(model, force_channel)
+    growth, tau = (number_of(model, "static_aging", key) for key in ("dT", "tau"))
     means, variances = [], []
     for one in (run for run in runs if len(run.events)):
-        e = one.events
+        e, speed = one.events, one.run.belt_speed
         top, bottom = (reading.undone(x, e.t) for x in (e.p[:, S], e.arrest))
-        grown = 0.0 if aged is None else aged["dT"] * (1 - np.exp(-e.dwell / aged["tau"]))
-        levels = np.column_stack([stiffness * top - grown, stiffness * 0.5 * (top + bottom)])
+        grown = growth * (1 - np.exp(-e.dwell / tau)) if growth else 0.0
+        slid = sliding(model, top, bottom, speed, constants_of(model, one).log_w2)
+        levels = np.column_stack([carried(model, top, speed) - grown, slid])
         means.append(levels.mean(axis=0))
         variances.append(block_bootstrap(levels).var(axis=0))
     mean = np.mean(means, axis=0)

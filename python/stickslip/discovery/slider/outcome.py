@@ -15,6 +15,7 @@ from stickslip.discovery.slider.table import Measured
 from stickslip.errors import StickslipError
 from stickslip.model import Model
 from stickslip.records import Case
+from stickslip.ridden import why_idle
 
 Floats = NDArray[np.float64]
 METRIC = (
@@ -103,7 +104,8 @@ def error_block(
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
         if not len(one.events):
             words.append(
-                f"{one.run.name}: no slip between sticks is in this run, so that no error is measured on it"
+                f"{one.run.name}: no error is measured on it, as no slip is found: "
+                + why_idle(case.run(one.run.name), len(one.run.track.sticks))
             )
             continue
         if now > WORSE * was:

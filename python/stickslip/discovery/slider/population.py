@@ -1,10 +1,11 @@
 """What differs from event to event: the process noise, estimated beside the law and known to every comparison.
 
 Four numbers of each event carry what a declared constant or a listed effect would change: the rise of its stick over
-the set-point speed (`rate`), the square of its slip's frequency over k/m (`frequency`), the damping of its slip
-(`damping`) and the force at its breakaway over the run's mean (`level`). Each has a spread between events beyond what
-the noise of the readings explains, and a spread common to neighbours: runs differ in speed, slips of one size feel
-the unevenness of the surface alike, and the level wanders along the belt as an Ornstein-Uhlenbeck process.
+the set-point speed (`rate`), the square of its slip's frequency over k/m (`frequency`), the damping of its slip over
+the declared one (`damping`) and the force at its breakaway over the run's mean (`level`). Each has a spread between
+events beyond what the noise of the readings explains, and a spread common to neighbours: runs differ in speed, slips
+of one size feel the unevenness of the surface alike, and the level wanders along the belt as an Ornstein-Uhlenbeck
+process.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.slider.cycle import LOG_W2, ZETA, S
-from stickslip.discovery.slider.table import Measured, natural_rate
+from stickslip.discovery.slider.table import Measured, damping_ratio, natural_rate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,8 +33,9 @@ class Block:
     """One number of all events: y (n,), its noise variance, what it is known by, and its groups.
 
     `run` numbers the runs; `group` the events that share a deviation; `x` is the deflection, `t` the time, `travel` the
-    belt's travel, `speed` the set-point, `top` the largest speed of the slip, `dwell` the time at rest before it and
-    `fall` the deflection lost in it (0 for sticks).
+    belt's travel, `speed` the set-point, `top` the largest speed of the slip, `dwell` the time at rest before it,
+    `fall` the deflection lost in it (0 for sticks) and `load` the deflection at which the spring alone would bear what
+    the contact bears at x, the damper of the block carried along included.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Block:
     top: Floats
     dwell: Floats
     fall: Floats
+    load: Floats
     spread: Floats
     shared: float = 0.0
     wander: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -130,6 +133,7 @@ def _rates(runs: Sequence[Measured], sources: dict[str, int]) -> Block:
                 s.x[ok],
                 np.full(n, one.run.belt_speed),
                 *(np.zeros(n),) * 3,
+                s.x[ok],
             )
         )
     return _block("rate", parts)
@@ -143,15 +147,29 @@ def _slips(runs: Sequence[Measured], sources: dict[str, int]) -> list[Block]:
             e, n = one.events, len(one.events)
             if not n:
                 continue
-            w2 = np.log(natural_rate(one.run.rig) ** 2) if name == "frequency" else 0.0
+            rig = one.run.rig
+            declared = np.log(natural_rate(rig) ** 2) if name == "frequency" else damping_ratio(rig)
             rank = np.argsort(np.argsort(e.slip))
             group = SIZES * sources[one.run.source] + (SIZES * rank) // n
             top = 0.5 * e.slip * np.exp(0.5 * e.p[:, LOG_W2])
             speed = np.full(n, one.run.belt_speed)
             fall = e.p[:, S] - e.arrest
-            y, noise = e.p[:, column] - w2, e.std[:, column] ** 2
+            y, noise = e.p[:, column] - declared, e.std[:, column] ** 2
             parts.append(
-                (y, noise, np.full(n, i), group, e.t, e.travel, e.p[:, S], speed, top, e.dwell, fall)
+                (
+                    y,
+                    noise,
+                    np.full(n, i),
+                    group,
+                    e.t,
+                    e.travel,
+                    e.p[:, S],
+                    speed,
+                    top,
+                    e.dwell,
+                    fall,
+                    e.p[:, S],
+                )
             )
         out.append(_block(name, parts))
     return out
@@ -164,19 +182,21 @@ def _levels(runs: Sequence[Measured]) -> Block:
         if not n:
             continue
         x = e.p[:, S]
-        mean, run = float(x.mean()), np.full(n, i)
+        load = x + one.run.rig.damping * one.run.belt_speed / one.run.rig.stiffness
+        mean, run = float(load.mean()), np.full(n, i)
         noise = (e.std[:, S] / mean) ** 2
         speed, fall = np.full(n, one.run.belt_speed), x - e.arrest
-        parts.append((x / mean - 1, noise, run, run, e.t, e.travel, x, speed, np.zeros(n), e.dwell, fall))
+        none = np.zeros(n)
+        parts.append((load / mean - 1, noise, run, run, e.t, e.travel, x, speed, none, e.dwell, fall, load))
     return _block("level", parts)
 
 
 def _block(name: str, parts: Sequence[tuple[Floats | Ints, ...]]) -> Block:
-    columns = [np.concatenate(one) for one in zip(*parts, strict=True)] if parts else [np.zeros(0)] * 11
-    y, noise, run, group, t, travel, x, speed, top, dwell, fall = columns
+    columns = [np.concatenate(one) for one in zip(*parts, strict=True)] if parts else [np.zeros(0)] * 12
+    y, noise, run, group, t, travel, x, speed, top, dwell, fall, load = columns
     none = np.zeros(len(y))
     return Block(
-        name, y, noise, run.astype(int), group.astype(int), t, travel, x, speed, top, dwell, fall, none
+        name, y, noise, run.astype(int), group.astype(int), t, travel, x, speed, top, dwell, fall, load, none
     )
 
 

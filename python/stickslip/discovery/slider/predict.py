@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.slider.cycle import S
+from stickslip.discovery.slider.levels import carried, held_at
 from stickslip.discovery.slider.table import Measured
 from stickslip.effects import Effect
 from stickslip.errors import StickslipError
@@ -48,13 +49,6 @@ def reading_of(model: Model, force_channel: bool) -> Reading:
         gain *= 1 + known.get("rig_stiffness", {}).get("e", 0.0)
     curvature = known.get("sensor_nonlinearity", {}).get("q", 0.0)
     return Reading(gain, curvature, known.get("sensor_drift", {}).get("r", 0.0))
-
-
-def true_stiffness(model: Model) -> float:
-    """The spring's stiffness, a declared one that is wrong corrected."""
-    assert isinstance(model.rig, BlockOnBelt)
-    wrong = next((one for one in model.effects if one.name == "rig_stiffness"), None)
-    return model.rig.stiffness * (1 + (wrong.parameters["e"] if wrong else 0.0))
 
 
 @dataclass(frozen=True)
@@ -108,7 +102,8 @@ class Forecaster:
         if not len(past):
             return 1.0
         top = self.reading.undone(e.p[past, S], e.t[past])
-        return float(np.mean(true_stiffness(self.model) * top) / self.model.friction.static_limits[0])
+        force = carried(self.model, top, self.measured.run.belt_speed)
+        return float(np.mean(force) / self.model.friction.static_limits[0])
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`."""
@@ -119,7 +114,7 @@ class Forecaster:
         law = seen(self.model.friction, 1.0, factor)
         now = replace(self.model, friction=law).with_effects(self._without_slow())
         if v == run.belt_speed:  # a stick cannot begin above its limit
-            x = min(x, 0.9999 * law.static_limits[0] / true_stiffness(self.model))
+            x = min(x, held_at(self.model, 0.9999 * law.static_limits[0], run.belt_speed))
         t = future - t0
         out = simulate(
             now,

@@ -11,15 +11,20 @@ from stickslip.discovery.slider.choose import Choice
 from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.model import block_of
 from stickslip.discovery.slider.table import Measured
+from stickslip.records import Case
+from stickslip.scale import Scale, percent, plainly, scales
 
 GRADUAL = 3.0  # standard errors
 
 
-def remarks(choice: Choice, train: Sequence[Measured], effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+def remarks(
+    case: Case, choice: Choice, train: Sequence[Measured], effects: Sequence[FoundEffect]
+) -> tuple[str, ...]:
     """What to know about this case's data and verdict."""
+    length = scales(case.rig, case.channels)["x1"]
     return (
-        _noise(train),
-        _process(choice, train),
+        _noise(train, length),
+        _process(choice, train, length),
         *_gradual(choice),
         *_waves(choice, effects),
         *_speeds(train),
@@ -28,26 +33,26 @@ def remarks(choice: Choice, train: Sequence[Measured], effects: Sequence[FoundEf
     )
 
 
-def _noise(train: Sequence[Measured]) -> str:
+def _noise(train: Sequence[Measured], scale: Scale) -> str:
     one = train[0].run
     unit = f"; readings come in steps of {one.step / one.noise:.2g} of it" if one.step else ""
-    share = 100 * float(np.mean([m.run.glitches for m in train]))
+    share = float(np.mean([m.run.glitches for m in train]))
     return (
-        f"noise of the deflection estimated as {one.noise:.3g}{unit}; {share:.2g} % of the readings are glitches of a "
-        "single sample, left out"
+        f"noise of the deflection estimated as {scale.of(one.noise, 3)}{unit}; {percent(share)} of the readings are "
+        "glitches of a single sample, left out"
     )
 
 
-def _process(choice: Choice, train: Sequence[Measured]) -> str:
+def _process(choice: Choice, train: Sequence[Measured], scale: Scale) -> str:
     level = block_of(choice, "level")
     drop = np.concatenate([0.5 * (m.events.p[:, S] - m.events.arrest) for m in train])
     off = np.concatenate([m.events.p[:, S] - m.events.p[:, S].mean() for m in train if len(m.events)])
-    sigma, length, tau = level.wander
+    (sigma, length, tau), scatter = level.wander, plainly(float(np.std(off) / np.mean(drop)))
+    rate, frequency = percent(_spread(choice, "rate")), percent(0.5 * _spread(choice, "frequency"))
     return (
-        f"{len(level)} events; breakaway scatters by {float(np.std(off) / np.mean(drop)):.2g} times the mean drop: "
-        f"it wanders by {100 * sigma:.2g} % over {length:.3g} of belt travel, {100 * tau:.2g} % from event to event. "
-        f"Stick rates scatter by {100 * _spread(choice, 'rate'):.2g} %, "
-        f"slip frequencies by {50 * _spread(choice, 'frequency'):.2g} %"
+        f"{len(level)} events; breakaway scatters by {scatter} times the mean drop: it wanders by "
+        f"{percent(sigma)} over {scale.of(length, 3)} of belt travel, {percent(tau)} from event to event. Stick rates "
+        f"scatter by {rate}, slip frequencies by {frequency}"
     )
 
 
@@ -88,12 +93,12 @@ def _waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
     X = np.column_stack([*columns, *means]) * root[:, None]
     theta = np.linalg.lstsq(X, rate.y * root, rcond=None)[0][: len(columns)]
     seen = float(np.sqrt(np.mean(np.sum(theta.reshape(-1, 2) ** 2, axis=1))))
-    implied = 2 * np.pi * a * float(np.mean(level.x)) / length
+    implied = 2 * np.pi * a * float(np.mean(level.load)) / length
     if seen >= 0.5 * implied:
         return ()
     return (
-        f"a reading that followed the drive with this wavelength would make sticks rise {100 * implied:.2g} % faster "
-        f"and slower in turn; they vary by {100 * seen:.2g} %: it is the friction that varies",
+        f"a reading that followed the drive with this wavelength would make sticks rise {percent(implied)} faster "
+        f"and slower in turn; they vary by {percent(seen)}: it is the friction that varies",
     )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.slider.cycle import S, duration, positions
 from stickslip.discovery.slider.population import Block, blocks
-from stickslip.discovery.slider.table import Measured, measure, natural_rate, prepare
+from stickslip.discovery.slider.table import Measured, damping_ratio, measure, natural_rate, prepare
 from stickslip.records import Case, Recording
 
 Floats = NDArray[np.float64]
@@ -83,12 +83,13 @@ def _record(
     """Deflections (n,) of one run, event after event."""
     run, e = one.run, one.events
     by = {block.name: block for block in noise}
-    mean, falls = float(e.p[:, S].mean()), e.p[:, S] - e.arrest
+    carried = run.rig.damping * run.belt_speed / run.rig.stiffness
+    mean, falls = float(e.p[:, S].mean()) + carried, e.p[:, S] - e.arrest
     w2 = 2 * np.log(natural_rate(run.rig)) + np.log((1 + planted.stiffness) / (1 + planted.mass))
     scatter = {n: _median(by[n], number) for n in ("rate", "frequency", "damping")}
     sigma, length, tau = by["level"].wander
     x, at, t = np.empty(len(run.t)), 0, 0.0
-    now, wander = mean - float(np.median(falls)), sigma * rng.standard_normal()
+    now, wander = mean - carried - float(np.median(falls)), sigma * rng.standard_normal()
     phase, last = rng.uniform(0, 2 * np.pi), 0.0
     while at < len(run.t):
         travel = run.belt_speed * t
@@ -98,8 +99,8 @@ def _record(
         level = wander + tau * rng.standard_normal() + a * np.sin(2 * np.pi * (travel - now) / wave + phase)
         rate = run.belt_speed * np.exp(error + scatter["rate"] * rng.standard_normal())
         fall = float(rng.choice(falls))
-        top = _breakaway(mean * (1 + level), now + SHORTEST * fall, now, rate, mean, planted.ageing)
-        zeta = planted.damping + scatter["damping"] * rng.standard_normal()
+        top = _breakaway(mean * (1 + level) - carried, now + SHORTEST * fall, now, rate, mean, planted.ageing)
+        zeta = damping_ratio(run.rig) + planted.damping + scatter["damping"] * rng.standard_normal()
         log_w2 = w2 + scatter["frequency"] * rng.standard_normal()
         release = t + (top - now) / rate
         p = np.array([[top, top - 0.5 * fall, release, rate, log_w2, float(np.clip(zeta, -0.6, 0.6))]])

@@ -95,6 +95,11 @@ def natural_rate(rig: BlockOnBelt) -> float:
     return float(np.sqrt(rig.stiffness / rig.mass))
 
 
+def damping_ratio(rig: BlockOnBelt) -> float:
+    """c/(2 sqrt(k m)) of the declared rig."""
+    return float(rig.damping / (2 * np.sqrt(rig.stiffness * rig.mass)))
+
+
 def prepare(recording: Recording) -> Run:
     """Turn a recording into a run, its noise estimated where it is not declared.
 

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.result import RunView
 from stickslip.discovery.slider.held import Held, motion
+from stickslip.discovery.slider.levels import damping, true_stiffness
 from stickslip.discovery.slider.outcome import Ahead
-from stickslip.discovery.slider.predict import reading_of, true_stiffness
+from stickslip.discovery.slider.predict import reading_of
 from stickslip.discovery.slider.table import Measured
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt
@@ -87,11 +88,12 @@ def _seen(m: Motion) -> Floats:
 
 
 def _force(one: Measured, model: Model, state: Floats, at: slice) -> Floats:
-    """T that the equation of motion needs, -(m x'' + k x)."""
+    """T that the equation of motion needs, -(m x'' + c x' + k x)."""
     assert isinstance(model.rig, BlockOnBelt)
     stiffness = one.run.rig.stiffness * true_stiffness(model) / model.rig.stiffness
     acceleration = np.gradient(state[:, 1], one.run.t)
-    return np.asarray(-(one.run.rig.mass * acceleration + stiffness * state[:, 0]))[at]
+    drag = damping(model, 0.0) * state[:, 1]
+    return np.asarray(-(one.run.rig.mass * acceleration + drag + stiffness * state[:, 0]))[at]
 
 
 def spectrum(runs: Sequence[Measured], before: Sequence[Held], after: Sequence[Held]) -> Mapping[str, Floats]:
