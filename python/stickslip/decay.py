@@ -60,7 +60,8 @@ def hyperbolic(
 ) -> tuple[Shot, float, Profile]:
     """Each slip with its own R(0) and level at speed under a common decay, which is profiled.
 
-    `speed` is that of a typical slip. The profile is refined where it is lowest, until a parabola through three of its points errs by less than chance.
+    `speed` is that of a typical slip. The profile is refined where it is lowest, until a parabola through three of its
+    points errs by less than chance.
     """
     decays = np.array([0.1, 0.4, 1.5, 6.0, 24.0]) / speed
     shots = []
