@@ -5,12 +5,18 @@ import shlex
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from effects_page import PAGE, page
 from stickslip.cli import main
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])
+
+
+def snippets(name: str, language: str) -> list[str]:
+    page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
 
 
 README = (ROOT / "README.md").read_text()
@@ -28,6 +34,26 @@ def test_the_readme_shows_every_command_with_options_it_has() -> None:
     for name, *words in lines:
         command = main.commands[name]
         command.make_context(name, words)  # refuses an option it has not, or one that is missing
+
+
+@pytest.mark.parametrize("name", ["sweeps"])
+def test_the_python_of_a_page_runs_from_top_to_bottom(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where its figures go
+    shown: dict[str, object] = {}
+    for one in snippets(name, "python"):
+        exec(compile(one, f"docs/{name}.md", "exec"), shown)
+
+
+def test_the_sweep_of_the_page_is_the_example(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    example = ROOT / "examples" / "sweep" / "sweep.toml"
+    (shown,) = snippets("sweeps", "toml")
+    assert shown in example.read_text(encoding="utf-8")
+    result = CliRunner().invoke(main, ["sweep", str(example), "--out", str(tmp_path / "result.zarr")])
+    assert result.exit_code == 0, result.output
+    assert "180 members: 180 finished" in result.output
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
