@@ -3,6 +3,7 @@
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -44,6 +45,21 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(
     shown: dict[str, object] = {}
     for one in snippets(name, "python"):
         exec(compile(one, f"docs/{name}.md", "exec"), shown)
+
+
+def test_the_branch_of_the_page_is_the_one_it_tells_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown: dict[str, Any] = {}
+    for one in snippets("derivatives", "python"):
+        exec(compile(one, "docs/derivatives.md", "exec"), shown)
+    assert [f"{one.value:.7f}" for one in shown["branch"].special] == [
+        "2.8923458",
+        f"{(30**0.5 - 1) / 3:.7f}",
+    ]
+    assert shown["found"].chaotic
+    assert shown["ss"].continuation(shown["leine"], 1.0, span=(0.5, 3.5)).special[0].kind == "loss_of_stick"
 
 
 def test_the_sweep_of_the_page_is_the_example(tmp_path: Path) -> None:
