@@ -5,9 +5,11 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import stickslip as ss
 from effects_page import PAGE, page
 from stickslip.cli import main
 
@@ -37,14 +39,21 @@ def test_the_readme_shows_every_command_with_options_it_has() -> None:
         command.make_context(name, words)  # refuses an option it has not, or one that is missing
 
 
-@pytest.mark.parametrize("name", ["sweeps"])
-def test_the_python_of_a_page_runs_from_top_to_bottom(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_page_of_sweeps_runs_from_top_to_bottom(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # where its figures go
-    shown: dict[str, object] = {}
-    for one in snippets(name, "python"):
-        exec(compile(one, f"docs/{name}.md", "exec"), shown)
+    shown: dict[str, Any] = {}
+    for one in snippets("sweeps", "python"):
+        exec(compile(one, "docs/sweeps.md", "exec"), shown)
+    ds = shown["ds"]
+    assert {1, 2} <= set(np.unique(ds.periodicity).tolist())  # the map is of more than one colour
+    assert float((ds.periodicity == 0).mean()) < 0.02  # and settled
+
+
+def test_the_two_bifurcations_that_the_page_of_sweeps_tells_of() -> None:
+    rig = ss.Rig(alpha1=10, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    branch = ss.continuation(ss.Model(rig, friction=ss.PaperFriction()), 0.15, span=(0.12, 0.22))
+    told = [(one.kind, f"{one.value:.3f}") for one in branch.special]
+    assert told == [("crossing", "0.166"), ("neimark_sacker", "0.196")]
 
 
 def test_the_branch_of_the_page_is_the_one_it_tells_of(
