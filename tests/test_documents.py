@@ -3,14 +3,23 @@
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from click.testing import CliRunner
 
+import stickslip as ss
 from effects_page import PAGE, page
 from stickslip.cli import main
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])
+
+
+def snippets(name: str, language: str) -> list[str]:
+    page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
 
 
 README = (ROOT / "README.md").read_text()
@@ -28,6 +37,48 @@ def test_the_readme_shows_every_command_with_options_it_has() -> None:
     for name, *words in lines:
         command = main.commands[name]
         command.make_context(name, words)  # refuses an option it has not, or one that is missing
+
+
+def test_the_page_of_sweeps_runs_from_top_to_bottom(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # where its figures go
+    shown: dict[str, Any] = {}
+    for one in snippets("sweeps", "python"):
+        exec(compile(one, "docs/sweeps.md", "exec"), shown)
+    ds = shown["ds"]
+    assert {1, 2} <= set(np.unique(ds.periodicity).tolist())  # the map is of more than one colour
+    assert float((ds.periodicity == 0).mean()) < 0.02  # and settled
+
+
+def test_the_two_bifurcations_that_the_page_of_sweeps_tells_of() -> None:
+    rig = ss.Rig(alpha1=10, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    branch = ss.continuation(ss.Model(rig, friction=ss.PaperFriction()), 0.15, span=(0.12, 0.22))
+    told = [(one.kind, f"{one.value:.3f}") for one in branch.special]
+    assert told == [("crossing", "0.166"), ("neimark_sacker", "0.196")]
+
+
+def test_the_branch_of_the_page_is_the_one_it_tells_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown: dict[str, Any] = {}
+    for one in snippets("derivatives", "python"):
+        exec(compile(one, "docs/derivatives.md", "exec"), shown)
+    assert [f"{one.value:.7f}" for one in shown["branch"].special] == [
+        "2.8923458",
+        f"{(30**0.5 - 1) / 3:.7f}",
+    ]
+    assert shown["found"].chaotic
+    assert shown["ss"].continuation(shown["leine"], 1.0, span=(0.5, 3.5)).special[0].kind == "loss_of_stick"
+
+
+def test_the_sweep_of_the_page_is_the_example(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    example = ROOT / "examples" / "sweep" / "sweep.toml"
+    (shown,) = snippets("sweeps", "toml")
+    assert shown in example.read_text(encoding="utf-8")
+    result = CliRunner().invoke(main, ["sweep", str(example), "--out", str(tmp_path / "result.zarr")])
+    assert result.exit_code == 0, result.output
+    assert "180 members: 180 finished" in result.output
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

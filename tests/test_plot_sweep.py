@@ -60,3 +60,65 @@ def test_attractors_of_made_up_rows() -> None:
     assert np.array_equal(which, [0, 0, 1, np.nan, 0, 1], equal_nan=True)
     assert len(kinds) == 2
     assert plot_sweep.attractors(np.full((3, 2), np.nan))[1] == []
+
+
+GRID = {"belt_speed": np.linspace(0.1, 0.3, 12), "alpha1": np.linspace(8, 40, 12)}
+SEEN = ("points", "state_min", "state_max", "periodicity")
+
+
+def test_a_diagram_of_a_grid_is_refused_and_says_what_to_choose() -> None:
+    ds = ss.sweep(MODEL, GRID, t_end=100, initial=(0.1, 0.1, 0, 0), observe=SEEN)
+    with pytest.raises(ss.InputError, match=r"cannot tell alpha1 \(12 values\) apart; .* ds\.sel\(") as told:
+        plot_sweep.bifurcation_diagram(ds)
+    advice = str(told.value).split("as in ")[1]
+    plot_sweep.bifurcation_diagram(eval(advice, {"ds": ds}))
+    with pytest.raises(ss.InputError, match="over alpha1 cannot tell belt_speed"):
+        plot_sweep.bifurcation_diagram(ds, parameter="alpha1")
+
+
+def test_a_second_parameter_of_few_values_has_its_colours() -> None:
+    ds = ss.sweep(
+        MODEL,
+        GRID | {"alpha1": [8.0, 16.0]},
+        t_end=100,
+        initial=(0.1, 0.1, 0, 0),
+        observe=("points", "period"),
+    )
+    figure = plot_sweep.bifurcation_diagram(ds)
+    assert [one.get_text() for one in figure.legends[0].get_texts()] == [
+        r"$\alpha_{1}$ = 8",
+        r"$\alpha_{1}$ = 16",
+    ]
+    drawn = [one.get_offsets() for one in figure.axes[0].collections if len(one.get_offsets())]
+    for one, alpha1 in zip(drawn, (8.0, 16.0), strict=True):
+        expected = ds.points.sel(alpha1=alpha1, state="x1").values
+        assert np.ma.count(one[:, 1]) == np.isfinite(expected).sum()
+    with pytest.raises(ss.InputError, match="apart"):
+        plot_sweep.bifurcation_diagram(ds, select="period")  # there is one colour a point
+
+
+def test_a_diagram_over_many_starts_shows_all_attractors() -> None:
+    over = {"belt_speed": np.linspace(0.6, 1.0, 5), "initial.x1": np.linspace(-0.5, 2.0, 12)}
+    ds = ss.sweep(BISTABLE, over, t_end=100, observe="points")
+    drawn = plot_sweep.bifurcation_diagram(ds).axes[0].collections[0].get_offsets()
+    assert np.ma.count(drawn[:, 1]) == int(np.isfinite(ds.points[..., 0]).sum())
+
+
+def test_a_basin_over_anything_but_starts_is_refused() -> None:
+    ds = ss.sweep(MODEL, GRID, t_end=50, initial=(0.1, 0.1, 0, 0), observe=SEEN)
+    with pytest.raises(ss.InputError, match=r"two initial values.*; belt_speed and alpha1 are not"):
+        plot_sweep.basin(ds)
+    over = {"initial.x1": [0.1, 0.2], "initial.x2": [0.0, 0.1, 0.2], "belt_speed": [0.1, 0.2]}
+    ds = ss.sweep(MODEL, over, t_end=50, observe=SEEN)
+    with pytest.raises(ss.InputError, match="belt_speed is not; choose one value") as told:
+        plot_sweep.basin(ds)
+    plot_sweep.basin(eval(str(told.value).split("as in ")[1], {"ds": ds}))
+    ds = ss.sweep(MODEL, {"initial.x1": [0.1, 0.2]}, belt_speed=0.1, t_end=50, observe=SEEN)
+    with pytest.raises(ss.InputError, match=r"needs two dimensions, has initial\.x1$"):
+        plot_sweep.basin(ds)
+
+
+def test_a_map_says_none_where_nothing_repeats() -> None:
+    ds = ss.sweep(MODEL, GRID, t_end=100, initial=(0.1, 0.1, 0, 0), observe="periodicity")
+    bar = plot_sweep.parameter_map(ds, "periodicity").axes[1]
+    assert "none" in [one.get_text() for one in bar.get_yticklabels()]

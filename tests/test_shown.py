@@ -1,6 +1,16 @@
-"""What a prompt shows of a result: a line, never pages of arrays."""
+"""What a prompt and a figure show of a result: a line, never pages of arrays; legends that fit."""
+
+import dataclasses
+import io
+import re
+
+import numpy as np
+import pytest
+from rich.console import Console
 
 import stickslip as ss
+from stickslip import plot
+from stickslip.cli import comparison_table
 from stickslip.report.words import sentence
 from stickslip.scale import percent, plainly
 from test_cli import folder  # noqa: F401  # a fixture
@@ -44,6 +54,44 @@ def test_cases_and_recordings_are_one_line(folder):  # noqa: F811
     assert repr(case.runs[0]).startswith("<Recording 'a' (train): x1, y1, ")
     assert "belt speed 0.1" in repr(case.runs[0])
     assert len(repr(case.runs[0])) < 160
+
+
+@pytest.mark.parametrize("branches", [("minus",), ("minus", "plus")])
+@pytest.mark.parametrize("thin", [False, True])
+def test_the_legend_of_the_characteristic_fits(folder, branches, thin, monkeypatch):  # noqa: F811
+    monkeypatch.setattr(plot, "THIN", np.inf if thin else 0.0)
+    found = ss.identify(ss.load_case(folder))
+    covered = {name: (0.0, 0.2) if name in branches else None for name in ("minus", "plus")}
+    figure = plot.friction_characteristic(dataclasses.replace(found, covered=covered))
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    names = [one.get_text() for one in legend.get_texts()]
+    assert sum("band" in name for name in names) == 1
+    assert any("thinner" in name for name in names) == thin
+    box = legend.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.width
+
+
+def test_a_time_series_says_what_part_of_the_run_it_shows(folder):  # noqa: F811
+    case = ss.load_case(folder)
+    compared = ss.compare(ss.identify(case).model, case.validate[0])
+    seconds = compared.measured.t[-1] - compared.measured.t[0]
+    whole = plot.time_series(compared, span=float(seconds)).axes[0].get_title(loc="left")
+    assert whole.endswith("left to itself")
+    half = plot.time_series(compared, span=float(seconds) / 2).axes[0].get_title(loc="left")
+    assert re.search(r"; the first [\d.]+ of [\d.]+ are shown$", half)
+
+
+def test_the_comparison_fits_a_terminal(folder):  # noqa: F811
+    case = ss.load_case(folder)
+    table = comparison_table(ss.compare(ss.identify(case).model, case.validate[0]))
+    table.add_row(
+        "phase-portrait distance", "0.0003196", "0.0003196", "-0.0003196", "0.0003196", "of 153/144"
+    )
+    console = Console(width=80, file=io.StringIO())
+    console.print(table)
+    assert any(line.rstrip().endswith("of 153/144") for line in console.file.getvalue().splitlines())
 
 
 def test_identified_and_comparison_print_as_tables(folder):  # noqa: F811

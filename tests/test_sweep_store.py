@@ -196,6 +196,20 @@ def test_the_command(tmp_path: Path) -> None:
         assert np.array_equal(ds.stick_fraction.values, told.stick_fraction.values)
 
 
+def test_a_fault_of_the_store_is_not_looked_for_in_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+    arguments = ["sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "sweep.toml")]
+    told = CliRunner().invoke(main, arguments).output
+    assert "--out = " in told
+    assert "exists and is not a store of a sweep" in told
+    assert "line" not in told
+    monkeypatch.setitem(sys.modules, "zarr", None)  # as on a plain install
+    told = CliRunner().invoke(main, arguments).output
+    assert "--out: needs zarr; pip install 'stickslip[sweep]'" in told
+
+
 @pytest.mark.slow
 def test_two_workers_one_killed(memory: xr.Dataset, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")

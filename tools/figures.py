@@ -1,17 +1,20 @@
-"""Rebuild the figures of the documents: `python tools/figures.py`, or with names: story branch derivatives.
+"""Rebuild the figures of the documents: `python tools/figures.py`, or with names: story branch sweep derivatives.
 
 The story is the search of the demonstration's second half and takes a minute or two.
 """
 
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 import stickslip as ss
+from stickslip import plot_sweep
 from stickslip.plot import save_figure
 from stickslip.plot_branch import plot_branch
 from stickslip.story import story as tell
@@ -36,13 +39,21 @@ def branch() -> None:
     save_figure(plot_branch(found), FIGURES / "branch")
 
 
+def sweep() -> None:
+    """The paper's rig over belt speed and alpha1: what docs/sweeps.md shows, from its own first snippet."""
+    shown: dict[str, Any] = {}
+    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    exec(re.findall(r"```python\n(.*?)```", page, re.DOTALL)[0], shown)
+    save_figure(plot_sweep.parameter_map(shown["ds"], "periodicity"), FIGURES / "sweep_map")
+
+
 def derivatives() -> None:
     """Velocity and acceleration from noisy readings, by method."""
     program = ROOT / "bench" / "bench_derivatives.py"
     subprocess.run([sys.executable, program, "--figure", FIGURES / "derivatives"], check=True)
 
 
-KNOWN = {"story": story, "branch": branch, "derivatives": derivatives}
+KNOWN = {"story": story, "branch": branch, "sweep": sweep, "derivatives": derivatives}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or KNOWN:

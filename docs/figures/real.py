@@ -23,6 +23,7 @@ from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.table import Measured, cut, measure, natural_rate, prepare
 from stickslip.plot import LIMIT, MEASURED, SIMULATED, STYLE, save_figure
 from stickslip.records import Case, load_case
+from stickslip.report.figures import after_name
 from stickslip.report.write import write_report
 
 HERE = Path(__file__).resolve().parent
@@ -95,6 +96,12 @@ def noise_of(runs: list[Measured]) -> Figure:
     return figure
 
 
+def _words(one: Measured) -> str:
+    """The run as docs/real.md calls it: its pull, and where its part of the record begins."""
+    _, _, start = one.run.name.partition("_from_")
+    return f"pull {1e6 * one.run.belt_speed:.0f} µm/s" + (f", from {start} s" if start else "")
+
+
 def _start(one: Measured) -> float:
     """Time of the run's first sample in its file; runs cut by time follow each other."""
     return float(one.run.name.rpartition("_from_")[2]) if "_from_" in one.run.name else _origin(one)
@@ -106,7 +113,8 @@ def _origin(one: Measured) -> float:
 
 
 def single_events(runs: list[Measured], found: Found) -> Figure:
-    """Median slips of the validate runs, each with its own friction, before and after."""
+    """Median slips of the validate runs, each with its own friction, declared and with what was found."""
+    models = ((SIMULATED, (0, (4, 2)), "declared model"), (LIMIT, "-", after_name(found)))
     chosen = [one for one in runs if one.run.role == "validate"]
     figure = Figure(figsize=(9.4, 3.4), layout="constrained")
     for ax, one in zip(figure.subplots(1, len(chosen)), chosen, strict=True):
@@ -117,11 +125,11 @@ def single_events(runs: list[Measured], found: Found) -> Figure:
         t = 1e3 * (one.run.t[a:b] - one.run.t[a])
         windows = cut(one.run, one.events.window)
         ax.plot(t, 1e6 * one.run.x[a:b], ".", ms=3, color=MEASURED, label="measured")
-        for h, colour, style, name in ((was, SIMULATED, (0, (4, 2)), "before"), (now, LIMIT, "-", "after")):
+        for h, (colour, style, name) in zip((was, now), models, strict=True):
             ax.plot(
                 t, 1e6 * positions(h.p, windows.t)[i, : b - a], color=colour, ls=style, lw=1.2, label=name
             )
-        ax.set_title(one.run.name, fontsize=9)
+        ax.set_title(_words(one), fontsize=9)
         ax.set_xlabel("time [ms]")
     figure.axes[0].set_ylabel("deflection read [µm]")
     handles, names = figure.axes[0].get_legend_handles_labels()

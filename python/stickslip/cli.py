@@ -194,17 +194,24 @@ def estimates_table(found: Identified) -> Table:
 
 def comparison_table(c: Comparison) -> Table:
     """Simulated against measured."""
-    table = Table(title=f"simulated against measured: {c.recording.name}", box=SIMPLE, pad_edge=False)
+    table = Table(
+        title=f"simulated against measured: {c.recording.name}",
+        box=SIMPLE,
+        pad_edge=False,
+        collapse_padding=True,  # 80 columns are enough
+        show_edge=False,
+    )
     table.add_column("quantity", no_wrap=True)
     for name in ("measured", "simulated", "off by", "scatter"):
         table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("unit")
+    table.add_column("unit", no_wrap=True)
     for r in c.rows:
         table.add_row(r.quantity, *r.cells, "" if r.unit == "1" else r.unit)
     return table
 
 
 def _say_verdict(c: Comparison) -> None:
+    console.print()
     for line in c.verdict():
         console.print(f"- {line}", markup=False)
 

@@ -30,7 +30,9 @@ LONGEST = 1000  # natural periods in the figure
 @click.command(short_help="One run of a model, as CSV and a figure.")
 @click.argument("model", type=click.Path(path_type=Path))
 @click.option(
-    "--belt-speed", required=True, help="v_b: a number in the unit of the case, or with one: '14 mm/s'."
+    "--belt-speed",
+    required=True,
+    help="v_b, as in '14 mm/s'; without a unit in that of the belt channel, or in m/s if there is none.",
 )
 @click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
 @click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")
@@ -54,11 +56,12 @@ def simulate(
 ) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
 
-    Numbers without a unit are in the units of the readings, as the model file's [channels] say: the belt's without a
-    channel in m/s, everything in SI where there are no channels, and nondimensional for a nondimensional rig. The
-    columns are in the same units, with the unit in their head. The mode is 0 in stick, -1 and 1 in slip with v_w
-    below and above zero. The figure is drawn from at least 120 points a natural period and every transition, whatever
-    the step; of a run longer than 1000 periods it shows the last 1000.
+    Numbers without a unit are in the units of the readings, as the model file's [channels] say. A belt speed is in
+    the unit of the belt channel; without one in m/s, even where the readings are in mm. Everything is in SI where
+    there are no channels, and a bare number for a rig without units. The columns are in the same units, with the unit
+    in their head. The mode is 0 in stick, -1 and 1 in slip with v_w below and above zero. The figure is drawn from at
+    least 120 points a natural period and every transition, whatever the step; of a run longer than 1000 periods it
+    shows the last 1000.
 
     \b
     Example:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +16,7 @@ from rich.console import Console
 
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_effect, read_friction, read_rig
+from stickslip.errors import InputError
 from stickslip.model import Model, load_model
 from stickslip.sweep import sweep as run_sweep
 from stickslip.sweep_observe import DEFAULT
@@ -72,7 +74,8 @@ class SweepFile(BaseModel):
 def sweep(file: Path, out: Path, threads: int | None) -> None:
     """Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
 
-    Stopped at any moment and started again with the same line, it computes what is missing.
+    Stopped at any moment and started again with the same line, it computes what is missing. The store needs zarr:
+    pip install 'stickslip[sweep]'. examples/sweep of the repository is one to begin with.
 
     \b
     model = "model.toml"            # or the tables [rig], [friction], [[effect]] here
@@ -93,7 +96,7 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
     asked = document.validated(SweepFile)
     model = _model(document, asked)
     over = {name: _values(document, name, axis) for name, axis in asked.over.items()}
-    with warnings.catch_warnings(record=True) as interrupts, document.at("sweep"):
+    with warnings.catch_warnings(record=True) as interrupts, _the_option_out(), document.at("sweep"):
         warnings.simplefilter("always")
         ds = run_sweep(
             model, over, **asked.sweep.model_dump(), out=out, threads=threads, progress=console.is_terminal
@@ -103,6 +106,17 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
         sys.exit(INTERRUPTED)
     _say(ds["status"].values, ds["status"].attrs)
     console.print(f"written:\n  {out}", soft_wrap=True, markup=False)
+
+
+@contextmanager
+def _the_option_out() -> Iterator[None]:
+    """Say of a fault of the store that it lies in the command line, where `--out` stands, and not in the file."""
+    try:
+        yield
+    except InputError as error:
+        if error.key == "out":
+            raise InputError(error.what, key="--out", value=error.value) from None
+        raise
 
 
 def _model(document: Document, asked: SweepFile) -> Model:

@@ -132,20 +132,23 @@ def friction_characteristic(found: Identified) -> Figure:
     corners and bends steep stretches, so that they may lie off a law that reproduces the readings.
     """
     seen = [b for b in BRANCHES if found.covered[b] is not None]
-    figure, axes = _figure(4.2 * max(len(seen), 1) + 0.6, 4.0, 1, max(len(seen), 1))
+    width = 9.0 if len(seen) == 2 else 5.8  # as wide as the legend
+    figure, axes = _figure(width, 4.0, 1, max(len(seen), 1))
     known = scales(found.rig, found.channels)
     speed, force = known["x2"], known["force"]
     handles: dict[str, Artist] = {}
-    for ax, branch in zip(axes, seen, strict=False):
-        _branch(ax, found, branch, speed.size, force.size)
+    thin = [
+        _branch(ax, found, branch, speed.size, force.size) for ax, branch in zip(axes, seen, strict=False)
+    ]
+    for ax in axes:
         ax.set_xlabel(label("relative velocity $v_w$", speed.unit))
         for handle, name in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
     _alike(axes)
     axes[0].set_ylabel(label("friction force $T$", force.unit))
-    figure.legend(
-        list(handles.values()), list(handles), loc="outside upper center", ncols=2 if len(seen) < 2 else 4
-    )
+    note = " (thinner than its line)" if thin and all(thin) else ""  # one patch, one entry
+    names = [name + note if name.startswith("95 %") else name for name in handles]
+    figure.legend(list(handles.values()), names, loc="outside upper center", ncols=2 if len(seen) < 2 else 3)
     return figure
 
 
@@ -158,7 +161,8 @@ def _alike(axes: Sequence[Axes]) -> None:
         ax.set_ylim((low - extra, high) if low < -high else (low, high + extra))
 
 
-def _branch(ax: Axes, found: Identified, branch: Branch, speed: float, force: float) -> None:
+def _branch(ax: Axes, found: Identified, branch: Branch, speed: float, force: float) -> bool:
+    """Draw one branch; return whether its band is too thin to be seen beside its line."""
     sign = -1.0 if branch == "minus" else 1.0
     covered = found.covered[branch]
     assert covered is not None
@@ -168,10 +172,7 @@ def _branch(ax: Axes, found: Identified, branch: Branch, speed: float, force: fl
     low, value, high = (force * x for x in found.band(branch, u))
     static = force * found.law.static_limits[0 if branch == "minus" else 1]
     span = _force_range(found, sign, value, static, force)
-    thin = np.nanmax(high - low) < THIN * (span[1] - span[0])
-    band = f"95 % band of the {'mean ' if found.events is not None else ''}law" + (
-        " (thinner than its line)" if thin else ""
-    )
+    band = f"95 % band of the {'mean ' if found.events is not None else ''}law"
     ax.fill_between(
         speed * sign * u, sign * low, sign * high, color=BAND, alpha=0.55, lw=0, label=band, zorder=3
     )
@@ -193,6 +194,7 @@ def _branch(ax: Axes, found: Identified, branch: Branch, speed: float, force: fl
         )
     ax.set_xlim(*sorted((-sign * speed * 0.05 * top, sign * speed * 1.04 * top)))
     ax.set_ylim(*span)
+    return bool(np.nanmax(high - low) < THIN * (span[1] - span[0]))
 
 
 def _force_range(
@@ -259,8 +261,14 @@ def time_series(comparison: Comparison, *, span: float | None = None) -> Figure:
         top.plot(
             ts * inside, xs * x, "^v"[k], color=LIMIT, mfc="white", ms=5, mew=1.1, label=f"{name}, measured"
         )
+    unit = "" if c.units[0] in ("", "1") else f" {c.units[0]}"
+    part_of = (
+        ""
+        if span >= t[-1] - t[0]
+        else f"; the first {ts * span:.3g} of {ts * (t[-1] - t[0]):.3g}{unit} are shown"
+    )
     top.set_title(
-        "simulation started once, at the first reading, and left to itself",
+        "simulation started once, at the first reading, and left to itself" + part_of,
         fontsize=8,
         color=GREY,
         loc="left",

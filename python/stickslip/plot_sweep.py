@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -13,13 +14,15 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, did_you_mean
 from stickslip.plot import GREY, MEASURED, STYLE, label
+from stickslip.sweep_axes import coordinate, observed, second, starts, two
 from stickslip.sweep_observe import OBSERVABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
-ATTRACTORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
+WORDS = {"periodicity": {0: "none"}}  # whole numbers that stand for a word
 SYMBOLS = {
     "belt_speed": "$v_b$",
     "stick_fraction": "stick fraction",
@@ -44,40 +47,49 @@ def bifurcation_diagram(
     Parameters
     ----------
     ds
-        From `sweep` over one dimension (others are drawn over each other), with "points" observed.
+        From `sweep` over one dimension, with "points" observed. Starts beside it are drawn over each other: a
+        diagram shows all attractors. A second parameter of at most 8 values has a colour for each.
     state
         Which state.
     parameter
         Coordinate along the abscissa; that of the first dimension if absent.
     select
-        Another variable to colour the points by, such as "stick_fraction".
+        Another variable to colour the points by, such as "stick_fraction"; over one parameter only.
 
     Raises
     ------
     InputError
-        The dataset lacks the points, the state, the parameter or the variable.
+        The dataset lacks the points, the state, the parameter or the variable, or varies more than can be told apart.
     """
-    points = _variable(ds, "points")
+    points = observed(ds, "points")
     states = [str(name) for name in ds["state"].values]
     if state not in states:
         raise InputError(f"unknown state; {did_you_mean(state, states)}", key="state", value=state)
     dims = [str(dim) for dim in points.dims if dim not in ("point", "state")]
-    along = _coordinate(ds, parameter, dims[0])
-    x, y = np.broadcast_arrays(
-        ds[along].broadcast_like(points.isel(state=0)).transpose(*dims, "point").values,
-        points.isel(state=states.index(state)).transpose(*dims, "point").values,
+    along = coordinate(ds, parameter, dims[0])
+    beside = second(
+        ds, [dim for dim in dims if dim not in ds[along].dims], along, 1 if select else len(COLOURS)
     )
+    value = points.isel(state=states.index(state))
+    x = ds[along].broadcast_like(value)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.2, 4.2), layout="constrained")
         ax = figure.subplots()
-        size = 4.0 if x.size < 20000 else 1.0
-        if select is None:
-            ax.scatter(x, y, s=size, color=MEASURED, lw=0, rasterized=x.size > 5000)
+        look: dict[str, Any] = {
+            "s": 4.0 if value.size < 20000 else 1.0,
+            "lw": 0,
+            "rasterized": value.size > 5000,
+        }
+        if beside is not None:
+            for i, one in enumerate(ds[beside].values):
+                here = {str(ds[beside].dims[0]): i}
+                ax.scatter(x.isel(here), value.isel(here), color=COLOURS[i], **look)
+                ax.scatter([], [], s=20, lw=0, color=COLOURS[i], label=f"{_label(ds, beside)} = {one:.4g}")
+            figure.legend(loc="outside upper center", ncols=4)
+        elif select is None:
+            ax.scatter(x, value, color=MEASURED, **look)
         else:
-            shade = (
-                _variable(ds, select).broadcast_like(points.isel(state=0)).transpose(*dims, "point").values
-            )
-            drawn = ax.scatter(x, y, s=size, c=shade, cmap="viridis", lw=0, rasterized=x.size > 5000)
+            drawn = ax.scatter(x, value, c=observed(ds, select).broadcast_like(value), cmap="viridis", **look)
             figure.colorbar(drawn, ax=ax, label=_label(ds, select))
         ax.set_xlabel(_label(ds, along))
         ax.set_ylabel(f"{SYMBOLS.get(state, state)} at releases")
@@ -101,13 +113,13 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
     InputError
         The dataset has not two dimensions, or lacks the variable or the state.
     """
-    values = _variable(ds, variable)
+    values = observed(ds, variable)
     if "state" in values.dims:
         states = [str(name) for name in ds["state"].values]
         if state not in states:
             raise InputError(f"give one of {', '.join(states)}", key="state", value=state)
         values = values.isel(state=states.index(state))
-    down, across = _two(ds, [str(dim) for dim in values.dims])
+    down, across = two(ds, [str(dim) for dim in values.dims])
     done = (ds["status"] == 0).transpose(*values.dims).values
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")
@@ -115,7 +127,7 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
         whole = OBSERVABLES[variable].dtype.startswith("int") if variable in OBSERVABLES else False
         shown = np.where(done, values.values, np.nan) if variable != "status" else values.values.astype(float)
         name = _label(ds, variable) + (f" of {SYMBOLS.get(state, state)}" if state else "")
-        _mesh(figure, ax, ds, (down, across), shown, name, whole=whole)
+        _mesh(figure, ax, ds, (down, across), shown, name, whole=whole, words=WORDS.get(variable, {}))
     return figure
 
 
@@ -135,10 +147,10 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     Raises
     ------
     InputError
-        The dataset has not two dimensions or lacks these results.
+        The dataset has not two dimensions, varies anything but initial values, or lacks these results.
     """
-    low, high = _variable(ds, "state_min"), _variable(ds, "state_max")
-    down, across = _two(ds, [str(dim) for dim in low.dims if dim != "state"])
+    low, high = observed(ds, "state_min"), observed(ds, "state_max")
+    down, across = starts(ds, [str(dim) for dim in low.dims if dim != "state"])
     features = np.concatenate([low.values, high.values], axis=-1)
     flat = features.reshape(-1, features.shape[-1])
     flat = np.where((ds["status"].values.ravel() == 0)[:, None], flat, np.nan)
@@ -146,7 +158,7 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")
         ax = figure.subplots()
-        colours = ListedColormap([ATTRACTORS[i % len(ATTRACTORS)] for i in range(max(1, len(kinds)))])
+        colours = ListedColormap([COLOURS[i % len(COLOURS)] for i in range(max(1, len(kinds)))])
         x, y = ds[across].values, ds[down].values
         limits: dict[str, Any] = {"vmin": -0.5, "vmax": max(1, len(kinds)) - 0.5}
         ax.pcolormesh(
@@ -194,7 +206,15 @@ def _described(low: Floats, high: Floats, share: float) -> str:
 
 
 def _mesh(
-    figure: Figure, ax: Axes, ds: xr.Dataset, axes: tuple[str, str], values: Floats, name: str, *, whole: bool
+    figure: Figure,
+    ax: Axes,
+    ds: xr.Dataset,
+    axes: tuple[str, str],
+    values: Floats,
+    name: str,
+    *,
+    whole: bool,
+    words: Mapping[int, str],
 ) -> None:
     down, across = axes
     settings: dict[str, Any] = {"cmap": "viridis"}
@@ -210,36 +230,11 @@ def _mesh(
     )
     bar = figure.colorbar(drawn, ax=ax, label=name)
     if "norm" in settings:
-        bar.set_ticks(0.5 * (edges[1:] + edges[:-1]), labels=[f"{v:.0f}" for v in there])
+        bar.set_ticks(0.5 * (edges[1:] + edges[:-1]), labels=[words.get(int(v), f"{v:.0f}") for v in there])
     ax.set_facecolor("#dddddd")  # what failed or was not computed
     ax.set_xlabel(_label(ds, across))
     ax.set_ylabel(_label(ds, down))
     ax.tick_params(color=GREY)
-
-
-def _variable(ds: xr.Dataset, name: str) -> xr.DataArray:
-    if name not in ds:
-        raise InputError(f"not in the dataset; sweep with observe=('{name}', ...)", key=name)
-    return ds[name]
-
-
-def _two(ds: xr.Dataset, dims: list[str]) -> tuple[str, str]:
-    """Names of the ordinate and the abscissa."""
-    if len(dims) != 2:
-        raise InputError(
-            f"needs two dimensions, has {', '.join(dims)}; choose with .isel or .sel", key="dataset"
-        )
-    return _coordinate(ds, None, dims[0]), _coordinate(ds, None, dims[1])
-
-
-def _coordinate(ds: xr.Dataset, name: str | None, dim: str) -> str:
-    """Name of a coordinate along `dim`; of a shared dimension the first."""
-    names = [str(one) for one, values in ds.coords.items() if values.ndim == 1 and one != "state"]
-    if name is None:
-        return next(one for one in names if ds[one].dims == (dim,))
-    if name not in names:
-        raise InputError(f"unknown parameter; {did_you_mean(name, names)}", key="parameter", value=name)
-    return name
 
 
 def _label(ds: xr.Dataset, name: str) -> str:

@@ -90,6 +90,18 @@ def one_parameter(_folder: Path) -> None:
     plot_sweep.parameter_map(ss.sweep(MODEL, {"belt_speed": SPEEDS}, t_end=10))
 
 
+@bad_input(SWEEPS, "a bifurcation diagram of a grid of parameters")
+def two_parameters(_folder: Path) -> None:
+    over = {"belt_speed": SPEEDS, "alpha1": np.linspace(8, 40, 12)}
+    plot_sweep.bifurcation_diagram(ss.sweep(MODEL, over, t_end=10, observe="points"))
+
+
+@bad_input(SWEEPS, "a basin over anything but initial values")
+def no_starts(_folder: Path) -> None:
+    over = {"belt_speed": SPEEDS, "initial.x1": SPEEDS}
+    plot_sweep.basin(ss.sweep(MODEL, over, t_end=10, observe=("state_min", "state_max")))
+
+
 def command(folder: Path, text: str) -> None:
     (folder / "sweep.toml").write_text(text, encoding="utf-8")
     try:

@@ -1,4 +1,4 @@
-"""The figures of a report: motion before and after, friction, errors.
+"""The figures of a report that show motion and friction, before and after.
 
 Measured is blue, the declared model alone vermilion and dashed, the model with what was found green and solid: Okabe
 and Ito's colours, told apart by line style too.
@@ -7,31 +7,24 @@ and Ito's colours, told apart by line style too.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import wraps
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from stickslip.discovery.readings import reading_velocity
-from stickslip.discovery.result import Found, Part, RunView, Verdict
+from stickslip.discovery.result import Found, RunView, Verdict
 from stickslip.model import Model
 from stickslip.plot import DOTS, GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
 from stickslip.report.motion import Measured, broken, measured
 from stickslip.report.units import Axes
-from stickslip.report.words import short
 
 BEFORE, AFTER = SIMULATED, LIMIT
 LineStyle = str | tuple[int, tuple[int, int]]
-AMBER = "#b07800"
 DASH: LineStyle = (0, (4, 2))
 MOST_RUNS = 3
-MOST_RIVALS = 12
-PARTS = ("channel", "mode", "transition", "speed", "time")
-TIMES = ("first", "middle", "last")
 
 
 def styled(draw: Callable[[Found, Axes], Figure]) -> Callable[[Found, Axes], Figure]:
@@ -89,8 +82,9 @@ def portrait(found: Found, axes: Axes) -> Figure:
             if run is runs[0]:
                 ax.set_title(title, fontsize=10, color=BEFORE if which == "before" else AFTER)
             if run is runs[-1]:
-                ax.set_xlabel(label("$x_1$ reading", axes.x1.unit))
-        row[0].set_ylabel(f"{run.name}\n" + label("its rate $\\dot x_1$", axes.x2.unit))
+                ax.set_xlabel(label("reading of $x_1$", axes.x1.unit))
+        row[0].set_ylabel(label("rate of the reading, $\\dot x_1$", axes.x2.unit))
+        row[0].set_title(run.name, loc="left", fontsize=9, color=GREY)
     handles = {
         name: h for ax in grid.ravel() for h, name in zip(*ax.get_legend_handles_labels(), strict=True)
     }
@@ -168,138 +162,3 @@ def _force_points(found: Found) -> tuple[np.ndarray, np.ndarray]:
         kept = np.random.default_rng(0).choice(speeds.size, DOTS, replace=False)
         speeds, forces = speeds[kept], forces[kept]
     return speeds, forces
-
-
-@styled
-def errors(found: Found, axes: Axes) -> Figure:
-    """Forecast error before and after with its floor, by validate run, at one and two cycles; logarithmic."""
-    del axes
-    rows = [
-        (f"{run.run}, {cycles}" if np.isfinite(run.two_cycles["before"]) else run.run, one)
-        for run in found.error.runs
-        for cycles, one in (("one cycle", run.one_cycle), ("two cycles", run.two_cycles))
-        if np.isfinite(one["before"])
-    ]
-    rows.append(
-        ("all", {"before": found.error.before, "after": found.error.after, "floor": found.error.floor})
-    )
-    figure = sheet(7.6, 0.34 * len(rows) + 1.3)
-    ax = figure.subplots()
-    for y, (_, one) in enumerate(reversed(rows)):
-        before, after, floor = (float(one[k]) for k in ("before", "after", "floor"))
-        ax.plot([after if found.effects else floor, before], [y, y], color=GREY, lw=1.2, zorder=1)
-        ax.plot(
-            [floor, floor],
-            [y - 0.36, y + 0.36],
-            color="black",
-            lw=1.4,
-            label="floor: the noise alone",
-            zorder=2,
-        )
-        ax.plot([before], [y], "s", color=BEFORE, ms=6, label=before_name(found), zorder=3)
-        if found.effects:
-            ax.plot([after], [y], "o", color=AFTER, ms=6, label="after", zorder=4)
-    ax.set_yticks(range(len(rows)), [name for name, _ in reversed(rows)])
-    if any(np.isfinite(one["before"]) for _, one in rows):
-        _plain_log(ax)
-    whole = any(np.isfinite(run.two_cycles["before"]) for run in found.error.runs)
-    what = "forecast error" if whole else "error of single events"
-    ax.set_xlabel(f"{what} over the standard deviation of the signal (NRMSE)")
-    ax.grid(axis="x", color="#dddddd", lw=0.6)
-    ax.set_ylim(-0.6, len(rows) - 0.4)
-    handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
-    figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
-    return figure
-
-
-@styled
-def parts(found: Found, axes: Axes) -> Figure:
-    """Where the residual sits: chi-squared per reading by channel, mode, speed, time, before and after."""
-    before = {(p.what, p.name): p for p in found.residual_before.parts}
-    after = {(p.what, p.name): p for p in found.residual_after.parts}
-    names = sorted(before, key=_place)
-    figure = sheet(7.6, 0.27 * len(names) + 1.3)
-    ax = figure.subplots()
-    for y, name in enumerate(reversed(names)):
-        _part(ax, before[name], y, BEFORE, "s", before_name(found))
-        if name in after and found.effects:
-            _part(ax, after[name], y, AFTER, "o", "after")
-    ax.axvline(1.0, color="black", lw=1.2, label="noise alone", zorder=0)
-    ax.set_yticks(range(len(names)), [_named(what, name, axes) for what, name in reversed(names)])
-    _plain_log(ax)
-    ax.set_xlabel("chi-squared per reading on the training runs")
-    ax.grid(axis="x", color="#dddddd", lw=0.6)
-    handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
-    figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
-    return figure
-
-
-def _named(what: str, name: str, axes: Axes) -> str:
-    if what != "speed":
-        return f"{what}: {name}"
-    unit = "" if axes.x2.unit == "1" else f" {axes.x2.unit}"
-    return f"belt speed: {short(axes.x2.size * float(name), 3)}{unit}"
-
-
-def _place(part: tuple[str, str]) -> tuple[int, float, str]:
-    """Where a part stands in the figure: by kind, then by number or in the order of time."""
-    what, name = part
-    kind = PARTS.index(what) if what in PARTS else len(PARTS)
-    with suppress(ValueError):
-        return kind, float(name), name
-    word = name.split(" ")[0]
-    return kind, float(TIMES.index(word)) if word in TIMES else 0.0, name
-
-
-def _part(ax: Plot, part: Part, y: int, colour: str, marker: str, name: str) -> None:
-    if part.chi2 > 0:
-        reach = min(2 * part.error, 0.9 * part.chi2)
-        ax.errorbar(
-            [part.chi2],
-            [y],
-            xerr=[[reach], [2 * part.error]],
-            fmt=marker,
-            color=colour,
-            ms=5,
-            lw=1,
-            label=name,
-        )
-
-
-@styled
-def ranking(found: Found, axes: Axes) -> Figure:
-    """What each rival leaves over on the training runs, in chi-squared per reading; BIC above the best beside it."""
-    del axes
-    rivals = list(found.ranking[:MOST_RIVALS])
-    rivals += [one for one in found.ranking[MOST_RIVALS:] if not one.names]
-    figure = sheet(7.6, 0.27 * len(rivals) + 1.2)
-    ax = figure.subplots()
-    for y, one in enumerate(reversed(rivals)):
-        colour = AFTER if one.chosen else AMBER if one.bic < 10 else "#8a8f98"
-        ax.plot([1.0, one.chi2], [y, y], color=colour, lw=1.2, alpha=0.6, zorder=1)
-        ax.plot([one.chi2], [y], "o", color=colour, ms=7 if one.chosen else 5.5, zorder=2)
-        worse = "best" if one.bic <= 0 else f"+{short(float(one.bic), 3)}"
-        ax.annotate(
-            worse, (1.01, y), xycoords=("axes fraction", "data"), va="center", fontsize=8, color=colour
-        )
-    ax.axvline(1.0, color="black", lw=1.2, zorder=0)
-    ax.annotate(
-        "noise alone", (1.0, len(rivals) - 0.45), ha="center", va="bottom", fontsize=8, annotation_clip=False
-    )
-    ax.set_yticks(
-        range(len(rivals)), [" + ".join(one.names) or "declared law alone" for one in reversed(rivals)]
-    )
-    _plain_log(ax)
-    low = min(one.chi2 for one in rivals)
-    ax.set_xlim(min(0.9, 0.95 * low), 1.2 * max(2.0, *(one.chi2 for one in rivals)))
-    ax.set_ylim(-0.6, len(rivals) - 0.4)
-    ax.set_xlabel("chi-squared per reading that is left over; at the right: BIC above the best")
-    return figure
-
-
-def _plain_log(ax: Plot) -> None:
-    """A logarithmic x axis with plain numbers."""
-    ax.set_xscale("log")
-    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0), numticks=9))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())

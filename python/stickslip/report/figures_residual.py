@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 from scipy.stats import binned_statistic
 
 from stickslip.discovery.result import Curve, Found, FoundEffect, RunView, Verdict
 from stickslip.plot import BAND, DOTS, GREY, label
-from stickslip.report.figures import AFTER, BEFORE, DASH, after_name, sheet, styled
+from stickslip.report.figures import AFTER, BEFORE, DASH, after_name, before_name, sheet, styled
 from stickslip.report.motion import phase_of, residual
 from stickslip.report.si import FORCE, NUMBER, Dimension
 from stickslip.report.units import Axes
@@ -20,6 +21,7 @@ from stickslip.shooting import Array
 CHANNELS = ("x1", "y1")
 COLUMNS = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 BINS = 24
+NOISE = "±2, where noise alone keeps 95 %"
 
 
 def worst_run(found: Found) -> RunView:
@@ -40,7 +42,7 @@ def in_time(found: Found, axes: Axes) -> Figure:
     for row, channel in zip(grid, channels, strict=True):
         for ax, (which, colour) in zip(row, columns, strict=True):
             z = residual(run, which, channel)
-            ax.axhspan(-2, 2, color=BAND, alpha=0.45, lw=0, zorder=0)
+            ax.axhspan(-2, 2, color=BAND, alpha=0.45, lw=0, zorder=0, label=NOISE)
             ax.plot(axes.t.size * run.t[::every], z[::every], color=colour, lw=0.6)
             top = max(4.0, 1.08 * float(np.nanmax(np.abs(z))))
             ax.set_ylim(-top, top)
@@ -50,7 +52,17 @@ def in_time(found: Found, axes: Axes) -> Figure:
         ax.set_title(title, color=colour, fontsize=10)
     for ax in grid[-1]:
         ax.set_xlabel(label(f"time since the start of {run.name}", axes.t.unit))
+    figure.legend(*_legend(figure), loc="outside upper center")
     return figure
+
+
+def _legend(figure: Figure) -> tuple[list[Artist], list[str]]:
+    """Handles and names of all panels, each name once."""
+    known: dict[str, Artist] = {}
+    for ax in figure.axes:
+        for handle, name in zip(*ax.get_legend_handles_labels(), strict=True):
+            known.setdefault(name, handle)
+    return list(known.values()), list(known)
 
 
 def _columns(found: Found) -> tuple[tuple[str, str], ...]:
@@ -92,16 +104,22 @@ def against_variable(found: Found, axes: Axes) -> Figure:
     for column, effect in zip(grid.T, effects, strict=True):
         name, variable = (effect.name, main_variable(found, effect)) if effect else ("", "v_w")
         phases = effect.phases if effect else {}
-        values, words = _values(found, axes, name, variable, phases)
+        values, words, own = _values(found, axes, name, variable, phases)
         for ax, channel in zip(column, channels, strict=True):
             for which, colour in _columns(found):
-                _binned(ax, values, _all(found, which, channel), colour, which)
+                _binned(
+                    ax,
+                    values,
+                    _all(found, which, channel),
+                    colour,
+                    before_name(found) if which == "before" else which,
+                )
             ax.axhline(0.0, color="black", lw=0.8, ls=DASH, zorder=0)
             ax.set_ylabel(f"{channel} residual / noise")
         column[-1].set_xlabel(words)
-        column[0].set_title(name or "relative velocity", fontsize=10)
-    handles, names = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=4)
+        if name:
+            column[0].set_title(name if own else f"{name}, where it shows most", fontsize=10)
+    figure.legend(*_legend(figure), loc="outside upper center", ncols=4)
     return figure
 
 
@@ -155,18 +173,20 @@ def _all(found: Found, which: str, channel: str) -> Array:
 
 def _values(
     found: Found, axes: Axes, name: str, variable: str, phases: Mapping[str, float]
-) -> tuple[Array, str]:
+) -> tuple[Array, str, bool]:
+    """What a residual is drawn against, its words, and whether the effect itself depends on that."""
+    own = True
     folded = [phase_of(found.after, run, name, phases.get(run.name, 0.0)) for run in _train(found)]
     if phases and all(one is not None for one in folded):
         phase = np.concatenate([one for one in folded if one is not None])
         z = [_all(found, "before", channel) for channel in _channels(found)]
         if sum(_ordered(phase, one) for one in z) > sum(_ordered(_column(found, "v_w"), one) for one in z):
-            return phase, f"phase of {name} [rad]"
-        variable = "v_w"  # what a phase does to the motion may show at another one
+            return phase, f"phase of {name} [rad]", True
+        own, variable = False, "v_w"  # what a phase does to the motion may show at another one
     axis = axes.variable(variable)
     symbols = {"v_w": "relative velocity $v_w$", "t": "time in the run $t$"}
     symbol = symbols.get(variable, f"${variable[0]}_{variable[1:]}$")
-    return axis.size * _column(found, variable), label(symbol, axis.unit)
+    return axis.size * _column(found, variable), label(symbol, axis.unit), own
 
 
 def _binned(ax: Plot, x: Array, z: Array, colour: str, name: str) -> None:
@@ -181,10 +201,10 @@ def _binned(ax: Plot, x: Array, z: Array, colour: str, name: str) -> None:
     count = binned_statistic(x, z, "count", bins=edges).statistic
     full = count > 4
     error = 2 * spread[full] / np.sqrt(count[full])
-    marker = "s" if name == "before" else "o"
+    marker = "o" if name == "after" else "s"
     ax.errorbar(
         centre[full], mean[full], yerr=error, fmt=marker, color=colour, ms=4, lw=1.0,
-        label=f"{name}, mean in a bin ± 2 standard errors" if name == "before" else name,
+        label=f"{name}, mean in a bin ± 2 standard errors",
     )  # fmt: skip
 
 

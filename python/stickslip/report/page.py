@@ -15,20 +15,20 @@ from matplotlib.figure import Figure
 from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
 from stickslip.plot import save_figure
 from stickslip.records import Case
-from stickslip.report import figures, figures_residual, words
+from stickslip.report import figures, figures_numbers, figures_residual, words
 from stickslip.report.motion import residual
 from stickslip.report.units import Axes, axes_of
 
 Drawer = Callable[[Found, Axes], Figure]
 FIGURES: Mapping[str, Drawer] = {
-    "errors": figures.errors,
+    "errors": figures_numbers.errors,
     "portrait": figures.portrait,
     "friction": figures.friction,
     "residual_in_time": figures_residual.in_time,
     "residual_spectrum": figures_residual.spectrum,
     "residual_against_variable": figures_residual.against_variable,
-    "residual_parts": figures.parts,
-    "ranking": figures.ranking,
+    "residual_parts": figures_numbers.parts,
+    "ranking": figures_numbers.ranking,
     "learned_curve": figures_residual.curve,
 }
 
@@ -76,6 +76,8 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         case=case,
         report=report,
         axes=axes_of(case),
+        single=figures_numbers.single_events(found),
+        floor=words.floor(found, single=figures_numbers.single_events(found)),
         Verdict=Verdict,
         headline=words.headline(found),
         sureness=words.sureness(found),

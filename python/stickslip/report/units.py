@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from stickslip.compare import per_model, speed_unit
 from stickslip.records import Case
 from stickslip.report.si import FORCE, SPEED, UNITS, VARIABLES, factor, scales_of
+from stickslip.scale import scales as read_in
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,10 @@ def axes_of(case: Case) -> Axes:
     y1_unit = run.unit("y1") if run.y1 is not None else "1"
     speed, per = speed_unit(run)
     scales = scales_of(case.rig)
-    force = Axis(factor(FORCE, scales), UNITS[FORCE]) if scales else Axis(1.0, "1")
+    own = read_in(case.rig, run.channels)[
+        "force"
+    ]  # a block on a belt has no scales, but may be declared in SI
+    force = Axis(factor(FORCE, scales), UNITS[FORCE]) if scales else Axis(own.size, own.unit)
     rate = Axis(1.0 / t, f"rad/{run.unit('t')}") if run.unit("t") != "1" else Axis(1.0, "1")
     return Axes(
         Axis(t, run.unit("t")),

@@ -206,6 +206,20 @@ def clean_sentence(found: Found) -> str:
     )
 
 
+def floor(found: Found, *, single: bool) -> str:
+    """How the floor of the error was estimated."""
+    if single:
+        return (
+            "is the noise of the readings over their standard deviation in an event; the few numbers fitted to each "
+            "event take up a little of the noise."
+        )
+    which = "with what was found" if found.effects else "declared"
+    return (
+        f"is the error of the model {which} on one record that it simulated itself, with fresh noise, forecast in "
+        "the same way."
+    )
+
+
 def caveats(found: Found) -> list[str]:
     """What this verdict does not say."""
     out = [sentence(one) for one in found.messages]

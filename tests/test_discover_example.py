@@ -1,0 +1,46 @@
+"""The numbers that docs/discovery.md gives of its example are those of the search."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stickslip as ss
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.mark.slow
+def test_the_example_of_the_page(tmp_path: Path) -> None:
+    page = re.sub(r"\s+", " ", (ROOT / "docs" / "discovery.md").read_text(encoding="utf-8"))
+    program = ROOT / "examples" / "discovery" / "aging.py"
+    subprocess.run([sys.executable, program, tmp_path / "aging"], check=True)
+    found = ss.discover(ss.load_case(tmp_path / "aging"))
+    (effect,) = found.effects
+    assert effect.name == "static_aging"
+    number = r"([\d.]+)"
+    for name, form in (("dT", rf"dT = {number} \(95 %: {number} to {number}\)"),
+                       ("tau", rf"tau = {number} \({number} to {number}\)")):  # fmt: skip
+        shown = re.search(form, page)
+        assert shown is not None
+        one = effect.parameters[name]
+        assert [float(text) for text in shown.groups()] == pytest.approx(
+            [one.value, one.low, one.high], rel=1e-3
+        )
+    shown = re.search(
+        rf"falls from {number} to {number} of the signal, and noise alone would leave {number}\.", page
+    )
+    assert shown is not None
+    errors = [found.error.before, found.error.after, found.error.floor]
+    assert [float(text) for text in shown.groups()] == pytest.approx(errors, rel=5e-3)
+    proof = effect.evidence
+    asked = (
+        r"lowers chi-squared by ([\d ]+), where ([\d.]+) is asked for and the best wrong .* gets ([\d ]+);"
+    )
+    shown = re.search(asked, page)
+    assert shown is not None
+    assert [float(text.replace(" ", "")) for text in shown.groups()] == pytest.approx(
+        [proof.delta_chi2, proof.threshold, proof.control], rel=5e-3
+    )
