@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from rich.console import Console
 import stickslip as ss
 from stickslip import plot
 from stickslip.cli import comparison_table
-from stickslip.report.words import sentence
+from stickslip.discovery.result import Verdict
+from stickslip.report.words import headline, sentence
 from stickslip.scale import percent, plainly
 from test_cli import folder  # noqa: F401  # a fixture
 
@@ -114,3 +116,16 @@ def test_a_sentence_leaves_the_names_of_runs_and_effects_as_they_are():
     assert sentence("rig_mass and sensor_gain are alike") == "rig_mass and sensor_gain are alike."
     assert sentence("noise is 0.1 +- 0.2.") == "Noise is 0.1 ± 0.2."
     assert sentence("chi-squared is 1") == "Chi-squared is 1."
+
+
+def test_a_headline_of_many_effects_numbers_them():
+    names = ["spring_cubic_k1", "harmonic_forcing", "sensor_lag", "static_aging"]
+
+    def headline_of(found):
+        effects = [SimpleNamespace(name=n, alternatives=[]) for n in found]
+        rig = SimpleNamespace(verdict=Verdict.effect_found, before=MODEL, effects=effects)
+        return headline(rig)
+
+    assert headline_of(names[:2]).count("(") == 0
+    assert [f"({i})" in headline_of(names) for i in range(1, 6)] == [True] * 4 + [False]
+    assert headline_of(names).startswith("The declared model lacks 4 things: (1) ")

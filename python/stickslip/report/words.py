@@ -63,6 +63,8 @@ PLACE: Mapping[str, str] = {
     "y1 channel": "in the y1 channel",
 }
 
+FEW = 3  # effects that a sentence can hold without numbers
+
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -103,11 +105,13 @@ def headline(found: Found) -> str:
         beside = f", beside {joined(others)}" if others else ""
         place = PLACE.get(effect.where, effect.where)
         return f"Something that is not in the catalogue acts {place}{variables}{memory}{beside}."
-    lacking = joined(
-        [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
-    )
+    lacking = [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
     settled = "" if not any(ties(e) for e in found.effects) else ": these runs cannot tell which"
-    return f"The declared model lacks {lacking}{settled}."
+    if len(lacking) <= FEW:
+        return f"The declared model lacks {joined(lacking)}{settled}."
+    listed = "; ".join(f"({i}) {one}" for i, one in enumerate(lacking, 1))
+    settled = settled and '; where it says "or" these runs cannot tell which'
+    return f"The declared model lacks {len(lacking)} things: {listed}{settled}."
 
 
 def sureness(found: Found) -> list[str]:
