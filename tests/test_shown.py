@@ -126,6 +126,6 @@ def test_a_headline_of_many_effects_numbers_them():
         rig = SimpleNamespace(verdict=Verdict.effect_found, before=MODEL, effects=effects)
         return headline(rig)
 
-    assert headline_of(names[:2]).count("(") == 0
+    assert "(1)" not in headline_of(names[:2])
     assert [f"({i})" in headline_of(names) for i in range(1, 6)] == [True] * 4 + [False]
     assert headline_of(names).startswith("The declared model lacks 4 things: (1) ")
