@@ -56,6 +56,8 @@ Floats = NDArray[np.float64]
 SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
+LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
+SHARE_LEFT = 0.003
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -69,7 +71,7 @@ class _Choice:
     trial: Trial
     term: unlisted.Term | None
     trials: list[Trial]
-    place: tuple[str, str] | None = None
+    place: tuple[str, tuple[str, ...]] | None = None
     held: float = 1.0
 
 
@@ -176,7 +178,8 @@ def _choose(search: Search) -> _Choice:
     ):  # no name and no curve explains it: say so, and guess the place
         return _Choice(null, null, None, trials, _place(null, best))
     search.extend(SETTLING)
-    return _Choice(null, settled(search, best), None, trials)
+    best = settled(search, best)
+    return _Choice(null, best, None, trials, _stood_in_for(search, null, best))
 
 
 def _held(choice: _Choice) -> _Choice:
@@ -190,14 +193,24 @@ def _held(choice: _Choice) -> _Choice:
     return _Choice(choice.null, choice.null, None, choice.trials, place)
 
 
-def _place(null: Trial, best: Trial) -> tuple[str, str]:
+def _place(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]]:
     """Where an effect that nothing here describes most likely acts, and on what it depends."""
     if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
-        return "angle_body", "t"
+        return "angle_body", ("t",)
     promised = max(
         ((unlisted.gain(null, term), term) for term in unlisted.terms(null)), key=lambda one: one[0]
     )
-    return promised[1].where, promised[1].variable
+    return promised[1].where, (promised[1].variable,)
+
+
+def _stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
+    """Place of what the names only stand in for: it acts most like the one of them that explains most by itself."""
+    rest = best.chi2 - 1
+    if rest < LEFT_OVER or rest < SHARE_LEFT * (null.chi2 - 1):
+        return None
+    alone = {name: search.tried.get((name,)) for name in best.names}
+    kind = CATALOGUE[min(alone, key=lambda name: np.inf if (one := alone[name]) is None else one.fit.cost)]
+    return kind.where, kind.depends_on
 
 
 def _clearly(curve: Trial, named: Trial) -> bool:
@@ -325,12 +338,19 @@ def _law(trial: Trial) -> dict[str, Interval]:
 
 def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
     if choice.place is not None:
+        formula = "not described"
         words = (
             "no listed effect and no learned curve explains the residual; the place is the likeliest by score"
         )
+        if choice.trial.names:
+            names = " + ".join(choice.trial.names)
+            words = (
+                f"no listed effect explains the residual: {names} come nearest, and leave {after.chi2:.3g}"
+            )
+            formula = f"not described; in the model {names} stand in for it"
         proof = Evidence(0.0, 0.0, 1.0, 0.0, "", threshold, words)
-        where, variable = choice.place
-        return (FoundEffect("unlisted", where, (variable,), {}, proof, (), "not described"),)
+        where, variables = choice.place
+        return (FoundEffect("unlisted", where, variables, {}, proof, (), formula),)
     if not choice.trial.names:
         return ()
     tried = list(search.tried.values())
