@@ -91,6 +91,29 @@ def test_quadratic_drag_opposes_the_motion_off_a_belt_at_rest(law, c):
     np.testing.assert_allclose(swept["final_state"][0], told.state[-1], atol=1e-8)
 
 
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-12, 1e-13])
+def test_a_release_on_the_knot_of_a_table_leaves_its_interval(tolerance):
+    """The block crosses the knot at the very release, and comes back through it in the same step."""
+    curve = ss.tabulated("contact", "x1", [-0.6, -0.2, 0.2, 0.6, 1.0], [0, 0.05, -0.05, 0.08, 0])
+    law = ss.CoulombFriction(static=1, kinetic=0.5)
+    model = ss.Model(ss.BlockOnBelt(), friction=law, effects=[curve])
+    run = ss.simulate(model, belt_speed=0.2, initial=(0, 0.2), t_end=60, rtol=tolerance, atol=tolerance)
+    spline = CubicSpline(curve.knots, curve.values, bc_type="natural")
+
+    def rate(_, z):
+        g = spline(z[0]) if z[0] < 1 else 0.0  # constant beyond its ends
+        return [z[1], -z[0] + 0.5 * (1 + g)]
+
+    def captured(t, z):
+        return z[1] - 0.2 if t > 1 else -1.0
+
+    captured.terminal, captured.direction = True, 1
+    told = solve_ivp(rate, (0, 10), [1, 0.2], events=captured, rtol=1e-11, atol=1e-11, max_step=0.01)
+    slips = np.diff(run.transitions.t)[::2]
+    np.testing.assert_allclose(slips, told.t_events[0][0], atol=max(1e-6, 10 * tolerance))
+    np.testing.assert_allclose(run.transitions.state[1::2, 0], told.y_events[0][0][0], atol=1e-5)
+
+
 def test_a_periodic_table_is_a_periodic_spline():
     knots, values = [0, 1, 2.5, 3, 4], [0, 2, 1, 0.5, 0]
     term = ss.tabulated("block", "t", knots, values, period=4.0)

@@ -242,7 +242,8 @@ def test_two_workers_one_killed(memory: xr.Dataset, tmp_path: Path) -> None:
 
 
 LONG = """
-import sys, warnings
+import signal, sys, warnings
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in what it runs behind
 sys.path[:0] = {path!r}
 warnings.simplefilter("ignore")
 import numpy as np

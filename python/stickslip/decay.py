@@ -19,6 +19,7 @@ from stickslip.scatter import effective_readings
 from stickslip.shooting import Array, Shot, Simulator, Window, shoot
 
 REFINEMENTS = 10  # of the profile of the decay: its points are a factor 4 apart, then 2, 1.4, .. 1.001
+WIDER = 3  # times that its range is widened where it is lowest at an end
 CURVED = 2.0  # -2 log likelihood between neighbouring points; below it chance decides
 
 
@@ -29,6 +30,14 @@ class Profile:
     decays: Array
     shots: list[Shot]
     scores: Array
+
+    def joined(self, at: int, decay: float, shot: Shot, coulomb: Shot) -> Profile:
+        """The profile with one more decay, as its number `at`."""
+        return Profile(
+            np.insert(self.decays, at, decay),
+            [*self.shots[:at], shot, *self.shots[at:]],
+            np.insert(self.scores, at, scores_of(shot, coulomb), axis=0),
+        )
 
     def lowest(self, total: Array) -> int:
         """Index of the least total score that has a neighbour on either side."""
@@ -69,6 +78,12 @@ def hyperbolic(
         tell("hyperbolic law", 0.5 + 0.04 * i)
         shots.append(_fitted(decay, coulomb, rig, noise, simulator))
     profile = Profile(decays, shots, np.array([scores_of(s, coulomb) for s in shots]))
+    for _ in range(WIDER):
+        at = int(np.argmin(profile.scores.sum(axis=1)))
+        if 0 < at < len(profile.decays) - 1:
+            break
+        place, decay = (0, profile.decays[0] / 4) if at == 0 else (at + 1, profile.decays[-1] * 4)
+        profile = profile.joined(place, decay, _fitted(decay, coulomb, rig, noise, simulator), coulomb)
     for level in range(REFINEMENTS):
         total = profile.scores.sum(axis=1)
         i = profile.lowest(total)
@@ -78,11 +93,7 @@ def hyperbolic(
         for at in (i + 1, i):  # the later gap first: it does not move the earlier
             decay = float(np.sqrt(profile.decays[at - 1] * profile.decays[at]))
             shot = _fitted(decay, coulomb, rig, noise, simulator, profile.shots[at - 1 : at + 1])
-            profile = Profile(
-                np.insert(profile.decays, at, decay),
-                [*profile.shots[:at], shot, *profile.shots[at:]],
-                np.insert(profile.scores, at, scores_of(shot, coulomb), axis=0),
-            )
+            profile = profile.joined(at, decay, shot, coulomb)
     decay = profile.best(np.ones(len(coulomb.windows)))
     near = profile.shots[profile.lowest(profile.scores.sum(axis=1))]
     return _fitted(decay, coulomb, rig, noise, simulator, [near]), decay, profile

@@ -100,10 +100,14 @@ int departure_order(const R* c, int n, R h) {
 // the root at 0 is divided out.
 template <class R>
 bool first_crossing(const R* c, int n, R h, bool on_surface, bool henon, R& t) {
-  const int start = on_surface ? departure_order(c, n, h) : 0;
+  const int start = on_surface || c[0] == 0 ? departure_order(c, n, h) : 0;
   if (c[start] <= 0) {  // already outside (two surfaces met at once), or a departure that turns back at once
     t = R(0.0);
     return c[start] < 0 || n <= start || c[start + 1] < 0;
+  }
+  if (start == 0 && c[1] < 0 && c[0] < c[1] * h * -1e-14) {  // on the surface to rounding, and going through it
+    t = -c[0] / c[1];
+    return true;
   }
   const R* d = c + start;
   const int m = n - start;
