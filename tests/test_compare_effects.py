@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import stickslip as ss
 from stickslip.discovery.readings import no_slopes, read
@@ -58,25 +59,59 @@ def test_the_exact_model_is_forecast_to_the_noise(tmp_path, kind):
         assert c.row("release time error").simulated < 0.1
 
 
-@pytest.mark.parametrize(
-    "kind", ["harmonic_forcing", "friction_drift", "static_aging", "sensor_nonlinearity"]
-)
-def test_a_block_on_a_belt_keeps_the_time_of_the_run(tmp_path, kind):
-    numbers = {
-        "harmonic_forcing": {"a": 0.1, "w": 0.3},
-        "friction_drift": {"r": 0.003},
-        "static_aging": {"dT": 0.5, "tau": 3.0},
-        "sensor_nonlinearity": {"q": 0.02},
-    }
+ONE_DEGREE = {
+    "harmonic_forcing": {"a": 0.1, "w": 0.3, "phi": 0.4},
+    "belt_seam": {"a": 0.3, "L": 5.0, "phi": 0.4},
+    "friction_drift": {"r": 0.003},
+    "static_aging": {"dT": 0.5, "tau": 3.0},
+    "sensor_gain": {"e": 0.1},
+    "sensor_drift": {"r": 0.005},
+    "sensor_nonlinearity": {"q": 0.05},
+    "sensor_lag": {"tau": 0.3},
+}
+
+
+@pytest.mark.parametrize("kind", ONE_DEGREE)
+def test_a_block_on_a_belt_keeps_the_time_and_the_sensors_of_the_run(tmp_path, kind):
     law, rig = ss.CoulombFriction(static=1, kinetic=0.5), ss.BlockOnBelt()
-    model = ss.Model(rig, friction=law, effects=[ss.effect(kind, **numbers[kind])])
+    model = ss.Model(rig, friction=law, effects=[ss.effect(kind, **ONE_DEGREE[kind])])
     t = np.arange(0, 100, 0.02)
     run = ss.simulate(model, belt_speed=0.2, initial=(0, 0.2), t_end=100, t_eval=t)
-    seen = readings(model, run, t, 0.2)[:, 0]
+    seen = 1.1 * run.state[:, 0] if kind == "sensor_gain" else readings(model, run, t, 0.2)[:, 0]
     seen = seen + 1e-4 * np.random.default_rng(0).standard_normal(len(t))
-    c = ss.compare(model, recording(tmp_path, rig, t, seen, None, 0.2, "exact", 1e-4))
-    assert c.row("forecast NRMSE").simulated < 0.02
-    assert c.row("release time error").simulated < 0.05
+    elsewhere = {"phi": 2.4} if "phi" in ONE_DEGREE[kind] else {}  # a phase is the run's own
+    given = ss.Model(rig, friction=law, effects=[ss.effect(kind, **(ONE_DEGREE[kind] | elsewhere))])
+    c = ss.compare(given, recording(tmp_path, rig, t, seen, None, 0.2, "exact", 1e-4))
+    assert c.row("forecast NRMSE").simulated < 0.03
+    if kind != "sensor_lag":  # which the readings' own sticks are late by
+        assert c.row("release time error").simulated < 0.06
+
+
+def test_a_curve_on_the_channel_is_read_too(tmp_path):
+    law, rig = ss.CoulombFriction(static=1, kinetic=0.5), ss.BlockOnBelt()
+    curve = ss.tabulated("x1 channel", "x1", [-1, -0.5, 0, 0.5, 1, 1.5], [0.02, -0.01, 0.02, -0.015, 0.02, 0])
+    t = np.arange(0, 100, 0.02)
+    plain = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.2, initial=(0, 0.2), t_end=100, t_eval=t)
+    x = plain.state[:, 0]
+    seen = x + CubicSpline(curve.knots, curve.values, bc_type="natural")(np.clip(x, -1, 1.5))
+    seen += 1e-4 * np.random.default_rng(0).standard_normal(len(t))
+    record = recording(tmp_path, rig, t, seen, None, 0.2, "curved", 1e-4)
+    right = ss.compare(ss.Model(rig, friction=law, effects=[curve]), record).row("forecast NRMSE").simulated
+    wrong = ss.compare(ss.Model(rig, friction=law), record).row("forecast NRMSE").simulated
+    assert right < 0.5 * wrong
+    assert right < 0.03
+
+
+def test_glitches_do_not_reach_the_window_fit(tmp_path):
+    model = ss.Model(RIG, friction=ss.PaperFriction(), effects=[ss.effect("static_aging", dT=3.0, tau=4.0)])
+    t = np.arange(0, 120, 0.02)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=120, t_eval=t)
+    seen = readings(model, run, t, 0.1) + NOISE * np.random.default_rng(0).standard_normal((len(t), 2))
+    seen[100::397, 0] += 0.5
+    row = ss.compare(model, recording(tmp_path, RIG, t, seen[:, 0], seen[:, 1], 0.1, "glitches", NOISE)).row(
+        "forecast NRMSE"
+    )
+    assert row.simulated < 3 * row.scatter
 
 
 def test_noise_makes_the_largest_speed_larger_on_both_sides(tmp_path):

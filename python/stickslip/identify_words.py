@@ -10,6 +10,8 @@ from stickslip.identified import BRANCHES, Branch, Estimate, Events
 from stickslip.scale import percent
 from stickslip.shooting import Shot
 
+POOR = 0.15  # of a slip's amplitude: misfit that a friction law does not leave
+
 
 def fit_messages(
     estimates: Mapping[str, Estimate],
@@ -86,13 +88,18 @@ def event_messages(
         "hyperbolic": "friction falls with speed rather than at once",
     }[kind]
     q = np.quantile(events.static, [0.05, 0.5, 0.95])
+    share = float(np.median(events.rms / events.amplitude))
+    doubt = (
+        f"the law does NOT reproduce these slips (to {percent(share)} of their amplitude only): do not trust its "
+        "numbers or their intervals; is the belt's speed right, does the block stick between them, is the noise too large?"
+    )
     return (
+        *((doubt,) if share > POOR else ()),
         f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC "
         f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
         f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
         f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
-        f"a single slip is reproduced to {percent(float(np.median(events.rms / events.amplitude)))} of its "
-        "amplitude (median)",
+        f"a single slip is reproduced to {percent(share)} of its amplitude (median)",
         f"branch T_{other} was never visited: its numbers are unidentified, "
         + (
             "the declared ones are kept"

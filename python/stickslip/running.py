@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from stickslip import segments
-from stickslip.effects import Effect
+from stickslip.effects import Effect, Tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.identify import Measured, columns, natural_period
 from stickslip.lowering import HIDDEN
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from stickslip.discovery.slider.predict import Reading
 
 THREADS = 2
+PHASES = 24  # of a turn, tried for an unknown phase
 
 
 @dataclass(frozen=True)
@@ -56,12 +58,17 @@ def runs_of(run: Measured, model: Model, recording: Recording, simulator: Simula
             return _with_effects(run, model, recording, bounds)
         except InputError:  # too short to hold a cycle: states can be told, phases cannot
             pass
+    chain = _Chain(model, recording.channel("x1") == "spring_force")
+    told = replace(run, readings=chain.undone(run))
     windows = [
-        (segments.window(run.track, run.readings, b, run=0, columns=columns(model.rig), past_only=True), b[0])
+        (
+            segments.window(told.track, told.readings, b, run=0, columns=columns(model.rig), past_only=True),
+            b[0],
+        )
         for b in bounds
     ]
-    force = recording.channel("x1") == "spring_force"
-    return Runs(_free_run(run, model, force, simulator), _forecasts(run, model, windows, force, simulator))
+    chain = replace(chain, model=_turned(told, model, windows, simulator))
+    return Runs(_free_run(told, chain, simulator), _forecasts(told, chain, windows, simulator))
 
 
 def _windows(run: Measured, model: Model) -> list[tuple[int, int]]:
@@ -76,8 +83,11 @@ def _with_effects(run: Measured, model: Model, recording: Recording, bounds: lis
     from stickslip.discovery.predict import Forecaster, whole_run
     from stickslip.discovery.readings import curves_of
 
-    data = prepare([replace(recording, belt_speed=run.belt_speed)])[0]
-    data = replace(data, readings=data.readings[:, :2], weight=data.weight[:, :2], noise=data.noise[:2])
+    seen = np.isfinite(run.readings)  # glitches are out
+    x1, y1 = (np.interp(run.t, run.t[ok], r[ok]) for r, ok in zip(run.readings.T, seen.T, strict=True))
+    data = prepare([replace(recording, belt_speed=run.belt_speed, x1=x1, y1=y1)])[0]
+    weight = np.where(seen, data.weight[:, :2], 0.0)
+    data = replace(data, readings=data.readings[:, :2], weight=weight, noise=data.noise[:2])
     forecaster = Forecaster(model, data, THREADS, curves_of(model))
     try:
         free = whole_run(forecaster).readings
@@ -93,8 +103,9 @@ def _with_effects(run: Measured, model: Model, recording: Recording, bounds: lis
     return Runs(free, ahead)
 
 
-def _free_run(run: Measured, model: Model, force: bool, simulator: Simulator) -> Array:
+def _free_run(run: Measured, chain: _Chain, simulator: Simulator) -> Array:
     """Readings (n, c) of the model running freely from the start, its initial state fitted to the run."""
+    model = chain.model
     cols = list(columns(model.rig))
     whole = segments.window(run.track, run.readings, (0, len(run.t)), run=0, columns=cols)
     first = segments.cut(run.track, 2 * natural_period(model.rig))[0]
@@ -111,24 +122,22 @@ def _free_run(run: Measured, model: Model, force: bool, simulator: Simulator) ->
             fitted = longer.windows[0] if np.isfinite(longer.chi2) else fitted
     except (StickslipError, np.linalg.LinAlgError):
         fitted = opening
-    whole = replace(whole, initial=_state(model, fitted.initial, 0.0, force))
-    out = _simulated(model, whole, simulator, 0.0, ())
+    out = _simulated(model, replace(whole, initial=fitted.initial), simulator, 0.0, ())
     if out is None:
         raise InputError("the model cannot be simulated over the run from the estimated start")
-    return _read(model, out, force, cols)
+    return chain.read(out)
 
 
 def _forecasts(
-    run: Measured, model: Model, windows: list[tuple[Window, int]], force: bool, simulator: Simulator
+    run: Measured, chain: _Chain, windows: list[tuple[Window, int]], simulator: Simulator
 ) -> Array:
     """Readings forecast cycle by cycle, each from a state estimated from earlier readings only."""
-    cols = list(columns(model.rig))
+    model = chain.model
     ahead = np.full_like(run.readings, np.nan)
     hidden: tuple[float, ...] = ()
     for i, (given, start) in enumerate(windows):
         at = float(run.t[start]) if model.effects else 0.0
-        window = replace(given, initial=_state(model, given.initial, at, force))
-        out = _simulated(model, window, simulator, at, hidden)
+        out = _simulated(model, given, simulator, at, hidden)
         if out is None:
             hidden = ()
             continue
@@ -136,7 +145,7 @@ def _forecasts(
             owned = {n for one in model.effects if isinstance(one, Effect) for n in one.kind.hidden}
             hidden = tuple(float(out.hidden[n][-1]) if n in owned else 0.0 for n in HIDDEN)
         if i > 0:
-            ahead[start : start + len(out.state)] = _read(model, out, force, cols)
+            ahead[start : start + len(out.state)] = chain.read(out)
     return ahead
 
 
@@ -161,27 +170,72 @@ def _simulated(
     )  # hidden states: of `simulate` alone
 
 
-def _chain(model: Model, force: bool) -> Reading:
-    from stickslip.discovery.slider.predict import reading_of
+@dataclass(frozen=True)
+class _Chain:
+    """From states to readings, as the model's sensors have it; and back, for the one channel of a block on a belt."""
 
-    chain = reading_of(model, force)
-    lagged = any(one.name == "sensor_lag" for one in model.effects)  # the core lags what the sensor reads
-    return replace(chain, curvature=0.0) if lagged else chain
+    model: Model
+    force: bool  # the spring's force is recorded
+
+    @property
+    def _sensor(self) -> Reading:
+        from stickslip.discovery.slider.predict import reading_of
+
+        return reading_of(self.model, self.force)
+
+    @property
+    def _lag(self) -> float:
+        return next((one.parameters["tau"] for one in self.model.effects if one.name == "sensor_lag"), 0.0)
+
+    def _curves(self, x: Array, t: Array) -> Array:
+        """What curves on the channel add, (n,)."""
+        out = np.zeros(len(x))
+        for one in self.model.effects:
+            if isinstance(one, Tabulated) and one.of_reading and one.variable in ("x1", "t"):
+                curve = CubicSpline(one.knots, one.values, bc_type="natural")
+                out += curve(np.clip(x if one.variable == "x1" else t, one.knots[0], one.knots[-1]))
+        return out
+
+    def undone(self, run: Measured) -> Array:
+        """Displacements (n, 1) behind the readings; the rig of two degrees has its own way."""
+        if not self.model.effects or isinstance(self.model.rig, Rig):
+            return run.readings
+        read = run.readings[:, 0] + self._lag * run.track.v  # m' = (reading - m)/tau
+        x = read
+        for _ in range(4):  # curves are small beside what they are added to
+            x = self._sensor.undone(read - self._curves(x, run.t), run.t)
+        return x[:, None]
+
+    def read(self, out: Trajectory) -> Array:
+        """Readings (n, c) of a run: its states, with what the sensors add."""
+        readings = out.state[:, list(columns(self.model.rig))].copy()
+        if not self.model.effects:
+            return readings
+        chain, x = self._sensor, out.state[:, 0]
+        if self._lag:  # the core lags what the sensor reads
+            chain, x = replace(chain, curvature=0.0), out.hidden["m"]
+        readings[:, 0] = chain.of(x, out.t) + self._curves(out.state[:, 0], out.t)
+        return readings
 
 
-def _state(model: Model, told: Array, t: float, force: bool) -> Array:
-    """The state behind what the readings tell of it at t: a block on a belt has one channel, and its chain undone."""
-    if not model.effects or isinstance(model.rig, Rig):
-        return told
-    x = _chain(model, force).undone(told[:1], np.array([t]))
-    return np.concatenate([x, told[1:]])
+def _turned(run: Measured, model: Model, windows: list[tuple[Window, int]], simulator: Simulator) -> Model:
+    """The model with the phases of this run, which no other run tells: those under which its first half is met best."""
+    early = [one for one in windows[1:] if run.t[one[1]] < 0.5 * run.t[-1]] or windows[:2]
 
+    def misfit(trial: Model) -> float:
+        total = 0.0
+        for window, start in early:
+            out = _simulated(trial, window, simulator, float(run.t[start]), ())
+            if out is None:
+                return np.inf
+            total += float(np.nansum((out.state[:, 0] - window.readings[:, 0]) ** 2))
+        return total
 
-def _read(model: Model, out: Trajectory, force: bool, cols: list[int]) -> Array:
-    """Readings (n, c) of a run: its states, with what the sensors add; `force` where the spring's force is recorded."""
-    if not model.effects:
-        return out.state[:, cols]
-    lagged = any(one.name == "sensor_lag" for one in model.effects)
-    readings = out.state[:, cols].copy()
-    readings[:, 0] = _chain(model, force).of(out.hidden["m"] if lagged else out.state[:, 0], out.t)
-    return readings
+    for one in [e for e in model.effects if isinstance(e, Effect) and "phi" in e.parameters]:
+        centre, width = one.parameters["phi"], 2 * np.pi
+        for tried in (PHASES, 5, 5, 5):
+            angles = centre + width * (np.arange(tried) - tried // 2) / tried
+            trials = [model.replace(**{f"{one.name}.phi": float(a)}) for a in angles]
+            best = int(np.argmin([misfit(trial) for trial in trials]))
+            model, centre, width = trials[best], float(angles[best]), 2 * width / tried
+    return model
