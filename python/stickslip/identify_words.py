@@ -91,7 +91,8 @@ def event_messages(
     share = float(np.median(events.rms / events.amplitude))
     doubt = (
         f"the law does NOT reproduce these slips (to {percent(share)} of their amplitude only): do not trust its "
-        "numbers or their intervals; is the belt's speed right, does the block stick between them, is the noise too large?"
+        "numbers or their intervals; is the belt's speed right, does the block stick between them, is the "
+        "noise too large?"
     )
     return (
         *((doubt,) if share > POOR else ()),
