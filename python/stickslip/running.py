@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from stickslip import segments
 from stickslip.effects import Effect, Tabulated
@@ -189,6 +188,8 @@ class _Chain:
 
     def _curves(self, x: Array, t: Array) -> Array:
         """What curves on the channel add, (n,)."""
+        from scipy.interpolate import CubicSpline  # slow to import
+
         out = np.zeros(len(x))
         for one in self.model.effects:
             if isinstance(one, Tabulated) and one.of_reading and one.variable in ("x1", "t"):
