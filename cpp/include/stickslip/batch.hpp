@@ -65,16 +65,21 @@ void enter(Batch<W>& b, int i, Member* m) {
   ++b.active;
 }
 
-template <int W>
-void leave(Batch<W>& b, int i) {
+// Lane i gives its member back as it is now, with its first `states` states.
+template <class AnyBatch>
+void give_back(AnyBatch& b, int i, int states) {
   Member* m = b.member[i];
-  for (int k = 0; k < 4; ++k) m->s.z[k] = b.s.z[k][i];
+  for (int k = 0; k < states; ++k) m->s.z[k] = b.s.z[k][i];
   m->s.t = b.s.t[i];
   m->tally.row.stick_time += b.stick[i];
   m->tally.row.steps = b.steps[i];
   b.member[i] = nullptr;
   b.busy &= ~(1u << i);
   --b.active;
+}
+template <int W>
+void leave(Batch<W>& b, int i) {
+  give_back(b, i, 4);
 }
 
 // An idle lane copies a busy one, so that it computes something harmless.

@@ -29,18 +29,20 @@ Side side_of(const Batch<W>& b, int i) {
   return b.on_lower[i] != 0 ? Side::lower : b.on_upper[i] != 0 ? Side::upper : Side::none;
 }
 
+// The lanes of those in `standing` that stand on a bound still, h later.
+template <int W>
+typename Lanes<W>::Bits still_on(const Watch<Lanes<W>>& watch, Side side, const typename Lanes<W>::Bits& standing,
+                                 int order, const Lanes<W>& h) {
+  if (mask_of<W>(standing) == 0 || mask_of<W>(watch.rounding.v > 0) == 0) return typename Lanes<W>::Bits{};
+  const Lanes<W> off = evaluate(watch.c, order, h) - (side == Side::lower ? watch.lo : watch.hi);
+  return standing & (abs(off).v < watch.rounding.v);
+}
+
 // A step on, a lane stands on no surface any more, unless it has not moved away from it.
 template <int W>
 void leave_surfaces(Batch<W>& b, const Lanes<W>& h) {
-  using Bits = typename Lanes<W>::Bits;
-  const Watch<Lanes<W>>& watch = b.piece.watch[0];
-  if (b.mode.contact == 0 && mask_of<W>(b.on_lower | b.on_upper) != 0) {
-    const Lanes<W> q = evaluate(watch.c, linear_order, h);
-    b.on_lower &= abs(q - watch.lo).v <= watch.rounding.v;
-    b.on_upper &= abs(q - watch.hi).v <= watch.rounding.v;
-  } else {
-    b.on_lower = b.on_upper = Bits{};
-  }
+  b.on_lower = still_on(b.piece.watch[0], Side::lower, b.on_lower, linear_order, h);
+  b.on_upper = still_on(b.piece.watch[0], Side::upper, b.on_upper, linear_order, h);
 }
 
 // The first exit of lane i through `side` within h, located as the scalar kernel does.

@@ -68,15 +68,8 @@ void enter(EffectBatch<W>& b, int i, Member* m) {
 
 template <int W>
 void leave(EffectBatch<W>& b, int i) {
-  Member* m = b.member[i];
-  for (int k = 0; k < state_count; ++k) m->s.z[k] = b.s.z[k][i];
-  m->s.t = b.s.t[i];
-  m->tally.row.stick_time += b.stick[i];
-  m->tally.row.steps = b.steps[i];
-  side_of(b, i, m->on);
-  b.member[i] = nullptr;
-  b.busy &= ~(1u << i);
-  --b.active;
+  side_of(b, i, b.member[i]->on);
+  give_back(b, i, state_count);
 }
 
 // Idle lanes copy a busy one, as it is now, so that they compute something harmless.

@@ -26,8 +26,7 @@ struct EffectEnsemble {
   int waits = 0;
   Common common;
   Piece<double> scratch;
-  Branch<double> minus, plus;
-  bool creep = false, first = true;
+  Company company;
 
   explicit EffectEnsemble(const SweepRequest& request)
       : q(request), order(order_for(tolerance_share * (request.rtol > 0 ? request.rtol : request.atol))) {}
@@ -88,15 +87,7 @@ struct EffectEnsemble {
   void next(Member& m) {
     for (m.index = q.take(q.context); m.index >= 0; m.index = q.take(q.context)) {
       start_member(q, common, m, scratch);
-      if (first) {
-        minus = m.sys.minus;
-        plus = m.sys.plus;
-        creep = creeps(m.sys);
-        first = false;
-      }
-      if (alike(minus, m.sys.minus) && alike(plus, m.sys.plus) && creep == creeps(m.sys)) {
-        return wait(m);
-      }
+      if (company.takes(m)) return wait(m);
       run_alone(q, m);
     }
   }

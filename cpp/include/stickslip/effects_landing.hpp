@@ -52,11 +52,10 @@ unsigned land(EffectBatch<W>& b, int order, Lanes<W>& h, Exit<double>* exits) {
 template <int W>
 void leave_surfaces(EffectBatch<W>& b, int order, const Lanes<W>& h) {
   typename Lanes<W>::Bits lower[watch_count] = {}, upper[watch_count] = {};
-  for (int w = 0; w < b.piece.watches && b.mode.contact == 0; ++w) {
+  for (int w = 0; w < b.piece.watches; ++w) {
     const Watch<Lanes<W>>& watch = b.piece.watch[w];
-    if (mask_of<W>(watch.rounding.v > 0) == 0 || mask_of<W>(b.on_lower[watch.id]) == 0) continue;
-    const Lanes<W> margin = evaluate(watch.c, order, h) - watch.lo;
-    lower[watch.id] = b.on_lower[watch.id] & (abs(margin).v <= watch.rounding.v);
+    lower[watch.id] = still_on(watch, Side::lower, b.on_lower[watch.id], order, h);
+    upper[watch.id] = still_on(watch, Side::upper, b.on_upper[watch.id], order, h);
   }
   for (int id = 0; id < watch_count; ++id) {
     b.on_lower[id] = lower[id];

@@ -20,8 +20,7 @@ struct Ensemble {
   Line<W> landing;  // members that may meet a surface in the step from where they are
   Common common;
   Piece<double> scratch;
-  Branch<double> minus, plus;
-  bool first = true;
+  Company company;
 
   explicit Ensemble(const SweepRequest& request)
       : q(request), order(order_for(tolerance_share * (request.rtol > 0 ? request.rtol : request.atol))) {}
@@ -71,12 +70,7 @@ struct Ensemble {
   void next(Member& m) {
     for (m.index = q.take(q.context); m.index >= 0; m.index = q.take(q.context)) {
       start_member(q, common, m, scratch);
-      if (first) {
-        minus = m.sys.minus;
-        plus = m.sys.plus;
-        first = false;
-      }
-      if (alike(minus, m.sys.minus) && alike(plus, m.sys.plus)) return waiting.add(m);
+      if (company.takes(m)) return waiting.add(m);
       run_alone(q, m);
     }
   }

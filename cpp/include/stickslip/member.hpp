@@ -60,10 +60,25 @@ inline void start_member(const SweepRequest& q, const Common& common, Member& m,
   m.limit = q.after > 0 ? q.after : q.t_end;
 }
 
-// Can two members share a batch?
 inline bool alike(const Branch<double>& a, const Branch<double>& b) {
   return a.shape == b.shape && a.has_kink == b.has_kink;
 }
+
+// Who can share a batch: those like the first to come in what decides the course of a computation.
+struct Company {
+  Branch<double> minus, plus;
+  bool creep = false, first = true;
+
+  bool takes(const Member& m) {
+    if (first) {
+      minus = m.sys.minus;
+      plus = m.sys.plus;
+      creep = creeps(m.sys);
+      first = false;
+    }
+    return alike(minus, m.sys.minus) && alike(plus, m.sys.plus) && creep == creeps(m.sys);
+  }
+};
 
 // Observables count from here.
 inline void begin_counting(const SweepRequest& q, Member& m) {

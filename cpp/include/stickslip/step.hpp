@@ -34,44 +34,45 @@ Real<T> effect_size(const System<T>& sys, const Mode& mode, const EffectSeries<T
   return size;
 }
 
-// A narrow Stribeck peak ahead hides from the last terms: far from it e^a is nothing, and its series only starts to
-// grow. With X = sum |a_k| h^k the terms left out are below e^(a_0) X^p/p! (e^X beyond X = p): shorten h until that is
-// allowed.
-template <class T>
-Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, Real<T> h, const Real<T>& allowed) {
-  for (int i = 0; i < lane_count<Real<T>>; ++i) {
-    const auto real = [&](const T& x) { return lane(value(x), i); };
-    const double v_s = real(sys.p[stribeck_peak_v_s]), u = real(fx.u[0]);
-    const double height = std::abs(real(sys.p[stribeck_peak_dT] * sys.rig.over_a1));
-    const double room = std::log(lane(allowed, i) / (height + 1e-300)) + u * u / (v_s * v_s);
+// h of every lane, shortened until `allows(lane, h)`.
+template <class R, class Allows>
+R shortened(R h, const Allows& allows) {
+  for (int i = 0; i < lane_count<R>; ++i) {
     double step = lane(h, i);
-    for (int tries = 0; tries < 200; ++tries, step *= 0.8) {
-      double x = 0;
-      for (int k = order; k >= 1; --k) x = (x + std::abs(real(fx.peak_slope[k])) / k) * step;
-      if ((x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x) <= room) break;
-    }
+    for (int tries = 0; tries < 200 && !allows(i, step); ++tries) step *= 0.8;
     set_lane(h, i, step);
   }
   return h;
 }
 
+// A narrow Stribeck peak ahead hides from the last terms: far from it e^a is nothing, and its series only starts to
+// grow. With X = sum |a_k| h^k the terms left out are below e^(a_0) X^p/p! (e^X beyond X = p): shorten h until that is
+// allowed.
+template <class T>
+Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, const Real<T>& h,
+                  const Real<T>& allowed) {
+  return shortened(h, [&](int i, double step) {
+    const auto real = [&](const T& x) { return lane(value(x), i); };
+    const double u = real(fx.u[0]) / real(sys.p[stribeck_peak_v_s]);
+    const double height = std::abs(real(sys.p[stribeck_peak_dT] * sys.rig.over_a1)) + 1e-300;
+    double x = 0;
+    for (int k = order; k >= 1; --k) x = (x + std::abs(real(fx.peak_slope[k])) / k) * step;
+    const double grown = x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x;
+    return grown <= std::log(lane(allowed, i) / height) + u * u;
+  });
+}
+
 // tanh(y2/v_c) has its nearest pole pi/2 beside the real axis, and seen from afar hides as the peak does: y2 may move a
 // share of its distance from there.
 template <class T>
-Real<T> creep_step(const System<T>& sys, const Series<T>& s, int order, Real<T> h) {
-  for (int i = 0; i < lane_count<Real<T>>; ++i) {
+Real<T> creep_step(const System<T>& sys, const Series<T>& s, int order, const Real<T>& h) {
+  return shortened(h, [&](int i, double step) {
     const auto real = [&](const T& x) { return lane(value(x), i); };
     const double v_c = real(sys.p[pivot_dry_friction_v_c]), y2 = real(s.y2[0]);
-    const double most = 0.3 * std::sqrt(y2 * y2 + v_c * v_c * 2.467);
-    double step = lane(h, i);
-    for (int tries = 0; tries < 200; ++tries, step *= 0.8) {
-      double moves = 0;
-      for (int k = order; k >= 1; --k) moves = (moves + std::abs(real(s.y2[k]))) * step;
-      if (moves <= most) break;
-    }
-    set_lane(h, i, step);
-  }
-  return h;
+    double moves = 0;
+    for (int k = order; k >= 1; --k) moves = (moves + std::abs(real(s.y2[k]))) * step;
+    return moves <= 0.3 * std::sqrt(y2 * y2 + v_c * v_c * 2.467);
+  });
 }
 
 // The scale of a motion: its speeds, and its positions as speeds.
