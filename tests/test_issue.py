@@ -52,7 +52,7 @@ def test_return_to_the_belt_at_the_other_static_limit_is_no_chatter(tolerance):
 @pytest.mark.parametrize(
     ("stiffness", "x1"), [(1.0, 5.940000000000007), (4.0, 1.4850000000000017), (4.0, -0.907500000000001)]
 )
-@pytest.mark.parametrize("effects", [[], [ss.effect("block_viscous_damping", c=0.1)]])
+@pytest.mark.parametrize("effects", [[], [ss.effect("sensor_lag", tau=50.0)]])  # which takes many steps
 def test_a_block_that_stands_on_its_static_limit_stays(stiffness, x1, effects):
     """Where the belt stands still the demand is constant, to the last digit on the limit: nothing moves."""
     rig = ss.BlockOnBelt(stiffness=stiffness)
@@ -62,8 +62,9 @@ def test_a_block_that_stands_on_its_static_limit_stays(stiffness, x1, effects):
     assert len(run.transitions.t) == 0
     assert run.state[-1].tolist() == [x1, 0]
     over = {"initial.x1": np.full(9, x1)}
-    swept = ss.sweep(model, over, belt_speed=0, initial=(x1, 0), t_end=100, after=10)
-    np.testing.assert_allclose(swept["stick_fraction"], 1, rtol=1e-12)
+    swept = ss.sweep(model, over, belt_speed=0, initial=(x1, 0), t_end=100)
+    assert (swept["transitions"] == 0).all()
+    assert (swept["final_state"].sel(state="x1") == x1).all()
 
 
 def test_a_block_pushed_off_its_static_limit_goes():
