@@ -75,8 +75,12 @@ def in_turn(calls: dict[str, Callable[[], object]], repeats: int) -> dict[str, l
     return times
 
 
+def rates_of(times: dict[str, list[float]], count: int) -> dict[str, float]:
+    return {name: count / statistics.median(t) for name, t in times.items()}
+
+
 def rates(calls: dict[str, Callable[[], object]], count: int, repeats: int) -> dict[str, float]:
-    return {name: count / statistics.median(t) for name, t in in_turn(calls, repeats).items()}
+    return rates_of(in_turn(calls, repeats), count)
 
 
 def ratio(times: dict[str, list[float]], fast: str, slow: str) -> float:
@@ -167,30 +171,56 @@ def counts() -> dict[str, object]:
 
 
 CHILD = """
-import sys, time; sys.path.insert(0, {folder!r})
-import numpy as np, bench_sweep as b, statistics
+import json, sys; sys.path.insert(0, {folder!r})
+import numpy as np, bench_sweep as b
 every = np.arange(4096)
-b.sweep(every[:256], lanes={lanes})
-t = b.in_turn({{"x": lambda: b.sweep(every, lanes={lanes})}}, {repeats})["x"]
-print(4096 / statistics.median(t))
+b.sweep(every[:256])
+calls = {{"": lambda: b.sweep(every), ", scalar kernel": lambda: b.sweep(every, lanes=False)}}
+times = b.in_turn(calls, {repeats})
+print(json.dumps([b.rates_of(times, 4096), b.ratio(times, "", ", scalar kernel")]))
 """
 
 
-def instruction_sets(repeats: int) -> dict[str, float]:
-    """P2 on one thread by instruction set, each in a process of its own."""
-    out = {}
+def instruction_sets(repeats: int) -> tuple[dict[str, float], dict[str, float]]:
+    """P2 on one thread by instruction set, each in a process of its own: rates, and lanes over the scalar kernel."""
+    rates, ratios = {}, {}
     for isa in ("baseline", "avx2", "avx512"):
-        for lanes in (True, False):
-            code = CHILD.format(folder=str(Path(__file__).parent), lanes=lanes, repeats=repeats)
-            run = subprocess.run(
-                [sys.executable, "-c", code],
-                env={**os.environ, "STICKSLIP_ISA": isa},
-                capture_output=True,
-                text=True,
-            )
-            if run.returncode == 0:
-                out[f"{isa}{'' if lanes else ', scalar kernel'}"] = float(run.stdout.split()[-1])
-    return out
+        code = CHILD.format(folder=str(Path(__file__).parent), repeats=repeats)
+        env = {**os.environ, "STICKSLIP_ISA": isa}
+        run = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True)
+        if run.returncode == 0:
+            found, ratios[isa] = json.loads(run.stdout)
+            rates |= {f"{isa}{kernel}": rate for kernel, rate in found.items()}
+    return rates, ratios
+
+
+APART = """
+import sys, time; sys.path.insert(0, {folder!r})
+import numpy as np, bench_sweep as b
+every = np.arange(4096)
+b.sweep(every[:256])
+print(flush=True); sys.stdin.readline()
+begin = time.perf_counter()
+for _ in range({repeats}): b.sweep(every)
+print(time.perf_counter() - begin)
+"""
+
+
+def two_processes(repeats: int) -> float:
+    """What two processes of one thread each do against one: all that this machine lets two threads gain."""
+    code = APART.format(folder=str(Path(__file__).parent), repeats=repeats)
+
+    def together(count: int) -> float:
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        running = [subprocess.Popen([sys.executable, "-c", code], **pipes) for _ in range(count)]
+        for one in running:
+            one.stdout.readline()
+        for one in running:
+            one.stdin.write("\n")
+            one.stdin.flush()
+        return statistics.mean(float(one.communicate()[0]) for one in running)
+
+    return statistics.median(2 * together(1) / together(2) for _ in range(5))
 
 
 def cost(largest: int) -> dict[str, float]:
@@ -296,15 +326,14 @@ def main() -> None:
     if options.peers:
         results["rivals"] = against_rivals(options.peers, options.repeats)
     threads = in_turn({"1": lambda: sweep(every), "2": lambda: sweep(every, threads=2)}, options.repeats)
-    results["P2_per_s"] = {name: 4096 / statistics.median(t) for name, t in threads.items()}
+    results["P2_per_s"] = rates_of(threads, 4096)
     results["two_threads_over_one"] = ratio(threads, "2", "1")
+    results["two_processes_over_one"] = two_processes(2 * options.repeats)
     results["cycles_per_trajectory"] = clock() / results["P2_per_s"]["1"]
     work = results["arithmetic"] = arithmetic()
     asked = work["steps_per_trajectory"] * work["operations_per_step"] * results["P2_per_s"]["1"]
     work["share_of_peak"] = asked / 1e9 / work["peak_Gflop_per_s"]
-    sets = results["P2_per_s_by_instruction_set"] = instruction_sets(max(3, options.repeats // 2))
-    if "avx2" in sets:
-        results["avx2_over_scalar"] = sets["avx2"] / sets["avx2, scalar kernel"]
+    results["P2_per_s_by_instruction_set"], results["lanes_over_scalar"] = instruction_sets(options.repeats)
     results["microseconds_a_member"] = cost(options.large)
     results["peak_memory_MiB"] = {str(options.large): memory(options.large)}
     print(json.dumps(results, indent=2))

@@ -18,6 +18,8 @@ struct Batch {
   Member* member[W] = {};
   unsigned busy = 0;
   int active = 0;
+  bool one_law = false;                      // all members have the same: a lane that holds it need not copy it again
+  unsigned holds_minus = 0, holds_plus = 0;  // lanes that hold this branch of it
 
   const typename L::Bits& standing(Side side) const { return side == Side::lower ? on_lower : on_upper; }
 };
@@ -45,8 +47,13 @@ void copy_rig(Rig<Lanes<W>>& to, int i, const Rig<double>& from) {
 template <int W>
 void enter(Batch<W>& b, int i, Member* m) {
   copy_rig(b.sys.rig, i, m->sys.rig);
-  if (m->mode.contact <= 0) copy_branch(b.sys.minus, i, m->sys.minus);
-  if (m->mode.contact >= 0) copy_branch(b.sys.plus, i, m->sys.plus);
+  const auto hold = [&](unsigned& held, Branch<Lanes<W>>& to, const Branch<double>& from) {
+    if (b.one_law && (held >> i & 1u) != 0) return;
+    copy_branch(to, i, from);
+    held |= 1u << i;
+  };
+  if (m->mode.contact <= 0) hold(b.holds_minus, b.sys.minus, m->sys.minus);
+  if (m->mode.contact >= 0) hold(b.holds_plus, b.sys.plus, m->sys.plus);
   b.sys.structure.effects = 0;
   b.sys.stick_step.set(i, m->sys.stick_step);
   b.sys.floor_step.set(i, m->sys.floor_step);

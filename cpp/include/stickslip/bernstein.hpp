@@ -43,11 +43,7 @@ void to_bernstein(const R* a, int n, R* b) {
       __builtin_memcpy(b + i, &even, sizeof even);
     }
   } else {
-    R binomial(1.0);
-    for (int k = 0; k <= n; ++k) {
-      b[k] = a[k] / binomial;
-      binomial = binomial * static_cast<double>(n - k) / static_cast<double>(k + 1);
-    }
+    for (int k = 0; k <= n; ++k) b[k] = a[k] * binomials.over[n][k];
     for (int i = 1; i <= n; ++i)
       for (int j = n; j >= i; --j) b[j] = b[j] + b[j - 1];
   }

@@ -46,17 +46,19 @@ V log2_rough(V x) {
   } else {
     k = reinterpret_cast<B>(x);
   }
-  const B e = (k >> 52) - 1023;
+  // the exponent becomes a double by its bits: not every instruction set converts vectors of integers
+  constexpr double offset = 0x1p52;
+  const B e = ((k >> 32) & 0x7ff00000) >> 20 | std::bit_cast<std::int64_t>(offset);
   const B m = (k & 0x000fffffffffffff) | 0x3ff0000000000000;
-  V f;
-  V ev;
+  V f, ev;
   if constexpr (sizeof(V) == sizeof(double)) {
     f = std::bit_cast<V>(m);
-    ev = static_cast<V>(e);
+    ev = std::bit_cast<V>(e);
   } else {
     f = reinterpret_cast<V>(m);
-    ev = __builtin_convertvector(e, V);
+    ev = reinterpret_cast<V>(e);
   }
+  ev = ev - (offset + 1023.0);
   const V g = f - 1.0, g2 = g * g;  // a fit on [1, 2), exact at its ends
   return ev + (1.44174030288 * g - 0.70777018 * g2) + g2 * (0.41234422 * g + g2 * (0.04400469 * g - 0.19031903));
 }

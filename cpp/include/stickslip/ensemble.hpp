@@ -27,6 +27,8 @@ struct Ensemble {
 
   void run() {
     prepare(q, common);
+    for (Batch<W>& b : batch) b.one_law = common.law;
+    lander.one_law = common.law;
     for (Member& m : pool) next(m);
     for (;;) {
       const int b = fullest(), due = landing.longest();

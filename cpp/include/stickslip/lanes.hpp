@@ -92,7 +92,7 @@ Lanes<W> min(const Lanes<W>& a, const Lanes<W>& b) {
 template <int W>
 [[gnu::always_inline]] inline Lanes<W> square_root(Lanes<W> x) {
 #ifdef __AVX512F__
-  if constexpr (W == 8) return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vec>(_mm512_sqrt_pd(x.v)));
+  if constexpr (W == 8) return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vec>(_mm512_maskz_sqrt_pd(0xff, x.v)));
 #endif
 #ifdef __AVX2__
   if constexpr (W == 4) return Lanes<W>(reinterpret_cast<typename Lanes<W>::Vec>(_mm256_sqrt_pd(x.v)));
