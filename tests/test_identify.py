@@ -197,6 +197,39 @@ def test_scatter_between_slips_sets_the_interval_of_the_mean(tmp_path):
     assert found.covered["plus"] is None
 
 
+def coulomb_run(tmp_path, belt_speed, t_end, dt, noise, seed=0, start=0.0):
+    rig = ss.BlockOnBelt(mass=1.2, stiffness=850, damping=0.6)
+    model = ss.Model(rig, friction=ss.CoulombFriction(static=6, kinetic=4.2))
+    t = np.arange(0, t_end, dt)
+    run = ss.simulate(model, belt_speed=belt_speed, initial=(start, belt_speed), t_end=t_end, t_eval=t)
+    x = run.state[:, 0] + np.random.default_rng(seed).normal(0, noise, len(t))
+    path = tmp_path / "run.csv"
+    np.savetxt(path, np.c_[t, x], delimiter=",", header="t,x1", comments="", fmt="%.12g")
+    channels = {"t": ss.records.Channel("t", unit="s"), "x1": ss.records.Channel("x1", unit="m")}
+    return ss.load_recording(path, rig, channels=channels, belt_speed=belt_speed), run.transitions
+
+
+def test_a_swing_that_only_touches_the_speed_of_the_belt_is_no_slip(tmp_path):
+    """The block slips once and never sticks again: no levels can be told, and none are."""
+    recording, transitions = coulomb_run(tmp_path, belt_speed=0.2, t_end=6, dt=0.001, noise=2e-6)
+    assert len(transitions.t) == 1
+    with pytest.raises(ss.InputError, match=r"0 slips found; .* none is met by a slip that ends in stick"):
+        ss.identify(recording, rig=recording.rig)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_levels_on_a_slow_belt_are_not_drawn_up_by_noise(tmp_path, seed):
+    """Noise of a twentieth of a slip is half a second of creep; the slip lasts a quarter of that."""
+    recording, transitions = coulomb_run(
+        tmp_path, belt_speed=1e-3, t_end=60, dt=0.002, noise=2e-4, seed=seed, start=0.004
+    )
+    found = ss.identify(recording, rig=recording.rig)
+    assert len(found.events.t) == (len(transitions.t) - 1) // 2 + 1 == 14
+    assert 0.9 < found.reduced_chi2 < 1.1
+    for name, truth in (("static", 6.0), ("kinetic", 4.2)):
+        assert found.estimates[name].value == pytest.approx(truth, rel=0.005)
+
+
 def test_friction_that_falls_with_speed_is_told_from_coulomb(tmp_path):
     rig = ss.BlockOnBelt()
     law = ss.HyperbolicFriction(scale=0.6, decay=2.0, constant=0.4)

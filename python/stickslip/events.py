@@ -23,7 +23,7 @@ from stickslip.model import Model
 from stickslip.rig import AnyRig, BlockOnBelt
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.segments import Segment, stick_position
-from stickslip.shooting import Array, Shot, Simulator, Window, shoot
+from stickslip.shooting import Array, Shot, Simulator, Window, shoot, states
 
 if TYPE_CHECKING:
     from stickslip.identify import Measured
@@ -69,6 +69,8 @@ class _Slip:
     amplitude: float
     speed: float
     window: Window
+    top: float  # against the belt's pull: where it starts,
+    end: float  # and where it is caught
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ def identify_events(
     tell: Callable[[str, float], None],
     unit: str = "",
     undeclared: Sequence[str] = (),
-    why_idle: Callable[[int], str] = lambda number: f"run {number}",
+    why_idle: Callable[[int], str],
 ) -> Identified:
     """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
 
@@ -125,9 +127,16 @@ def identify_events(
     slips = [s for i, r in enumerate(runs) for s in _slips(r, i, rig)]
     branch = _branch(runs)
     noise = np.mean([r.noise for r in runs], axis=0)
+    seen = {s.run for s in slips}
     coulomb, slips = _one_by_one(slips, rig, noise, simulator, tell)
     used = {s.run for s in slips}
-    idle = tuple(f"{r.name}: no slip is used: {why_idle(i)}" for i, r in enumerate(runs) if i not in used)
+    why = {
+        i: "none is met by a slip that ends in stick; does the block only swing?"
+        if i in seen
+        else why_idle(i)
+        for i in range(len(runs))
+    }
+    idle = tuple(f"{r.name}: no slip is used: {why[i]}" for i, r in enumerate(runs) if i not in used)
     if len(slips) < 3:
         raise InputError("; ".join([f"{len(slips)} slips found; at least 3 are needed", *idle]))
     speed = float(np.median([s.speed for s in slips]))
@@ -178,7 +187,10 @@ def _slips(run: Measured, number: int, rig: BlockOnBelt) -> list[_Slip]:
             continue
         speed = float(np.max(np.abs(track.v[slip.start : slip.stop] - run.belt_speed)))
         window = _event_window(run, number, before, start, stop)
-        out.append(_Slip(number, float(track.t[slip.start]), amplitude, speed, window))
+        begin = float(track.t[slip.start])
+        top = window.initial[0] + run.belt_speed * (begin - track.t[start])
+        ends = (float(-against * top), float(-against * track.x[min(slip.stop, len(track.x) - 1)]))
+        out.append(_Slip(number, begin, amplitude, speed, window, *ends))
     return out
 
 
@@ -203,22 +215,23 @@ def _one_by_one(
     simulator: Simulator,
     tell: Callable[[str, float], None],
 ) -> tuple[Shot, list[_Slip]]:
-    """Coulomb levels of every slip; slips that no level can reproduce are left out."""
+    """Coulomb levels of every slip; slips that no levels can reproduce, or end in stick, are left out."""
     shots, kept = [], []
     model = Model(rig, friction=CoulombFriction())
     for i, s in enumerate(slips):
-        x = s.window.readings[:, 0]
-        direction = float(np.sign(s.window.belt_speed))
-        top, end = float(np.nanmax(direction * x)), float(direction * x[np.isfinite(x)][-1])
-        static = rig.stiffness * top
-        kinetic = max(rig.stiffness * 0.5 * (top + min(end, top - s.amplitude)), 0.0)
+        static = rig.stiffness * s.top
+        kinetic = max(rig.stiffness * 0.5 * (s.top + min(s.end, s.top - s.amplitude)), 0.0)
         window = replace(s.window, local={"static": static, "kinetic": kinetic})
         try:
             shot = shoot(model, [window], (), noise=noise, simulator=simulator, iterations=15)
+            fitted = shot.windows[0]
+            sticks = abs(states(model, fitted, simulator)[-1, 1] - fitted.belt_speed) < 1e-9 * abs(
+                fitted.belt_speed
+            )
         except StickslipError:
             continue
-        own = shot.windows[0].local
-        if np.isfinite(shot.chi2) and own["static"] > own["kinetic"] >= 0:
+        # a swing that only touches the belt's speed is no slip: under the levels it asks for the block slides on
+        if sticks and np.isfinite(shot.chi2) and fitted.local["static"] > fitted.local["kinetic"] >= 0:
             shots.append(shot)
             kept.append(s)
         tell("slips one by one", 0.1 + 0.5 * i / len(slips))

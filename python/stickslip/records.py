@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
+from stickslip.channels import channel_factor, check_channels, noise_in_model
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_channel, read_friction, read_rig
 from stickslip.effects import AnyEffect
@@ -19,14 +20,7 @@ from stickslip.errors import InputError, Place, did_you_mean, nearest, number
 from stickslip.findings import Finding, FindingKind
 from stickslip.friction import FrictionLaw
 from stickslip.model import IN_A_FOLDER, Model
-from stickslip.recording import (
-    Recording,
-    Role,
-    channel_factor,
-    check_channels,
-    load_recording,
-    noise_in_model,
-)
+from stickslip.recording import Recording, Role, load_recording
 from stickslip.rig import AnyRig, DrivenSlider, Rig
 from stickslip.units import Channel, default_speed_unit, speed
 

@@ -24,6 +24,7 @@ from stickslip.shooting import Array, Simulator, Window, shoot
 from stickslip.simulate import Trajectory
 
 if TYPE_CHECKING:
+    from stickslip.discovery.data import Data
     from stickslip.discovery.slider.predict import Reading
 
 THREADS = 2
@@ -53,10 +54,9 @@ def runs_of(run: Measured, model: Model, recording: Recording, simulator: Simula
     """
     bounds = _windows(run, model)
     if model.effects and isinstance(model.rig, Rig):
-        try:
-            return _with_effects(run, model, recording, bounds)
-        except InputError:  # too short to hold a cycle: states can be told, phases cannot
-            pass
+        prepared = _prepared(run, recording)
+        if prepared is not None:
+            return _with_effects(run, model, prepared, bounds)
     chain = _Chain(model, recording.channel("x1") == "spring_force")
     told = replace(run, readings=chain.undone(run))
     windows = [
@@ -76,17 +76,25 @@ def _windows(run: Measured, model: Model) -> list[tuple[int, int]]:
     return [b for b in segments.cut(run.track, length) if b[1] - b[0] > 12]
 
 
-def _with_effects(run: Measured, model: Model, recording: Recording, bounds: list[tuple[int, int]]) -> Runs:
-    """States, hidden states and phases by the window fit of the loop."""
+def _prepared(run: Measured, recording: Recording) -> Data | None:
+    """The run as the loop takes it; None where it is too short to hold a cycle, so that phases cannot be told."""
     from stickslip.discovery.data import prepare
-    from stickslip.discovery.predict import Forecaster, whole_run
-    from stickslip.discovery.readings import curves_of
 
     seen = np.isfinite(run.readings)  # glitches are out
     x1, y1 = (np.interp(run.t, run.t[ok], r[ok]) for r, ok in zip(run.readings.T, seen.T, strict=True))
-    data = prepare([replace(recording, belt_speed=run.belt_speed, x1=x1, y1=y1)])[0]
+    try:
+        data = prepare([replace(recording, belt_speed=run.belt_speed, x1=x1, y1=y1)])[0]
+    except InputError:
+        return None
     weight = np.where(seen, data.weight[:, :2], 0.0)
-    data = replace(data, readings=data.readings[:, :2], weight=weight, noise=data.noise[:2])
+    return replace(data, readings=data.readings[:, :2], weight=weight, noise=data.noise[:2])
+
+
+def _with_effects(run: Measured, model: Model, data: Data, bounds: list[tuple[int, int]]) -> Runs:
+    """States, hidden states and phases by the window fit of the loop."""
+    from stickslip.discovery.predict import Forecaster, whole_run
+    from stickslip.discovery.readings import curves_of
+
     forecaster = Forecaster(model, data, THREADS, curves_of(model))
     try:
         free = whole_run(forecaster).readings
@@ -188,13 +196,13 @@ class _Chain:
 
     def _curves(self, x: Array, t: Array) -> Array:
         """What curves on the channel add, (n,)."""
-        from scipy.interpolate import CubicSpline  # slow to import
+        from stickslip.discovery.readings import Learned  # slow to import
 
         out = np.zeros(len(x))
         for one in self.model.effects:
             if isinstance(one, Tabulated) and one.of_reading and one.variable in ("x1", "t"):
-                curve = CubicSpline(one.knots, one.values, bc_type="natural")
-                out += curve(np.clip(x if one.variable == "x1" else t, one.knots[0], one.knots[-1]))
+                basis = Learned("x1", one.variable, one.knots).basis(x if one.variable == "x1" else t)
+                out += basis @ np.array(one.values)
         return out
 
     def undone(self, run: Measured) -> Array:

@@ -282,6 +282,11 @@ def shoot(
     return _conclude(problem, shared, windows, blocks, prior, dof)
 
 
+def states(model: Model, window: Window, simulator: Simulator) -> Array:
+    """States (n, d) of a window simulated from its own start, with its own numbers in the model."""
+    return _Problem(model, (), np.ones(len(window.columns)), simulator).run(np.empty(0), window).state
+
+
 def _cost(p: _Problem, shared: Array, windows: Sequence[Window], centre: Array, prior: Array) -> float:
     """chi2 plus the prior's penalty; infinite where the parameters are inadmissible."""
     off = shared - centre
