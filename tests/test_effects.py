@@ -125,3 +125,24 @@ def test_a_motion_has_one_tabulated_term() -> None:
     rig = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
     with pytest.raises(InputError, match="one tabulated term"):
         Model(rig, friction=PaperFriction(), effects=[one, other])
+
+
+@pytest.mark.parametrize("belt_speed", [0.1, -0.1])
+def test_a_constant_load_is_a_shift_of_the_law(belt_speed: float) -> None:
+    """Up in one direction and down in the other: no run of the rig tells the two apart."""
+    rig, law, f = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), PaperFriction(), 0.3
+    shifted = PaperFriction(
+        T_s_minus=law.T_s_minus + f,
+        T_min_minus=law.T_min_minus + f,
+        T_s_plus=law.T_s_plus - f,
+        T_min_plus=law.T_min_plus - f,
+    )
+    loaded = Model(rig, friction=law, effects=[effect("constant_load", f=f)])
+    t = np.linspace(0, 60, 500)
+    start = (0.1 * np.sign(belt_speed), belt_speed, 0.0, 0.0)
+    one, other = (
+        simulate(model, belt_speed=belt_speed, initial=start, t_end=60, t_eval=t)
+        for model in (loaded, Model(rig, friction=shifted))
+    )
+    assert len(one.transitions.t) > 10
+    np.testing.assert_allclose(one.state, other.state, atol=1e-9)

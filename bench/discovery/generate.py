@@ -139,7 +139,7 @@ def plan(
     rng: np.random.Generator, counts: dict[str, int], only: tuple[str, ...]
 ) -> list[tuple[str, list[str], Conditions]]:
     """What to draw: class, effects and conditions of every case."""
-    listed = [n for n in LISTED if not only or n in only]
+    listed = [n for n in LISTED if not LISTED[n].absorbed and (not only or n in only)]
     unlisted = [n for n in UNLISTED if not only or n in only]
     drawn: list[tuple[str, list[str], Conditions]] = [("single", [n], ORDINARY) for n in listed] * counts[
         "single"
@@ -148,7 +148,7 @@ def plan(
     drawn += [("none", [], ORDINARY)] * counts["none"]
     pairs = [
         list(p)
-        for p in combinations(LISTED, 2)
+        for p in combinations([n for n in LISTED if not LISTED[n].absorbed], 2)
         if frozenset(p) not in FORBIDDEN_PAIRS and (not only or set(p) & set(only))
     ]
     order = rng.permutation(len(pairs))
@@ -156,10 +156,7 @@ def plan(
     odd = list(ODD.items())
     for i in range(counts["odd"]):
         name, conditions = odd[i % len(odd)]
-        possible = [
-            n for n in listed if not LISTED[n].needs_reversal or name not in ("one_direction", "one_speed")
-        ]
-        effects = [] if rng.random() < 0.25 else [str(rng.choice(possible))]
+        effects = [] if rng.random() < 0.25 else [str(rng.choice(listed))]
         drawn.append(("odd", effects, replace(conditions, name=name)))
     return drawn
 

@@ -24,7 +24,7 @@ class Kind:
     signed: tuple[str, ...] = ()
     phase: str = ""
     reading: bool = False  # acts on a reading, not on the motion
-    needs_reversal: bool = False  # invisible while every run slips one way
+    absorbed: bool = False  # whole by the friction law, whatever the runs: never drawn
     also_where: tuple[str, ...] = field(default=())  # places a report may fairly name instead
     also_depends_on: tuple[str, ...] = field(default=())  # variables a report may fairly name instead
 
@@ -50,7 +50,7 @@ LISTED: dict[str, Kind] = {
     "spring_gap_k3": Kind(
         "angle_body", ("y1",), _same("gap", "k", "d"), {"k": (4.5, 13.0), "d": (0.03, 0.07)}
     ),
-    "constant_load": Kind("block", (), {"f": "load"}, {"f": (0.2, 0.6)}, ("f",), needs_reversal=True),
+    "constant_load": Kind("block", (), {"f": "load"}, {"f": (0.2, 0.6)}, ("f",), absorbed=True),
     "harmonic_forcing": Kind(
         "block", ("t",), _same("force", "a", "w"), {"a": (0.18, 0.6), "w": (1.3, 4.0)}, phase="force_phi"
     ),

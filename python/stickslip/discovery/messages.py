@@ -82,6 +82,11 @@ def remarks(
             "every run slips one way only: a constant load on the block is absorbed whole by the friction law "
             "(T_s and T_min of that direction shift by it), so that none is claimed or excluded"
         )
+    elif not any(one.name == "constant_load" for one in effects):
+        out.append(
+            "a constant load on the block is absorbed whole by the friction law (T_s and T_min shift by it, up in one "
+            "direction and down in the other), so that none is claimed or excluded"
+        )
     if any(one.name == "block_viscous_damping" for one in effects):
         out.append(
             "a gain error e of y1 is, by algebra, block damping of c1 e/(1 + e): a damping of that size names no "
