@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from stickslip.discovery.loop import _stood_in_for
+from discover_cases import make_case
+from stickslip.discovery.data import prepare
+from stickslip.discovery.loop import _place, _stood_in_for
+from stickslip.discovery.search import Search
+from stickslip.discovery.trace import declared
+from stickslip.effects import tabulated
+from stickslip.model import Model
 
 
 def trial(chi2, cost=0.0, names=("belt_seam", "harmonic_forcing")):
@@ -32,3 +39,20 @@ def test_names_stand_only_if_little_is_left(before, after, claimed):
 def test_the_place_is_that_of_the_name_that_explains_most_alone():
     search = SimpleNamespace(tried={("belt_seam",): trial(3.0, 100.0)})
     assert _stood_in_for(search, trial(100.0), trial(4.0)) == ("contact", ("x1", "t"))
+
+
+@pytest.mark.parametrize("where", ["angle_body", "contact"])
+def test_a_line_of_its_own_phase_in_each_run_is_placed(where):
+    """A sine in time on the angle body or in the friction, which no name and no curve over a run's time describes."""
+    turns = np.linspace(0, 1, 9)
+    size = 0.08 if where == "angle_body" else 0.05
+    sine = size * np.sin(2 * np.pi * turns)
+    sine[-1] = sine[0]
+    case = make_case((tabulated(where, "t", 2.7 * turns, sine, period=2.7),), seed=3)
+    data = prepare((*case.train, *case.validate))
+    search = Search(
+        data[: len(case.train)], Model(case.rig, friction=case.friction), 2, lambda _: None, 100.0
+    )
+    null = declared(search)
+    assert null.chi2 > 1.1
+    assert _place(null, null) == (where, ("t",))

@@ -19,6 +19,7 @@ from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.messages import absurd, remarks
 from stickslip.discovery.next_experiment import next_experiments
+from stickslip.discovery.periodic import gain_of_line
 from stickslip.discovery.plausible import plausible
 from stickslip.discovery.readings import as_terms
 from stickslip.discovery.residual import describe, spectrum
@@ -197,10 +198,10 @@ def _place(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]]:
     """Where an effect that nothing here describes most likely acts, and on what it depends."""
     if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
         return "angle_body", ("t",)
-    promised = max(
-        ((unlisted.gain(null, term), term) for term in unlisted.terms(null)), key=lambda one: one[0]
-    )
-    return promised[1].where, (promised[1].variable,)
+    promised = [(unlisted.gain(null, one), one.where, one.variable) for one in unlisted.terms(null)]
+    promised += [(gain_of_line(null.fit, where), where, "t") for where in ("angle_body", "contact")]
+    _, where, variable = max(promised)
+    return where, (variable,)
 
 
 def _stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:

@@ -7,7 +7,7 @@ rotations cover all frequencies. A seam is the same with the belt's travel s = v
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +18,10 @@ from stickslip.discovery.rivals import PERIODIC, Start
 from stickslip.discovery.solve import Fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.window import Window
-from stickslip.effects import Effect, effect
+from stickslip.effects import AnyEffect, Effect, effect, tabulated
 
 Floats = NDArray[np.float64]
+TABLE_KNOTS = 8  # a spline through so many a turn is a sine to half a percent
 SMALL = 1e-6  # amplitude at which responses are taken; they are linear in it
 WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
 
@@ -99,6 +100,31 @@ def periodic_starts(
     return {name: _best(name, lines, peaks, step) for name, lines in found.items()}
 
 
+def gain_of_line(fit: Fit, where: str, *, highest: float = 14.0, step: float = 0.4) -> float:
+    """Fall of chi-squared that a sine in time at a place promises to first order, of any frequency up to `highest` and
+    with a phase of its own in each run, the base refitted.
+
+    The catalogue has a force on the block and a ripple of the belt; this is for what acts on the angle body or contact.
+    """
+    base, best = _Base.of(fit), 0.0
+    for w0 in np.arange(step, highest, step):
+        line = _line_at(base, where, float(w0))
+        best = max(best, *(gain for gain, _, _ in _fine(base, line, float(w0), step)))
+    return best
+
+
+def _line_at(base: _Base, where: str, w0: float) -> _Line:
+    """Responses to the sine and cosine that a periodic curve's knots give."""
+    turns = np.linspace(0.0, 1.0, TABLE_KNOTS + 1)
+    period = 2 * np.pi / w0
+    zero = np.zeros(len(turns))
+    term = tabulated(where, "t", period * turns, zero, period=period)
+    waves = np.stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)], 1)
+    return _response(
+        base, [term], [f"{term.name}.value_{i}" for i in range(len(turns))], zero, {term.name: waves}
+    )[term.name]
+
+
 class _Projector:
     """Takes a window's own states out of a vector or matrix."""
 
@@ -110,27 +136,40 @@ class _Projector:
 
 
 def _responses(base: _Base, names: Sequence[str], w0: float) -> dict[str, _Line]:
+    terms = [_small(name, w0) for name in names]
+    numbers = [f"{t.name}.{p}" for t in terms for p in ("a", "phi")]
+    start = np.array([t.parameters[p] for t in terms for p in ("a", "phi")])
+    eye = np.diag(np.tile([1.0, 1 / SMALL], len(terms)))
+    return _response(
+        base, terms, numbers, start, {t.name: eye[:, 2 * i : 2 * i + 2] for i, t in enumerate(terms)}
+    )
+
+
+def _response(
+    base: _Base,
+    terms: Sequence[AnyEffect],
+    numbers: Sequence[str],
+    start: Floats,
+    waves: Mapping[str, Floats],
+) -> dict[str, _Line]:
+    """Normal equations of each term's two waves; `waves` says how the numbers make them up, (numbers, 2)."""
     fit = base.fit
     h = fit.engine.hypothesis
     values = h.at(fit.vector, len(fit.engine.data)).model
-    terms = [_small(name, w0) for name in names]
-    numbers = [
-        Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0) for t in terms for p in ("a", "phi")
-    ]
-    both = Hypothesis(values.with_effects([*values.effects, *terms]), tuple(numbers), h.phases)
+    unknowns = tuple(Unknown(n, float(v), False, 0.0, 1.0) for n, v in zip(numbers, start, strict=True))
+    both = Hypothesis(values.with_effects([*values.effects, *terms]), unknowns, h.phases)
     engine = Engine(fit.engine.data, both, fit.engine.threads, fit.engine.learned)
-    vector = np.array([u.start for u in numbers])
-    out = {name: _Line([], [], [], []) for name in names}
-    blocks = engine.linearised(vector, fit.windows)
+    out = {term.name: _Line([], [], [], []) for term in terms}
+    blocks = engine.linearised(np.asarray(start), fit.windows)
     for j, (w, b) in enumerate(zip(fit.windows, blocks, strict=True)):
         r, s = base.residuals[j], base.size[j]
-        for i, name in enumerate(names):
-            D = np.zeros((len(r), 2)) if b is None else b.J[:, 2 * i : 2 * i + 2] / np.array([1.0, SMALL])
-            D = base.projections[j](np.nan_to_num(D))
-            out[name].N.append(D.T @ D / s)
-            out[name].g.append(D.T @ r / s)
-            out[name].C.append(D.T @ base.slopes[j] / s)
-            out[name].at.append(_middle(fit, w, name))
+        for name, line in out.items():
+            D = np.zeros((len(r), 2)) if b is None else np.nan_to_num(b.J) @ waves[name]
+            D = base.projections[j](D)
+            line.N.append(D.T @ D / s)
+            line.g.append(D.T @ r / s)
+            line.C.append(D.T @ base.slopes[j] / s)
+            line.at.append(_middle(fit, w, name))
     return out
 
 
