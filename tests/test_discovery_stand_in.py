@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from discover_cases import make_case
+from stickslip.discovery.choice import place_of, stood_in_for
 from stickslip.discovery.data import prepare
-from stickslip.discovery.loop import _place, _stood_in_for
 from stickslip.discovery.search import Search
 from stickslip.discovery.trace import declared
 from stickslip.effects import tabulated
@@ -32,13 +32,13 @@ def trial(chi2, cost=0.0, names=("belt_seam", "harmonic_forcing")):
 )
 def test_names_stand_only_if_little_is_left(before, after, claimed):
     tried = {("belt_seam",): trial(9.0, 500.0), ("harmonic_forcing",): trial(8.0, 400.0)}
-    place = _stood_in_for(SimpleNamespace(tried=tried), trial(before), trial(after))
+    place = stood_in_for(SimpleNamespace(tried=tried), trial(before), trial(after))
     assert place == (None if claimed else ("block", ("t",)))
 
 
 def test_the_place_is_that_of_the_name_that_explains_most_alone():
     search = SimpleNamespace(tried={("belt_seam",): trial(3.0, 100.0)})
-    assert _stood_in_for(search, trial(100.0), trial(4.0)) == ("contact", ("x1", "t"))
+    assert stood_in_for(search, trial(100.0), trial(4.0)) == ("contact", ("x1", "t"))
 
 
 @pytest.mark.parametrize("where", ["angle_body", "contact"])
@@ -55,4 +55,4 @@ def test_a_line_of_its_own_phase_in_each_run_is_placed(where):
     )
     null = declared(search)
     assert null.chi2 > 1.1
-    assert _place(null, null) == (where, ("t",))
+    assert place_of(null, null) == (where, ("t",))

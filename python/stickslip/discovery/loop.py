@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,15 @@ from numpy.typing import NDArray
 from stickslip import arguments
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
+from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, prepare
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
-from stickslip.discovery.messages import absurd, remarks
+from stickslip.discovery.messages import remarks
 from stickslip.discovery.next_experiment import next_experiments
-from stickslip.discovery.periodic import gain_of_line
 from stickslip.discovery.plausible import plausible
-from stickslip.discovery.readings import as_terms
 from stickslip.discovery.residual import describe, spectrum
 from stickslip.discovery.result import (
     Evidence,
@@ -37,13 +36,7 @@ from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import (
     MARGIN,
-    beside,
-    decide_pairs,
-    decide_single,
     declared,
-    deepened,
-    explained,
-    settled,
 )
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.driven import loop as driven
@@ -54,26 +47,7 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
-SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
-MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
-LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
-SHARE_LEFT = 0.003
-BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
-
-
-@dataclass
-class _Choice:
-    """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
-    neither a name nor a curve explains, and the error on windows held out over what it was.
-    """
-
-    null: Trial
-    trial: Trial
-    term: unlisted.Term | None
-    trials: list[Trial]
-    place: tuple[str, tuple[str, ...]] | None = None
-    held: float = 1.0
 
 
 @arguments.explained
@@ -129,7 +103,7 @@ def discover(
     tell("fitting the declared law")
     data, corrected = _cleaned(case, data, search)
     search = Search(data[:count], model, threads, tell, budget)
-    choice = _held(_choose(search))
+    choice = choose(search)
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 
@@ -151,77 +125,9 @@ def _cleaned(case: Case, data: list[Data], search: Search) -> tuple[list[Data], 
     return out, said
 
 
-def _choose(search: Search) -> _Choice:
-    trials = decide_single(search)
-    null, best = search.tried[()], trials[0]
-    if explained(best, null):
-        return _Choice(null, best, None, trials)
-    curves = unlisted.learn(search, null, search.progress, beat=best)
-    curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
-    trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
-    best = trials[0]
-    if explained(best, null) and not (curved and _clearly(curves[0][1], best)):
-        return _Choice(null, best, None, trials)
-    if not curved:
-        trials = decide_pairs(search, trials)
-        best = trials[0]
-        if explained(best, null):
-            return _Choice(null, best, None, trials)
-        if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
-            curves += unlisted.learn(search, best, search.progress, 3)
-    curves.sort(key=lambda one: one[1].bic)
-    absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
-    if curves and _clearly(curves[0][1], best):
-        trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
-        return _Choice(null, curves[0][1], curves[0][0], trials)
-    if best.chi2 - 1 > MOST_LEFT * (
-        null.chi2 - 1
-    ):  # no name and no curve explains it: say so, and guess the place
-        return _Choice(null, null, None, trials, _place(null, best))
-    search.extend(SETTLING)
-    best = settled(search, best)
-    return _Choice(null, best, None, trials, _stood_in_for(search, null, best))
-
-
-def _held(choice: _Choice) -> _Choice:
-    """The choice if it does better on windows held out of the fit; else the declared law, and a place at most."""
-    if not choice.trial.names:
-        return choice
-    held = ev.held_out(choice.null, choice.trial)
-    if held < 1.0:
-        return replace(choice, held=held)
-    place = _place(choice.null, choice.trial) if choice.null.excess > CLEAN else None
-    return _Choice(choice.null, choice.null, None, choice.trials, place)
-
-
-def _place(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]]:
-    """Where an effect that nothing here describes most likely acts, and on what it depends."""
-    if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
-        return "angle_body", ("t",)
-    promised = [(unlisted.gain(null, one), one.where, one.variable) for one in unlisted.terms(null)]
-    promised += [(gain_of_line(null.fit, where), where, "t") for where in ("angle_body", "contact")]
-    _, where, variable = max(promised)
-    return where, (variable,)
-
-
-def _stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
-    """Place of what the names only stand in for: it acts most like the one of them that explains most by itself."""
-    rest = best.chi2 - 1
-    if rest < LEFT_OVER or rest < SHARE_LEFT * (null.chi2 - 1):
-        return None
-    alone = {name: search.tried.get((name,)) for name in best.names}
-    kind = CATALOGUE[min(alone, key=lambda name: np.inf if (one := alone[name]) is None else one.fit.cost)]
-    return kind.where, kind.depends_on
-
-
-def _clearly(curve: Trial, named: Trial) -> bool:
-    """Does a learned curve do clearly better than the best of the named?"""
-    return curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9)
-
-
 def _found(
     case: Case,
-    choice: _Choice,
+    choice: Choice,
     search: Search,
     validate: list[Data],
     tell: Callable[[str], None],
@@ -271,7 +177,7 @@ def _views(
     return (*train, *(validate_view(run, *forecasts[run.name], case.rig) for run in validate))
 
 
-def _verdict(choice: _Choice) -> Verdict:
+def _verdict(choice: Choice) -> Verdict:
     if choice.term is not None or choice.place is not None:
         return Verdict.unlisted_effect
     return Verdict.effect_found if choice.trial.names else Verdict.no_effect
@@ -319,8 +225,7 @@ def _in_order(trial: Trial) -> Floats:
 
 
 def _model(case: Case, trial: Trial) -> Model:
-    own = case.model()
-    found = trial.hypothesis.model
+    own, found = case.model(), trial.model
     terms = []
     for one in found.effects:
         if "phi" in one.parameters and "a" in one.parameters:
@@ -328,16 +233,14 @@ def _model(case: Case, trial: Trial) -> Model:
             turned = phi + (np.pi if a < 0 else 0.0)
             one = one.replace(a=abs(a), phi=float(np.mod(turned, 2 * np.pi)))
         terms.append(one)
-    fit = trial.fit
-    curves = as_terms(fit.engine.learned, fit.engine.hypothesis.values(fit.vector, 0))
-    return replace(found, effects=(*terms, *curves), channels=own.channels, noise=own.noise)
+    return replace(found, effects=tuple(terms), channels=own.channels, noise=own.noise)
 
 
 def _law(trial: Trial) -> dict[str, Interval]:
     return {k: v for k, v in intervals(trial.fit).items() if "." not in k}
 
 
-def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
+def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
     if choice.place is not None:
         formula = "not described"
         words = (
@@ -379,7 +282,7 @@ def _effects(search: Search, choice: _Choice, after: Trial, threshold: float) ->
     return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.delta_chi2)))
 
 
-def _ranking(search: Search, choice: _Choice) -> tuple[Rival, ...]:
+def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
     trials: Sequence[Trial] = sorted(
         {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
         key=lambda one: one.bic,

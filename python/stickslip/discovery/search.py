@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import Engine
-from stickslip.discovery.readings import Learned
+from stickslip.discovery.readings import Learned, as_terms
 from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
@@ -47,6 +47,13 @@ class Trial:
     def hypothesis(self) -> Hypothesis:
         """The hypothesis with the fit's numbers in its model."""
         return self.fit.engine.hypothesis.at(self.fit.vector, len(self.fit.engine.data))
+
+    @property
+    def model(self) -> Model:
+        """The fit's model, its curves on readings among its effects."""
+        found, fit = self.hypothesis.model, self.fit
+        curves = as_terms(fit.engine.learned, fit.engine.hypothesis.values(fit.vector, 0))
+        return found.with_effects([*found.effects, *curves])
 
     @property
     def extra(self) -> int:

@@ -149,33 +149,44 @@ def learn(
         promised.append((gain(base, term), term))
     promised.sort(key=lambda one: -one[0])
     found: list[tuple[Term, Trial]] = []
-    for _, term in promised[:most]:
+    quick = {"iterations": 12, "tolerance": 1e-3, "rounds": 1, "worst": 0.98 * base.fit.cost}
+    for i, (_, term) in enumerate(promised[:most]):
         if search.left < 0.05 * search.budget and found:
             break
         progress(f"learning a curve: {term.where} against {term.variable}")
-        trial = with_term(
-            search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=0.98 * base.fit.cost
-        )
+        patient = {"iterations": 60, "rounds": 3}  # far from the readings the way down begins flat
+        trial = with_term(search, base, term, **(quick if i else patient))
         if trial is not None:
             found.append((term, trial))
     found.sort(key=lambda one: one[1].bic)
     close = []
-    for term, trial in found[:2]:
-        if beat is not None and trial.chi2 - 1 > PROMISING * (beat.chi2 - 1):
-            break
+    for term, trial in _worth(found, promised[0][1], beat):
         progress(f"learning closely: {term.where} against {term.variable}")
         close.append((term, search.polish(trial, turns=1)))
         if close[-1][1].excess < CLEAN:
             break
     close.sort(key=lambda one: one[1].bic)
-    if (
-        close
-        and close[0][1].excess > CLEAN
-        and search.left > 0
-        and close[0][1].fit.cost < 0.7 * base.fit.cost
-    ):
-        close.append(_finer(search, base, close[0]))
-    return sorted([*close, *found[len(close) :]], key=lambda one: one[1].bic)
+    fine = []
+    for one in close:  # which place it is may show only once the curve is fine enough
+        if close[0][1].excess < CLEAN or search.left < 0 or one[1].fit.cost > 0.7 * base.fit.cost:
+            break
+        finer = _finer(search, base, one)
+        if finer is not one:
+            fine.append(finer)
+        if finer[1].excess < CLEAN:
+            break
+    done = {term for term, _ in close}
+    return sorted([*close, *fine, *(one for one in found if one[0] not in done)], key=lambda one: one[1].bic)
+
+
+def _worth(
+    found: list[tuple[Term, Trial]], promised: Term, beat: Trial | None
+) -> Iterator[tuple[Term, Trial]]:
+    """What to fit closely: the two best, where they come near `beat`; and what promised most, though it stalled."""
+    for i, (term, trial) in enumerate(found):
+        near = beat is None or trial.chi2 - 1 <= PROMISING * (beat.chi2 - 1)
+        if (i < 2 and near) or term == promised:
+            yield term, trial
 
 
 def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Term, Trial]:

@@ -1,0 +1,116 @@
+"""What is chosen: names, a curve where they do not reach, a place where nothing does. Validate runs have no say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip.discovery import evidence as ev
+from stickslip.discovery import unlisted
+from stickslip.discovery.messages import absurd
+from stickslip.discovery.periodic import gain_of_line
+from stickslip.discovery.search import CLEAN, Search, Trial
+from stickslip.discovery.trace import (
+    MARGIN,
+    beside,
+    decide_pairs,
+    decide_single,
+    deepened,
+    explained,
+    settled,
+)
+from stickslip.effects import CATALOGUE
+
+SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
+MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
+LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
+SHARE_LEFT = 0.003
+BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
+
+
+@dataclass
+class Choice:
+    """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
+    neither a name nor a curve explains, and the error on windows held out over what it was.
+    """
+
+    null: Trial
+    trial: Trial
+    term: unlisted.Term | None
+    trials: list[Trial]
+    place: tuple[str, tuple[str, ...]] | None = None
+    held: float = 1.0
+
+
+def choose(search: Search) -> Choice:
+    """The choice for the runs of a search, held against windows left out of the fits."""
+    return _held(_choose(search))
+
+
+def _choose(search: Search) -> Choice:
+    trials = decide_single(search)
+    null, best = search.tried[()], trials[0]
+    if explained(best, null):
+        return Choice(null, best, None, trials)
+    curves = unlisted.learn(search, null, search.progress, beat=best)
+    curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
+    trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
+    best = trials[0]
+    if explained(best, null) and not (curved and _clearly(curves[0][1], best)):
+        return Choice(null, best, None, trials)
+    if not curved:
+        trials = decide_pairs(search, trials)
+        best = trials[0]
+        if explained(best, null):
+            return Choice(null, best, None, trials)
+        if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
+            curves += unlisted.learn(search, best, search.progress, 3)
+    curves.sort(key=lambda one: one[1].bic)
+    absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
+    if curves and _clearly(curves[0][1], best):
+        trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
+        return Choice(null, curves[0][1], curves[0][0], trials)
+    if best.chi2 - 1 > MOST_LEFT * (
+        null.chi2 - 1
+    ):  # no name and no curve explains it: say so, and guess the place
+        return Choice(null, null, None, trials, place_of(null, best))
+    search.extend(SETTLING)
+    best = settled(search, best)
+    return Choice(null, best, None, trials, stood_in_for(search, null, best))
+
+
+def _held(choice: Choice) -> Choice:
+    """The choice if it does better on windows held out of the fit; else the declared law, and a place at most."""
+    if not choice.trial.names:
+        return choice
+    held = ev.held_out(choice.null, choice.trial)
+    if held < 1.0:
+        return replace(choice, held=held)
+    place = place_of(choice.null, choice.trial) if choice.null.excess > CLEAN else None
+    return Choice(choice.null, choice.null, None, choice.trials, place)
+
+
+def place_of(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]]:
+    """Where an effect that nothing here describes most likely acts, and on what it depends."""
+    if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
+        return "angle_body", ("t",)
+    promised = [(unlisted.gain(null, one), one.where, one.variable) for one in unlisted.terms(null)]
+    promised += [(gain_of_line(null.fit, where), where, "t") for where in ("angle_body", "contact")]
+    _, where, variable = max(promised)
+    return where, (variable,)
+
+
+def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
+    """Place of what the names only stand in for: it acts most like the one of them that explains most by itself."""
+    rest = best.chi2 - 1
+    if rest < LEFT_OVER or rest < SHARE_LEFT * (null.chi2 - 1):
+        return None
+    alone = {name: search.tried.get((name,)) for name in best.names}
+    kind = CATALOGUE[min(alone, key=lambda name: np.inf if (one := alone[name]) is None else one.fit.cost)]
+    return kind.where, kind.depends_on
+
+
+def _clearly(curve: Trial, named: Trial) -> bool:
+    """Does a learned curve do clearly better than the best of the named?"""
+    return curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9)
