@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -91,14 +92,21 @@ def _held(choice: Choice) -> Choice:
     return Choice(choice.null, choice.null, None, choice.trials, place)
 
 
-def place_of(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]]:
-    """Where an effect that nothing here describes most likely acts, and on what it depends."""
+def place_of(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
+    """Where an effect that nothing here describes most likely acts, and on what; None where it does not show."""
     if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
         return "angle_body", ("t",)
-    promised = [(unlisted.gain(null, one), one.where, one.variable) for one in unlisted.terms(null)]
-    promised += [(gain_of_line(null.fit, where), where, "t") for where in ("angle_body", "contact")]
-    _, where, variable = max(promised)
-    return where, (variable,)
+    lines = 2 * len(null.fit.engine.data) + 1  # an amplitude and a phase for each run, and the frequency
+    penalty = math.log(null.fit.readings)
+    promised = [
+        (unlisted.gain(null, one) - len(one.knots) * penalty, one.where, one.variable)
+        for one in unlisted.terms(null)
+    ]
+    promised += [
+        (gain_of_line(null.fit, where) - lines * penalty, where, "t") for where in ("angle_body", "contact")
+    ]
+    most, where, variable = max(promised)
+    return (where, (variable,)) if most > MARGIN else None
 
 
 def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:

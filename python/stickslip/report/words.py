@@ -94,6 +94,10 @@ def headline(found: Found) -> str:
     """The verdict as one sentence; a tie is part of it."""
     if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt):
         return "Nothing can be named: no cause stands out from friction that differs from event to event."
+    if found.verdict is Verdict.no_effect and not found.residual_after.clean:
+        return (
+            "Nothing can be named: a little is left above the noise, but no effect and no curve takes it up."
+        )
     if found.verdict is Verdict.no_effect:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
@@ -131,6 +135,8 @@ def sureness(found: Found) -> list[str]:
     lines = [
         f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
         f"{alarms(found)}."
+        if g.observed > g.threshold
+        else "Something is missing, though no single candidate lowers chi-squared by more than noise may."
     ]
     if not found.residual_after.clean and found.verdict is Verdict.effect_found:
         names = joined([effect.name for effect in found.effects])
