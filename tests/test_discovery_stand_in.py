@@ -41,6 +41,16 @@ def test_the_place_is_that_of_the_name_that_explains_most_alone():
     assert stood_in_for(search, trial(100.0), trial(4.0)) == ("contact", ("x1", "t"))
 
 
+def test_names_far_ahead_of_all_others_stand():
+    """Two effects of one sensor may be composed in either order: that is a detail of them, not something else."""
+    pair, other = ("sensor_crosstalk", "sensor_nonlinearity"), ("belt_seam", "sensor_crosstalk")
+    best = trial(1.5, 50.0, pair)
+    for next_best, stands in ((9.0, True), (3.0, False)):
+        tried = {pair: best, other: trial(next_best, 900.0, other), ("sensor_crosstalk",): trial(20.0, 2e3)}
+        place = stood_in_for(SimpleNamespace(tried=tried), trial(70.0), best)
+        assert (place is None) == stands
+
+
 @pytest.mark.parametrize("where", ["angle_body", "contact"])
 def test_a_line_of_its_own_phase_in_each_run_is_placed(where):
     """A sine in time on the angle body or in the friction, which no name and no curve over a run's time describes."""

@@ -27,6 +27,7 @@ SETTLING = 25.0  # more, to fit in earnest what is named but leaves something ov
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
+DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -113,6 +114,13 @@ def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[s
     """Place of what the names only stand in for: it acts most like the one of them that explains most by itself."""
     rest = best.chi2 - 1
     if rest < LEFT_OVER or rest < SHARE_LEFT * (null.chi2 - 1):
+        return None
+    rivals = [
+        t.chi2 - 1
+        for t in search.tried.values()
+        if len(t.names) == len(best.names) and set(t.names) != set(best.names)
+    ]
+    if rivals and rest < DISTINCT * min(rivals):  # what is left is in the details: no other names come near
         return None
     alone = {name: search.tried.get((name,)) for name in best.names}
     kind = CATALOGUE[min(alone, key=lambda name: np.inf if (one := alone[name]) is None else one.fit.cost)]
