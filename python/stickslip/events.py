@@ -131,7 +131,7 @@ def identify_events(
     coulomb, slips = _one_by_one(slips, rig, noise, simulator, tell)
     used = {s.run for s in slips}
     why = {
-        i: "none is met by a slip that ends in stick; does the block only swing?"
+        i: "most are not met by a slip that ends in stick; does the block only swing?"
         if i in seen
         else why_idle(i)
         for i in range(len(runs))
@@ -208,6 +208,12 @@ def _event_window(run: Measured, number: int, before: Segment, start: int, stop:
     )
 
 
+def _caught(speed: Array, belt_speed: float) -> bool:
+    """Does a block that has slipped stick again?"""
+    stuck = np.abs(speed - belt_speed) < 1e-9 * abs(belt_speed)
+    return bool(stuck[int(np.argmin(stuck)) :].any())
+
+
 def _one_by_one(
     slips: Sequence[_Slip],
     rig: BlockOnBelt,
@@ -215,8 +221,8 @@ def _one_by_one(
     simulator: Simulator,
     tell: Callable[[str, float], None],
 ) -> tuple[Shot, list[_Slip]]:
-    """Coulomb levels of every slip; slips that no levels can reproduce, or end in stick, are left out."""
-    shots, kept = [], []
+    """Coulomb levels of every slip; slips that no levels can reproduce are left out, and runs that only swing."""
+    shots, kept, sticks = [], [], []
     model = Model(rig, friction=CoulombFriction())
     for i, s in enumerate(slips):
         static = rig.stiffness * s.top
@@ -225,17 +231,23 @@ def _one_by_one(
         try:
             shot = shoot(model, [window], (), noise=noise, simulator=simulator, iterations=15)
             fitted = shot.windows[0]
-            sticks = abs(states(model, fitted, simulator)[-1, 1] - fitted.belt_speed) < 1e-9 * abs(
-                fitted.belt_speed
-            )
+            caught = _caught(states(model, fitted, simulator)[:, 1], fitted.belt_speed)
         except StickslipError:
             continue
-        # a swing that only touches the belt's speed is no slip: under the levels it asks for the block slides on
-        if sticks and np.isfinite(shot.chi2) and fitted.local["static"] > fitted.local["kinetic"] >= 0:
+        if np.isfinite(shot.chi2) and fitted.local["static"] > fitted.local["kinetic"] >= 0:
             shots.append(shot)
             kept.append(s)
+            sticks.append(caught)
         tell("slips one by one", 0.1 + 0.5 * i / len(slips))
-    return merged(shots), kept
+    # a swing that only touches the belt's speed is no slip: under the levels it asks for the block slides on
+    swings = {
+        number
+        for number in {s.run for s in kept}
+        if 2 * sum(stuck for s, stuck in zip(kept, sticks, strict=True) if s.run == number)
+        < sum(s.run == number for s in kept)
+    }
+    stay = [i for i, s in enumerate(kept) if s.run not in swings]
+    return merged([shots[i] for i in stay]), [kept[i] for i in stay]
 
 
 def _conclude(
