@@ -279,7 +279,7 @@ def arithmetic() -> dict[str, float]:
         base=np.concatenate([lowered.parameters, lowered.initial(START)]),
         varied=np.array(slots, dtype=np.int32),
         values=np.ascontiguousarray(np.stack([column for _, column in every.values()], axis=1)),
-        t_end=T_END, after=T_END / 2, rtol=1e-8, atol=1e-8, observe=0, points=0, lanes=True, threads=1,
+        t_end=T_END, after=T_END / 2, rtol=1e-8, atol=1e-8, observe=0, points=0, lanes=True,
         max_transitions=10**6,
     )  # fmt: skip
     steps = float(np.asarray(rows)[:, _core.SWEEP_ROW.index("steps")].mean())

@@ -14,8 +14,7 @@ using namespace stickslip_abi;
 
 py::tuple sweep_members(const Structure& structure, const ConstVector& base, const IndexVector& varied,
                         const ConstMatrix& values, double t_end, double after, double rtol, double atol,
-                        std::uint32_t observe, int points, bool lanes, int threads, long max_transitions,
-                        long max_steps) {
+                        std::uint32_t observe, int points, bool lanes, long max_transitions, long max_steps) {
   if (base.size() != parameter_count + state_count) throw py::value_error("base must hold all parameters and states");
   if (values.cols() != varied.size()) throw py::value_error("values must have one column for each varied slot");
   if (points < 0 || points > max_sweep_points) throw py::value_error("points must be within 0 and 64");
@@ -40,7 +39,7 @@ py::tuple sweep_members(const Structure& structure, const ConstVector& base, con
   SweepResult result;
   {
     const py::gil_scoped_release release;
-    result = sweep(request, static_cast<long>(n), threads, interrupted);
+    result = sweep(request, static_cast<long>(n), interrupted);
   }
   if (result.interrupted) throw py::error_already_set();
   return py::make_tuple(as_array(std::move(result.rows), {n, sweep_row_size}),
@@ -57,7 +56,7 @@ void bind_sweep(py::module_& m) {
   m.attr("MAX_SWEEP_POINTS") = max_sweep_points;
   m.def("sweep", &sweep_members, py::kw_only(), py::arg("structure"), py::arg("base").noconvert(),
         py::arg("varied").noconvert(), py::arg("values").noconvert(), py::arg("t_end"), py::arg("after"),
-        py::arg("rtol"), py::arg("atol"), py::arg("observe"), py::arg("points"), py::arg("lanes"), py::arg("threads"),
+        py::arg("rtol"), py::arg("atol"), py::arg("observe"), py::arg("points"), py::arg("lanes"),
         py::arg("max_transitions"), py::arg("max_steps") = most_steps);
 }
 

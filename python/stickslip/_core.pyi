@@ -143,7 +143,6 @@ def sweep(
     observe: typing.SupportsInt | typing.SupportsIndex,
     points: typing.SupportsInt | typing.SupportsIndex,
     lanes: bool,
-    threads: typing.SupportsInt | typing.SupportsIndex,
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
     max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
 ) -> tuple[object, ...]: ...

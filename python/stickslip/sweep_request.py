@@ -119,7 +119,6 @@ class Request:
             observe=observe,
             points=self.points if observe & POINTS else 0,
             lanes=self.lanes,
-            threads=1,
             max_transitions=self.max_transitions,
             max_steps=self.max_steps,
         )

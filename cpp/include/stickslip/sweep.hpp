@@ -1,4 +1,4 @@
-// Sweeps over threads: members are handed out one by one, so that none idles.
+// One batch of a sweep: members are handed out one by one, so that no lane idles. Threads are the business of the caller.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ struct SweepResult {
   bool interrupted = false;
 };
 
-// `request.take`, `.done` and `.context` are set here. `interrupted` is asked from the calling thread.
-SweepResult sweep(stickslip_abi::SweepRequest request, long members, int threads, bool (*interrupted)());
+// `request.take`, `.done` and `.context` are set here. `interrupted` is asked between members, every 20 ms.
+SweepResult sweep(stickslip_abi::SweepRequest request, long members, bool (*interrupted)());
 
 }  // namespace stickslip
