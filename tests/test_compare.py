@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from recorded import recording
 from slider import coulomb_record
 from stickslip import plot
 from stickslip.compare import matched, portrait_distance
 from stickslip.dominant import cycles, dominant, typical
 from stickslip.segments import track
 from stickslip.verdict import Row, judged, verdict
-from test_identify import DT, RIG, TRUE, noisy, recording, truth
+from test_identify import DT, RIG, TRUE, noisy, truth
 
 V, STATIC, KINETIC = 0.2, 1.0, 0.5  # period and stick time: closed form
 SLIP = 2 * (np.pi - np.arctan((STATIC - KINETIC) / V))

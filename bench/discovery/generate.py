@@ -139,7 +139,8 @@ def plan(
     rng: np.random.Generator, counts: dict[str, int], only: tuple[str, ...]
 ) -> list[tuple[str, list[str], Conditions]]:
     """What to draw: class, effects and conditions of every case."""
-    listed = [n for n in LISTED if not LISTED[n].absorbed and (not only or n in only)]
+    told = [n for n in LISTED if not LISTED[n].absorbed]
+    listed = [n for n in told if not only or n in only]
     unlisted = [n for n in UNLISTED if not only or n in only]
     drawn: list[tuple[str, list[str], Conditions]] = [("single", [n], ORDINARY) for n in listed] * counts[
         "single"
@@ -148,7 +149,7 @@ def plan(
     drawn += [("none", [], ORDINARY)] * counts["none"]
     pairs = [
         list(p)
-        for p in combinations([n for n in LISTED if not LISTED[n].absorbed], 2)
+        for p in combinations(told, 2)
         if frozenset(p) not in FORBIDDEN_PAIRS and (not only or set(p) & set(only))
     ]
     order = rng.permutation(len(pairs))
