@@ -80,11 +80,11 @@ def remarks(
     if _one_way(null):
         out.append(
             "every run slips one way only: a constant load on the block is absorbed whole by the friction law "
-            "(T_s and T_min of that direction shift by it), so that none is claimed or excluded"
+            "(its levels in that direction shift by it), so that none is claimed or excluded"
         )
     elif not any(one.name == "constant_load" for one in effects):
         out.append(
-            "a constant load on the block is absorbed whole by the friction law (T_s and T_min shift by it, up in one "
+            "a constant load on the block is absorbed whole by the friction law (its levels shift by it, up in one "
             "direction and down in the other), so that none is claimed or excluded"
         )
     if any(one.name == "block_viscous_damping" for one in effects):
