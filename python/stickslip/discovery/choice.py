@@ -24,6 +24,7 @@ from stickslip.discovery.trace import (
 from stickslip.effects import CATALOGUE
 
 SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
+ALMOST = 0.2  # share of the excess that names may leave to be fitted from other shapes
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
@@ -77,8 +78,9 @@ def _choose(search: Search) -> Choice:
         null.chi2 - 1
     ):  # no name and no curve explains it: say so, and guess the place
         return Choice(null, null, None, trials, place_of(null, best))
-    search.extend(SETTLING)
-    best = settled(search, best)
+    if best.chi2 - 1 < ALMOST * (null.chi2 - 1):
+        search.extend(SETTLING)
+        best = settled(search, best)
     return Choice(null, best, None, trials, stood_in_for(search, null, best))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy
@@ -46,6 +46,9 @@ class Data:
     v: Floats
     slips: NDArray[np.int64]
     cycle: float
+    _states: dict[tuple[int, bool], Floats] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -53,7 +56,12 @@ class Data:
         return CHANNELS[: self.readings.shape[1]]
 
     def local_state(self, at: int, past_only: bool = False) -> Floats:
-        """(x1, x2, y1, y2) at sample `at`, by local polynomials through the readings around it."""
+        """(x1, x2, y1, y2) at sample `at`, by local polynomials through the readings around it; kept, do not change."""
+        if (at, past_only) not in self._states:
+            self._states[at, past_only] = self._local_state(at, past_only)
+        return self._states[at, past_only]
+
+    def _local_state(self, at: int, past_only: bool) -> Floats:
         dt = float(np.median(np.diff(self.t)))
         x = _local(self.t, self.readings[:, 0], self.weight[:, 0], at, max(6, int(0.3 / dt)), past_only)
         y = _local(self.t, self.readings[:, 1], self.weight[:, 1], at, max(8, int(0.7 / dt)), past_only)

@@ -171,6 +171,8 @@ class Engine:
             )
             done = _into(out, raw, left, kept)
             out.ok[left[done]] = True
+            if done.all():
+                break
             hopeless = np.isin(np.asarray(raw["outcome"]), HOPELESS)
             left = left[~done & ~hopeless]
         return out

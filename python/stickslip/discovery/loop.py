@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
 from stickslip.discovery import evidence as ev
@@ -47,6 +48,8 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
+FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
+WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 
 
@@ -94,6 +97,15 @@ def discover(
         return slider.discover(case, progress=progress, seed=seed)
     if not isinstance(case.rig, Rig):
         raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
+    with threadpool_limits(
+        1
+    ):  # products of many small matrices: threads that wait for each other cost far more
+        return _discover(case, tell, threads, seed, budget, began)
+
+
+def _discover(
+    case: Case, tell: Callable[[str], None], threads: int, seed: int, budget: float, began: float
+) -> Found:
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
     data, notes = plausible(case, data)
@@ -185,32 +197,38 @@ def _verdict(choice: Choice) -> Verdict:
 
 def _final(search: Search, trial: Trial) -> Trial:
     """The trial on long windows, which say more, where these are fitted as well as the short ones."""
-    short = trial
+    near = trial.excess < FAR_OFF * CLEAN  # beyond, a few digits more of the numbers mean nothing
 
     def fitted(
-        cycles: float, vector: Floats, windows_of: Trial | None = None, states_of: Trial | None = None
+        cycles: float,
+        vector: Floats,
+        windows_of: Trial | None = None,
+        states_of: Trial | None = None,
+        worst: float = np.inf,
     ) -> Trial | None:
         return search.run(
-            trial.hypothesis, cycles=cycles, tolerance=1e-9, vector=vector, anyway=True,
-            learned=trial.fit.engine.learned, windows_of=windows_of, states_of=states_of,
+            trial.hypothesis, cycles=cycles, tolerance=1e-9 if near else 1e-5, rounds=3 if near else 1,
+            vector=vector, anyway=True, learned=trial.fit.engine.learned, windows_of=windows_of,
+            states_of=states_of, worst=worst,
         )  # fmt: skip
 
-    vector = _in_order(trial)
+    short, vector = trial, _in_order(trial)
     again = fitted(SHORT, vector, windows_of=trial)
     named_anew = not np.array_equal(vector, trial.fit.vector)
     if again is not None and (named_anew or again.fit.cost < trial.fit.cost):
         short = again
     vector = short.fit.vector
-    longs = [fitted(LONG, vector, states_of=short)]
-    curved = any(map(unlisted.is_tabulated, trial.names))
-    if short.excess < 5 * CLEAN and not curved:
+    first = fitted(LONG, vector, states_of=short)
+    if first is None:
+        return short
+    best = search.trimmed(first)
+    if short.excess < 5 * CLEAN and not any(map(unlisted.is_tabulated, trial.names)):
         # the narrow valleys of (4.1) end a fit early: from other sides too
-        longs += [
-            fitted(LONG, vector),
-            fitted(LONG, search.with_declared_law(short).fit.vector, states_of=short),
-        ]
-    done = [search.trimmed(one) for one in longs if one is not None]
-    best = min(done, key=lambda one: one.fit.cost, default=short)
+        worst = WORSE * best.fit.cost
+        law = search.with_declared_law(short).fit.vector
+        others = [fitted(LONG, vector, worst=worst), fitted(LONG, law, states_of=short, worst=worst)]
+        tried = [search.trimmed(one) for one in others if one is not None and one.fit.cost < worst]
+        best = min([best, *tried], key=lambda one: one.fit.cost)
     return best if best.excess < max(short.excess, 0.0) + 0.8 else short
 
 

@@ -193,22 +193,28 @@ def _fine(base: _Base, line: _Line, w0: float, step: float) -> list[tuple[float,
     runs = np.array([w.run for w in base.fit.windows])
     count = len(base.fit.engine.data)
     member = (runs[None, :] == np.arange(count)[:, None]).astype(float)
-    out = []
-    for delta in np.linspace(-step / 2, step / 2, max(3, int(step * span / 0.8) | 1)):
-        c, s = np.cos(delta * at), np.sin(delta * at)
-        turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)  # window amplitudes = turn @ run's
-        back = turn.transpose(0, 2, 1)
-        NN = np.tensordot(member, back @ N @ turn, 1)
-        gg = np.tensordot(member, (back @ g[:, :, None])[:, :, 0], 1).ravel()
-        CC = np.tensordot(member, back @ C, 1).reshape(2 * count, -1)
-        A = -CC @ base.L @ CC.T
-        for r in range(count):
-            A[2 * r : 2 * r + 2, 2 * r : 2 * r + 2] += NN[r]
-        A += 1e-6 * np.diag(np.diag(A) + 1e-12)
-        b = gg - CC @ (base.L @ base.g)
-        amplitudes = np.asarray(np.linalg.solve(A, b), dtype=np.float64)
-        out.append((float(b @ amplitudes), w0 + float(delta), amplitudes.reshape(count, 2)))
-    return out
+    deltas = np.linspace(-step / 2, step / 2, max(3, int(step * span / 0.8) | 1))
+    c, s = np.cos(np.outer(deltas, at)), np.sin(np.outer(deltas, at))
+    turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)  # window amplitudes = turn @ run's
+    back = turn.swapaxes(-1, -2)
+
+    def by_run(of_windows: Floats) -> Floats:
+        """Sums over the windows of each run; (deltas, windows, 2, k) to (deltas, runs, 2, k)."""
+        return np.asarray(np.einsum("rw,dwij->drij", member, of_windows, optimize=True))
+
+    NN, gg = by_run(back @ N @ turn), by_run(back @ g[:, :, None]).reshape(len(deltas), -1)
+    CC = by_run(back @ C).reshape(len(deltas), 2 * count, -1)
+    A = -CC @ base.L @ CC.swapaxes(-1, -2)
+    for r in range(count):
+        A[:, 2 * r : 2 * r + 2, 2 * r : 2 * r + 2] += NN[:, r]
+    A += 1e-6 * np.eye(2 * count) * (np.einsum("dii->di", A)[:, None, :] + 1e-12)
+    b = gg - CC @ (base.L @ base.g)
+    amplitudes = np.linalg.solve(A, b[:, :, None])[:, :, 0]
+    gains = np.einsum("di,di->d", b, amplitudes)
+    return [
+        (float(gain), w0 + float(delta), one.reshape(count, 2))
+        for gain, delta, one in zip(gains, deltas, amplitudes, strict=True)
+    ]
 
 
 def _best(name: str, found: list[tuple[float, float, Floats]], peaks: int, step: float) -> list[Start]:

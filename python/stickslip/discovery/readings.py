@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -42,11 +43,15 @@ class Learned:
 
     def basis(self, x: Floats, derivative: int = 0) -> Floats:
         """Value of each knot's cardinal spline, (n, k); held constant outside."""
-        knots = np.array(self.knots)
-        spline = scipy.interpolate.CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
-        inside = np.clip(x, knots[0], knots[-1])
-        out = np.asarray(spline(inside, derivative))
+        inside = np.clip(x, self.knots[0], self.knots[-1])
+        out = np.asarray(_cardinal(self.knots)(inside, derivative))
         return out if derivative == 0 else np.where((x == inside)[:, None], out, 0.0)
+
+
+@lru_cache(maxsize=64)
+def _cardinal(knots: tuple[float, ...]) -> scipy.interpolate.CubicSpline:
+    """The natural splines that are 1 at one knot and 0 at the others; a fit asks for them at every step."""
+    return scipy.interpolate.CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
 
 
 def curves_of(model: Model) -> tuple[Learned, ...]:

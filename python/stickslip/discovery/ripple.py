@@ -1,19 +1,21 @@
 """Starts for a ripple of the belt, read where the block rides on it: a periodogram over the sticks.
 
-In a stick x1 = c_j + v_b t - (v_b a/w) cos(w t + phi), with a constant c_j (and, against slow drifts, a slope)
-for each stick; a recorded belt reads v_b (1 + a sin(w t + phi)) itself. The amplitudes are fitted at every frequency
-at once, the constants projected out.
+In a stick x1 = c_j + v_b t - (v_b a/w) cos(w t + phi), with a constant c_j for each stick, and a slope and a curvature,
+for drifts and bent sensors would outshine a ripple in the low frequencies; a recorded belt reads
+v_b (1 + a sin(w t + phi)) itself. The amplitudes are fitted at every frequency at once, these projected out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data
+from stickslip.discovery.data import Data, read_again
 from stickslip.discovery.rivals import Start
+from stickslip.discovery.solve import Fit
 from stickslip.effects import effect
 
 Floats = NDArray[np.float64]
@@ -42,6 +44,25 @@ def ripple_starts(
         phases = tuple(float(np.arctan2(p[1][1, i] * s, p[1][0, i] * s)) for p, s in _signs(parts, data))
         starts.append(Start(effect("belt_speed_ripple", a=min(size, 0.5), w=float(w[i]), phi=0.0), phases))
     return starts
+
+
+def freed_of_sensor(fit: Fit) -> list[Data]:
+    """The runs with what the fit's sensor does to x1 taken out of its readings; without weight outside the windows."""
+    engine = fit.engine
+    done = engine.simulate(fit.vector, fit.windows)
+    readings = [run.readings.copy() for run in engine.data]
+    weights = [np.zeros_like(run.weight) for run in engine.data]
+    for i, (w, b) in enumerate(zip(fit.windows, fit.blocks, strict=True)):
+        rows, weight = slice(w.start, w.stop), engine.data[w.run].weight[w.start : w.stop]
+        if not done.ok[i]:
+            continue
+        off = b.r.reshape(weight.shape)[:, 0] / np.where(weight[:, 0] > 0, weight[:, 0], np.inf)
+        readings[w.run][rows, 0] = done.state[done.of(i), 0] + off
+        weights[w.run][rows] = weight
+    return [
+        replace(read_again(run, one), weight=weight)
+        for run, one, weight in zip(engine.data, readings, weights, strict=True)
+    ]
 
 
 def _signs(
@@ -89,12 +110,8 @@ def _lines(
     sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
     for k in np.unique(label):
         part = label == k
-        line = (
-            np.stack([np.ones(int(part.sum())), t[part] - t[part].mean()], 1)
-            if swap
-            else np.ones((part.sum(), 1))
-        )
-        q = np.linalg.qr(line)[0]
+        slow = np.vander(t[part] - t[part].mean(), 3 if swap else 1)
+        q = np.linalg.qr(slow)[0]
         for x in (sine, cosine, value):
             x[part] -= q @ (q.T @ x[part])
     ss, cc, sc = (sine**2).sum(0), (cosine**2).sum(0), (sine * cosine).sum(0)

@@ -14,6 +14,7 @@ from stickslip.discovery.data import Data
 from stickslip.discovery.engine import Engine
 from stickslip.discovery.readings import Learned, as_terms
 from stickslip.discovery.relax import relaxed, rephased
+from stickslip.discovery.rivals import Start
 from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.window import Window
@@ -85,6 +86,7 @@ class Search:
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
+    ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for
 
     @property
     def left(self) -> float:

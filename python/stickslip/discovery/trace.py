@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.periodic import periodic_starts
-from stickslip.discovery.ripple import ripple_starts
+from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.effects import CATALOGUE, Effect
@@ -16,6 +16,12 @@ from stickslip.errors import StickslipError
 
 Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
+ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
+ANOTHER = 20.0  # processor seconds for the pairs of one effect
+FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
+HOPELESS = (
+    1.2  # of the cost of a pair: what one of its effects leaves alone, and is then not fitted to the end
+)
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -43,7 +49,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     search.progress("looking for lines in the residual's spectrum")
     candidates |= periodic_starts(base.fit, [n for n in PERIODIC if n not in skip])
     if "belt_speed_ripple" in candidates:
-        candidates["belt_speed_ripple"] += ripple_starts(search.data)
+        candidates["belt_speed_ripple"] += _ripples(search, base)
     found = []
     for name, starts in candidates.items():
         search.progress(f"trying {' + '.join([*base.names, name])}")
@@ -66,6 +72,15 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     return sorted(found, key=lambda one: one.bic)
 
 
+def _ripples(search: Search, base: Trial) -> list[Start]:
+    """Lines in the sticks, of the block itself where the base has an effect of its sensor."""
+    if any(CATALOGUE[name].where == "x1 channel" for name in base.names if name in CATALOGUE):
+        return ripple_starts(freed_of_sensor(base.fit))
+    if search.ripples is None:
+        search.ripples = ripple_starts(search.data)
+    return search.ripples
+
+
 def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
     """The most promising trials fitted in earnest, best first; hopeless ones are left out."""
     return deepened(search, closely(search, trials, most))
@@ -75,7 +90,7 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
     """The most promising trials fitted closely on short windows, best first; hopeless ones are left out."""
     close: list[Trial] = []
     for trial in trials[:most]:
-        if close and (search.left < 0 or trial.fit.cost > 50 * close[0].fit.cost):
+        if close and (search.left < 0 or trial.fit.cost > FARTHEST * close[0].fit.cost):
             break
         least = min(close, key=lambda one: one.fit.cost, default=trial)
         if len(close) >= 2 and least.excess < CLEAN and trial.fit.cost > FAR * least.fit.cost:
@@ -145,8 +160,9 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     pairs: list[Trial] = []
     bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:3]
     for base in bases:
-        if pairs and search.left < 0.3 * search.budget:
+        if pairs and search.left < 0.3 * search.budget and not _astray(pairs, null):
             break
+        search.extend(ANOTHER)
         pairs += polished(search, screen(search, base), most=3)
         if any(explained(one, null) for one in pairs):
             break
@@ -156,13 +172,19 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
 
 
+def _astray(pairs: Sequence[Trial], null: Trial) -> bool:
+    """Do all pairs leave so much that another effect must be among them?"""
+    return min(one.chi2 for one in pairs) - 1 > ASTRAY * (null.chi2 - 1)
+
+
 def _eliminated(search: Search, pair: Trial) -> list[Trial]:
     """Each effect of a pair alone, refitted from where the pair is."""
     out = []
     for start in starts_of(pair):
         search.progress(f"fitting {start.term.name} without its partner")
         h = hypothesis(pair.hypothesis.model, [start], search.model)
-        alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, anyway=True)
+        worst = HOPELESS * (pair.fit.cost + MARGIN)
+        alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, worst=worst, anyway=True)
         if alone is not None:
             out.append(alone)
             search.keep(alone, alone.names)

@@ -22,6 +22,7 @@ KNOTS, FINE = 7, 15
 PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
+RESOLVED = 0.8  # of the excess of a coarse curve: what finer knots must leave less than, to be fitted closely
 TERMS = {
     "block": ("x1", "x2", "y1", "y2", "t"),
     "angle_body": ("y1", "y2", "x1", "x2", "t"),
@@ -197,7 +198,10 @@ def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Ter
     added = with_term(search, base, fine, iterations=25, rounds=2)
     if added is None:
         return coarse
-    added = search.polish(added, turns=1)
+    if added.chi2 - 1 < RESOLVED * (
+        trial.chi2 - 1
+    ):  # else it is not for knots that the coarse one fits badly
+        added = search.polish(added, turns=1)
     return (fine, added) if added.bic < trial.bic else coarse
 
 
