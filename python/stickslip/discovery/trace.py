@@ -22,6 +22,7 @@ FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not
 HOPELESS = (
     1.2  # of the cost of a pair: what one of its effects leaves alone, and is then not fitted to the end
 )
+BEYOND = 3.0  # and the same for the second of all
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -93,7 +94,8 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
         if close and (search.left < 0 or trial.fit.cost > FARTHEST * close[0].fit.cost):
             break
         least = min(close, key=lambda one: one.fit.cost, default=trial)
-        if len(close) >= 2 and least.excess < CLEAN and trial.fit.cost > FAR * least.fit.cost:
+        far = FAR if len(close) >= 2 else BEYOND
+        if close and least.excess < CLEAN and trial.fit.cost > far * least.fit.cost:
             break
         search.progress(f"fitting {' + '.join(trial.names)} closely")
         close.append(search.close(trial))
