@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from discover_cases import make_case
 from stickslip.discovery.choice import place_of, stood_in_for
 from stickslip.discovery.data import prepare
-from stickslip.discovery.search import Search
+from stickslip.discovery.search import CLEAN, Search
 from stickslip.discovery.trace import declared
 from stickslip.effects import tabulated
 from stickslip.model import Model
@@ -66,3 +67,14 @@ def test_a_line_of_its_own_phase_in_each_run_is_placed(where):
     null = declared(search)
     assert null.chi2 > 1.1
     assert place_of(null, null) == (where, ("t",))
+
+
+def test_noise_a_little_larger_than_declared_has_no_place():
+    """What is left over is white: no curve and no line anywhere takes up more of it than its numbers cost."""
+    case = make_case(length=30.0, speeds=(0.06, -0.1, 0.1), seed=3)
+    quiet = [replace(run, noise={name: 0.9 * size for name, size in run.noise.items()}) for run in case.train]
+    search = Search(prepare(quiet), Model(case.rig, friction=case.friction), 2, lambda _: None, 100.0)
+    null = declared(search)
+    assert null.chi2 == pytest.approx(1 / 0.9**2, rel=0.05)
+    assert null.excess > CLEAN
+    assert place_of(null, null) is None

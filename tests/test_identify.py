@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 
 import stickslip as ss
 from recorded import recording
@@ -14,7 +15,7 @@ from stickslip import reference
 from stickslip.identify import covered_speeds, estimate, law_parameters
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.segments import track
-from stickslip.shooting import Window, shoot
+from stickslip.shooting import Window, _above, shoot
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 TRUE = ss.PaperFriction(
@@ -164,6 +165,17 @@ def test_a_number_declared_as_zero_does_not_hold_the_others(tmp_path, start):
     assert found.reduced_chi2 == pytest.approx(1, abs=0.05)
     for name, value in {"scale": 4.0, "decay": 3.0, "constant": 1.0}.items():
         assert found.estimates[name].value == pytest.approx(value, abs=3 * found.estimates[name].std), name
+
+
+def test_a_step_below_a_number_declared_as_zero_is_the_constrained_one():
+    root = np.random.default_rng(2).standard_normal((6, 4))
+    A, target, shared = root.T @ root, np.array([-3.0, -2.0, 1.0, 0.5]), np.array([0.5, 0.4, 3.0, 1.0])
+    for declared in ([1.0, 0, 3, 0], [1.0, 0.4, 3, 0]):
+        low = np.where(np.array(declared) == 0, -shared, -np.inf)
+        known = lsq_linear(root, root @ target, (low, np.inf), tol=1e-14)
+        step = _above(shared, target, A, -A @ target, np.array(declared))
+        np.testing.assert_allclose(step, known.x, atol=1e-8)
+        assert (step[1] == -0.4) == (declared[1] == 0)
 
 
 def test_one_sentence_where_there_is_nothing_to_identify(tmp_path):

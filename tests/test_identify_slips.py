@@ -1,11 +1,14 @@
 """Slip by slip: laws of a block on a belt, told from single slips whose truth is known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from recorded import recording
 from slider import coulomb_record
+from stickslip import decay
 from stickslip.segments import plateau_speed, track
 
 
@@ -111,6 +114,19 @@ def test_a_hyperbolic_law_is_found_slip_by_slip(tmp_path, law, noise):
         for name, value in zip(("scale", "decay", "constant"), law, strict=True):
             one = found.estimates[name]
             assert one.low <= value <= one.high, name
+
+
+@pytest.mark.parametrize("true", [0.004, 0.2, 300.0])
+def test_the_decay_is_sought_beyond_the_range_that_it_begins_with(monkeypatch, true):
+    noise = np.random.default_rng(0).standard_normal((100, 1))
+    coulomb = SimpleNamespace(windows=[None], residuals=[noise])
+
+    def fitted(at, *_):
+        return SimpleNamespace(windows=[None], residuals=[noise * np.exp(np.log(at / true) ** 2)])
+
+    monkeypatch.setattr(decay, "_fitted", fitted)
+    _, found, _ = decay.hyperbolic(1.0, coulomb, ss.BlockOnBelt(), np.ones(1), ss.simulate, lambda *_: None)
+    assert found == pytest.approx(true, rel=1e-6)
 
 
 def test_modes_and_transition_times_of_a_closed_form(tmp_path):

@@ -185,6 +185,33 @@ def test_headlines() -> None:
     assert set(words.PLAIN) == {*KINDS, "unlisted"}
 
 
+def test_no_effect_is_not_called_complete_where_something_is_left(tmp_path: Path) -> None:
+    found, _ = made(tmp_path, verdict="no_effect")
+    clean, dirty = (
+        dataclasses.replace(
+            found, residual_after=dataclasses.replace(found.residual_after, clean=is_clean, chi2=1.3)
+        )
+        for is_clean in (True, False)
+    )
+    assert words.headline(clean).startswith("Nothing is missing: ")
+    assert words.headline(dirty).startswith("Nothing can be named: a little is left above the noise")
+    assert words.clean_sentence(clean).startswith("What is left is noise: chi-squared per reading is 1.3 ± ")
+    assert words.clean_sentence(dirty).startswith(
+        "Not all is explained: chi-squared per reading is still 1.3 ± "
+    )
+
+
+@pytest.mark.parametrize("verdict", ["effect_found", "unlisted_effect"])
+def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verdict: str) -> None:
+    found, _ = made(tmp_path, verdict=verdict)
+    assert words.sureness(found)[0].startswith("Something is missing, that is sure: ")
+    for observed in (0.5 * found.gate.threshold, found.gate.threshold):
+        below = dataclasses.replace(found, gate=dataclasses.replace(found.gate, observed=observed))
+        assert words.sureness(below)[0] == (
+            "Something is missing, though no single candidate lowers chi-squared by more than noise may."
+        )
+
+
 def test_nothing_half_written_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found, case = made(tmp_path)
 

@@ -65,6 +65,18 @@ TEST_CASE("landing: a start on the surface, or two roots, is left to the scalar 
   CHECK(answer.undecided == 3u);
 }
 
+TEST_CASE("landing: a lane whose iteration ends at a later root is left to the scalar code") {
+  // (0.2 - t)(0.4 - t)(0.9 - t)(t + 0.05): at first it rises, and a parabola that falls below zero at 1 does so past 0.4
+  constexpr double rises[] = {0.0036, 0.041, -0.545, 1.45, -1.0};
+  Lanes<2> d[series_size];
+  for (int k = 0; k <= 4; ++k) d[k] = Lanes<2>(rises[k]);
+  const Landings<2> answer = land_lanes(d, 4, Lanes<2>(1.0), 3u);
+  CHECK(answer.undecided == 3u);
+  double t = 0;
+  CHECK(first_crossing(rises, 4, 1.0, false, true, t));
+  CHECK(close(t, 0.2, 1e-14));
+}
+
 TEST_CASE("landing: a lane that leaves the surface has the root at its start divided out") {
   Batch<2> b;
   Lanes<2> c[series_size];

@@ -1,0 +1,76 @@
+"""Which learned curves are fitted closely: the two best if they come near the names, and what promised most."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from stickslip.discovery import unlisted
+from stickslip.discovery.unlisted import PROMISING, Term, _worth, learn
+
+TERMS = {variable: Term("block", variable, (0.0, 1.0)) for variable in ("x1", "x2", "y1", "y2")}
+
+
+def trial(chi2):
+    return SimpleNamespace(chi2=chi2, bic=chi2, excess=100.0, fit=SimpleNamespace(cost=100 + chi2))
+
+
+def worth(promised, beat, **left):
+    """Variables of the curves that are fitted closely, of those fitted; `left` is what they leave above 1."""
+    found = [(TERMS[variable], trial(1 + excess)) for variable, excess in left.items()]
+    best_named = None if beat is None else trial(1 + beat)
+    return [term.variable for term, _ in _worth(found, TERMS[promised], best_named)]
+
+
+def test_the_two_best_are_worth_a_close_fit():
+    assert worth("x1", None, x1=2.0, x2=3.0, y1=4.0) == ["x1", "x2"]
+    assert worth("x1", 9.0, x1=2.0, x2=3.0, y1=4.0) == ["x1", "x2"]
+
+
+def test_a_curve_that_comes_nowhere_near_the_names_is_not():
+    assert worth("x1", 2.0, x1=0.5, x2=1.01 * PROMISING * 2.0) == ["x1"]
+    assert worth("x1", 2.0, x1=0.5, x2=0.99 * PROMISING * 2.0) == ["x1", "x2"]
+
+
+def test_what_promised_most_is_though_its_fit_stalled():
+    assert worth("y1", 2.0, x1=0.5, x2=1.0, y1=1.9) == ["x1", "x2", "y1"]
+    assert worth("x1", 2.0, x1=1.9, x2=1.95) == ["x1"]
+
+
+@pytest.fixture
+def search():
+    """One that notes which curves it is asked to polish."""
+    polished = []
+
+    def polish(one, *, turns):
+        assert turns == 1
+        polished.append(one)
+        return one
+
+    return SimpleNamespace(
+        left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished
+    )
+
+
+def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, monkeypatch):
+    gains = {"x1": 5.0, "x2": 50.0, "y1": 20.0, "y2": 1.0}
+    trials = {"x1": trial(1.5), "x2": trial(2.9), "y1": trial(1.4), "y2": trial(2.95)}
+    asked = {}
+
+    def with_term(_search, _base, term, **options):
+        asked[term.variable] = options
+        return trials[term.variable]
+
+    monkeypatch.setattr(unlisted, "terms", lambda _: list(TERMS.values()))
+    monkeypatch.setattr(unlisted, "gain", lambda _, term: gains[term.variable])
+    monkeypatch.setattr(unlisted, "with_term", with_term)
+    base = trial(3.0)
+    curves = learn(search, base, search.progress, most=3, beat=base)
+    assert list(asked) == ["x2", "y1", "x1"]
+    patient, *quick = asked.values()
+    assert "worst" not in patient
+    assert all(one["worst"] < base.fit.cost for one in quick)
+    assert all(patient[name] > one[name] for one in quick for name in ("iterations", "rounds"))
+    assert search.polished == [trials["y1"], trials["x1"], trials["x2"]]
+    assert [term.variable for term, _ in curves] == ["y1", "x1", "x2"]
