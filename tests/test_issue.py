@@ -72,6 +72,20 @@ def test_a_block_that_stands_on_its_static_limit_stays(stiffness, x1, effects):
         assert (swept["final_state"].sel(state="x1") == x1).all()
 
 
+@pytest.mark.parametrize("lanes", [True, False])
+def test_meeting_another_surface_does_not_push_a_block_off_its_static_limit(lanes):
+    """A table of zeros changes nothing, but its knots in time are surfaces."""
+    table = ss.tabulated("block", "t", np.linspace(0, 100, 11), [0.0] * 11)
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.PaperFriction(), effects=[table])
+    start = (5.940000000000007, 0)
+    run = ss.simulate(model, belt_speed=0, initial=start, t_end=100)
+    assert len(run.transitions.t) == 0
+    assert run.state[-1].tolist() == list(start)
+    over = {"initial.x1": np.full(9, start[0])}
+    swept = ss.sweep(model, over, belt_speed=0, initial=start, t_end=100, lanes=lanes)
+    assert (swept["transitions"] == 0).all()
+
+
 def test_a_block_pushed_off_its_static_limit_goes():
     model = ss.Model(ss.BlockOnBelt(), friction=ss.PaperFriction())
     run = ss.simulate(model, belt_speed=0.0, initial=(5.94 * (1 + 1e-11), 0), t_end=100)

@@ -98,7 +98,7 @@ inline void report(const SweepRequest& q, Member& m, Outcome outcome) {
 
 // Changes the mode of a member that has met a surface. Finished: it goes on.
 inline Outcome change(const SweepRequest& q, Member& m, int id, Side through, Piece<double>& scratch) {
-  for (Side& side : m.on) side = Side::none;
+  m.on[id] = Side::none;
   const int before = m.mode.contact;
   change_mode(m.sys, m.s, m.mode, m.on, id, through, scratch);
   if (before != m.mode.contact && m.limit >= q.t_end)

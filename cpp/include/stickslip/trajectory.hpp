@@ -70,7 +70,7 @@ struct Machine {
       observe(*this, h, order, last && !exit.found);
       advance(dt, order);
       if (!finite()) return finish(Outcome::not_finite);
-      leave_surfaces(h, order, exit.found);
+      leave_surfaces(h, order, exit.found ? piece.watch[exit.watch].id : watch_count);
       if (exit.found) {
         const Mode before = mode;
         change_mode(sys, s, mode, on, piece.watch[exit.watch].id, exit.side, piece);
@@ -102,12 +102,12 @@ struct Machine {
     for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
     return std::isfinite(sum);
   }
-  // A step on, it stands on no surface any more, unless it has not moved away from it.
-  void leave_surfaces(const R& h, int order, bool changes) {
+  // A step on, it stands on no surface any more, unless it has not moved away from it; not on the one that it `met`.
+  void leave_surfaces(const R& h, int order, int met) {
     Side next[watch_count] = {};
-    for (int w = 0; w < piece.watches && !changes; ++w) {
+    for (int w = 0; w < piece.watches; ++w) {
       const int id = piece.watch[w].id;
-      if (still_on(piece.watch[w], on[id], order, h)) next[id] = on[id];
+      if (id != met && still_on(piece.watch[w], on[id], order, h)) next[id] = on[id];
     }
     for (int id = 0; id < watch_count; ++id) on[id] = next[id];
   }
