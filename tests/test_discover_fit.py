@@ -12,7 +12,7 @@ from stickslip.discovery.intervals import intervals
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.readings import Learned, no_slopes, read
 from stickslip.discovery.relax import sought
-from stickslip.discovery.ripple import ripple_starts
+from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.solve import fit
 from stickslip.discovery.window import moved
@@ -161,6 +161,17 @@ def test_a_ripple_is_read_off_the_sticks():
     (start, *_) = ripple_starts(prepare(case.train))
     assert start.term.parameters["w"] == pytest.approx(6.0, abs=0.05)
     assert start.term.parameters["a"] == pytest.approx(0.15, rel=0.4)
+
+
+def test_a_ripple_is_read_off_the_sticks_of_a_sensor_that_hears_the_angle_too():
+    """The crosstalk of the slow angle is curved within a stick, and far larger than the ripple."""
+    case = make_case((effect("belt_speed_ripple", a=0.15, w=6.0, phi=0.0),), crosstalk=1.0)
+    (raw, *_) = ripple_starts(prepare(case.train))
+    assert abs(raw.term.parameters["w"] - 6.0) > 0.5
+    found = fitted(case, [Start(effect("sensor_crosstalk", c=0.8))])
+    (start, *_) = ripple_starts(freed_of_sensor(found))
+    assert start.term.parameters["w"] == pytest.approx(6.0, abs=0.05)
+    assert start.term.parameters["a"] == pytest.approx(0.15, rel=0.1)
 
 
 def test_glitches_do_not_reach_the_fit():

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
+from scipy.signal import savgol_filter
 
 from discover_cases import LAW, RIG, make_case
 from stickslip import _core
@@ -19,7 +20,8 @@ from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search
 from stickslip.discovery.solve import Point, _shares, _total, _within, fit
 from stickslip.discovery.trace import beside
-from stickslip.discovery.windows import cut
+from stickslip.discovery.window import DWELL, SLIPPING, STICK
+from stickslip.discovery.windows import cut, with_hidden
 from stickslip.effects import effect
 from stickslip.friction import PaperFriction
 from stickslip.model import Model
@@ -109,6 +111,30 @@ def test_a_window_that_starts_in_stick_does_not_know_for_how_long():
     found = fit(Engine(data, h, 2), h.start(len(data)), windows)
     assert found is not None
     assert abs(found.per_reading - 1) < 5 * math.sqrt(2 / found.readings)
+
+
+def from_slow_slip(run: Recording) -> Recording:
+    """The recording from where a slip has just begun: a quarter of the belt's speed off it, and faster soon."""
+    off = np.abs(savgol_filter(run.x1, 7, 2, deriv=1, delta=0.05) - run.belt_speed) / abs(run.belt_speed)
+    begins = (off[20:500] > 0.15) & (off[20:500] < 0.34) & (off[30:510] > 0.8)
+    first = 20 + int(np.argmax(begins))
+    assert begins.any()
+    return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
+
+
+def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip():
+    case = make_case((effect("static_aging", dT=0.8, tau=1.0),), noise=2e-4)
+    data = prepare([from_slow_slip(run) for run in case.train])
+    h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.8, tau=1.0))])
+    windows = [w for w in cut(data, h.model, 1.0) if w.start == 0]
+    assert all(w.contact == STICK and 1 not in w.free for w in windows)
+    engine = Engine(data, h, 2)
+    found = relaxed(engine, h.start(len(data)), windows)
+    assert all(w.contact == SLIPPING and 1 in w.free and DWELL not in w.free for w in found)
+    readings = sum(2 * (w.stop - w.start) for w in found)
+    assert engine.chi2(h.start(len(data)), found).sum() / readings < 1.1
+    again = [with_hidden(w, h.model, data[w.run]) for w in found]
+    assert [(w.contact, w.free) for w in again] == [(w.contact, w.free) for w in found]
 
 
 def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(monkeypatch):

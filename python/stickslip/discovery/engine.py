@@ -17,7 +17,7 @@ from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.readings import Chain, Learned, read, states_read
 from stickslip.discovery.unknowns import Hypothesis
-from stickslip.discovery.window import STATES, Window, by_free, window_penalties
+from stickslip.discovery.window import AUTO, STATES, Window, by_free, window_penalties
 from stickslip.lowering import SLOTS, WIDTH, lower
 
 Floats = NDArray[np.float64]
@@ -155,7 +155,7 @@ class Engine:
                 parameters=numbers,
                 set=np.array([w.run for w in chosen], dtype=np.int32),
                 initial=np.ascontiguousarray(initial[left] + nudge * VISIBLE),
-                contact=np.array([w.contact for w in chosen], dtype=np.int32),
+                contact=np.array([min(w.contact, AUTO) for w in chosen], dtype=np.int32),
                 t=np.concatenate([self.data[w.run].t[w.start : w.stop] for w in chosen]),
                 offset=np.concatenate([[0], np.cumsum(lengths[left])]).astype(np.int64),
                 rtol=rtol,

@@ -15,7 +15,7 @@ from stickslip.discovery.readings import Learned, no_slopes, read
 from stickslip.discovery.relax import relaxed
 from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
-from stickslip.discovery.window import Window
+from stickslip.discovery.window import AUTO, Window
 from stickslip.discovery.windows import start_window
 from stickslip.effects import Effect
 from stickslip.errors import StickslipError
@@ -141,7 +141,7 @@ class Forecaster:
             initial=window.state,
             t_start=start,
             t_end=float(t[-1]),
-            contact=window.contact,
+            contact=min(window.contact, AUTO),
             t_eval=np.ascontiguousarray(t),
             rtol=RTOL,
             atol=ATOL,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Block, Engine
 from stickslip.discovery.window import Window, by_free, with_state
+from stickslip.discovery.windows import slipping
 
 Floats = NDArray[np.float64]
 OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew
@@ -24,13 +25,13 @@ def relaxed(
 ) -> list[Window]:
     """The windows with their own states at their best for fixed unknowns.
 
-    They are sought from where they are, from the readings around each window's start, and from where the window
-    `before` it ends, until one of these leaves no more than the noise.
+    They are sought from where they are, from the readings around each window's start, from where the window `before`
+    it ends, and in slip where they start in stick, until one of these leaves no more than the noise.
     """
     best, least = list(windows), np.full(len(windows), np.inf)
     used = [np.count_nonzero(engine.data[w.run].weight[w.start : w.stop]) for w in windows]
     enough = 1.1 * np.maximum(used, 1)
-    for start in (_as_it_is, _as_measured, _as_ended):
+    for start in (_as_it_is, _as_measured, _as_ended, _as_slipping):
         at = np.flatnonzero(least >= enough).tolist()
         begun = start(engine, vector, [(windows[i], before[i] if before else None) for i in at])
         ready = [(i, w) for i, w in zip(at, begun, strict=True) if w is not None]
@@ -59,6 +60,10 @@ def _as_ended(engine: Engine, vector: Floats, pairs: Sequence[Pair]) -> list[Win
         None if state is None else _with_free(w, state, len(state))
         for (w, _), state in zip(pairs, states, strict=True)
     ]
+
+
+def _as_slipping(engine: Engine, _vector: Floats, pairs: Sequence[Pair]) -> list[Window | None]:
+    return [slipping(w, engine.data[w.run]) for w, _ in pairs]
 
 
 def _with_free(window: Window, values: Floats, below: int) -> Window:

@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 STATES = len(_core.STATES)
 W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
 AUTO, STICK = 2, 0
+SLIPPING = 3  # AUTO for the core, and sure not to start in stick
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.window import AUTO, BELT, DWELL, LAGGED, STATES, STICK, W, Window, Z
+from stickslip.discovery.window import AUTO, BELT, DWELL, LAGGED, SLIPPING, STATES, STICK, W, Window, Z
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
@@ -67,9 +68,20 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
         free.append(LAGGED)
     contact = window.contact
     # how long the block has stuck before the record is not recorded
-    if "static_aging" in names and abs(v) < SLOW * abs(run.belt_speed):
+    slow = abs(v) < SLOW * abs(run.belt_speed) and window.contact != SLIPPING
+    if "static_aging" in names and slow:
         contact = STICK
         state[DWELL], spread[DWELL] = 0.4 * run.cycle, 0.5 * run.cycle
         free = [0, 2, 3, *(k for k in free if k > 3), DWELL]
     centre[list(free)] = state[list(free)]
     return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, contact)
+
+
+def slipping(window: Window, run: Data) -> Window | None:
+    """A window that starts in stick, started in slip instead; None of any other."""
+    if window.contact != STICK:
+        return None
+    state, spread = window.state.copy(), window.spread.copy()
+    state[1], state[DWELL], spread[DWELL] = run.local_state(window.start)[1], 0.0, np.inf
+    free = (*VISIBLE, *(k for k in window.free if k > 3 and k != DWELL))
+    return replace(window, state=state, spread=spread, free=free, contact=SLIPPING)
