@@ -25,6 +25,7 @@ from stickslip.effects import CATALOGUE
 
 SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
 ALMOST = 0.2  # share of the excess that names may leave to be fitted from other shapes
+STANDS_IN = 0.2  # share that what only stands in for something else may leave and be in the model
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
@@ -81,7 +82,16 @@ def _choose(search: Search) -> Choice:
     if best.chi2 - 1 < ALMOST * (null.chi2 - 1):
         search.extend(SETTLING)
         best = settled(search, best)
-    return Choice(null, best, None, trials, stood_in_for(search, null, best))
+    place = stood_in_for(search, null, best)
+    if (
+        place is not None and curves and curves[0][1].chi2 < best.chi2
+    ):  # a curve knows the place better than names
+        best, place = curves[0][1], (curves[0][0].where, (curves[0][0].variable,))
+    if place is not None and best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
+        return Choice(null, null, None, trials, place)
+    if any(map(unlisted.is_tabulated, best.names)):
+        return Choice(null, best, curves[0][0], trials)
+    return Choice(null, best, None, trials, place)
 
 
 def _held(choice: Choice) -> Choice:
