@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from discover_cases import make_case
-from stickslip.discovery.choice import place_of, stood_in_for
+from stickslip.discovery.choice import place_of, stood_in_for, weighed
 from stickslip.discovery.data import prepare
 from stickslip.discovery.search import CLEAN, Search
 from stickslip.discovery.trace import declared
+from stickslip.discovery.unlisted import Term
 from stickslip.effects import tabulated
 from stickslip.model import Model
 
@@ -50,6 +51,19 @@ def test_names_far_ahead_of_all_others_stand():
         tried = {pair: best, other: trial(next_best, 900.0, other), ("sensor_crosstalk",): trial(20.0, 2e3)}
         place = stood_in_for(SimpleNamespace(tried=tried), trial(70.0), best)
         assert (place is None) == stands
+
+
+@pytest.mark.parametrize(("left", "kept"), [(15.0, True), (40.0, False)])
+@pytest.mark.parametrize("curved", [False, True])
+def test_what_stands_in_and_leaves_much_is_not_in_the_model(left, kept, curved):
+    search = SimpleNamespace(tried={("belt_seam",): trial(60.0, 100.0)})
+    null, names, curve = trial(100.0, names=()), trial(left), trial(left - 1, names=("tabulated_block_x1",))
+    term = Term("block", "x1", (0.0, 1.0))
+    choice = weighed(search, null, names, [(term, curve)] if curved else [], [])
+    assert choice.trial is ((curve if curved else names) if kept else null)
+    assert choice.term is (term if curved and kept else None)
+    place = ("block", ("x1",)) if curved else ("contact", ("x1", "t"))
+    assert choice.place == (None if curved and kept else place)
 
 
 @pytest.mark.parametrize("where", ["angle_body", "contact"])

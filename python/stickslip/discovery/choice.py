@@ -82,12 +82,22 @@ def _choose(search: Search) -> Choice:
     if best.chi2 - 1 < ALMOST * (null.chi2 - 1):
         search.extend(SETTLING)
         best = settled(search, best)
+    return weighed(search, null, best, curves, trials)
+
+
+def weighed(
+    search: Search, null: Trial, best: Trial, curves: list[tuple[unlisted.Term, Trial]], trials: list[Trial]
+) -> Choice:
+    """The best names as they are, or where they only stand in for something else: its place, and in the model what
+    leaves little enough.
+    """
     place = stood_in_for(search, null, best)
-    if (
-        place is not None and curves and curves[0][1].chi2 < best.chi2
-    ):  # a curve knows the place better than names
-        best, place = curves[0][1], (curves[0][0].where, (curves[0][0].variable,))
-    if place is not None and best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
+    if place is None:
+        return Choice(null, best, None, trials)
+    if curves and curves[0][1].chi2 < best.chi2:  # a curve knows the place better than names
+        term, best = curves[0]
+        place = term.where, (term.variable,)
+    if best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
         return Choice(null, null, None, trials, place)
     if any(map(unlisted.is_tabulated, best.names)):
         return Choice(null, best, curves[0][0], trials)
