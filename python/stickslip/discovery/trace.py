@@ -19,9 +19,7 @@ FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
 ANOTHER = 20.0  # processor seconds for the pairs of one effect
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
-HOPELESS = (
-    1.2  # of the cost of a pair: what one of its effects leaves alone, and is then not fitted to the end
-)
+ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
 BEYOND = 3.0  # and the same for the second of all
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
@@ -185,7 +183,7 @@ def _eliminated(search: Search, pair: Trial) -> list[Trial]:
     for start in starts_of(pair):
         search.progress(f"fitting {start.term.name} without its partner")
         h = hypothesis(pair.hypothesis.model, [start], search.model)
-        worst = HOPELESS * (pair.fit.cost + MARGIN)
+        worst = ALONE * (pair.fit.cost + MARGIN)
         alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, worst=worst, anyway=True)
         if alone is not None:
             out.append(alone)
