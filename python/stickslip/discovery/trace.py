@@ -16,11 +16,11 @@ from stickslip.errors import StickslipError
 
 Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
+BEYOND = 3.0  # and the same for the second of all
 ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
 ANOTHER = 20.0  # processor seconds for the pairs of one effect
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
-BEYOND = 3.0  # and the same for the second of all
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
