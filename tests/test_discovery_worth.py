@@ -48,9 +48,14 @@ def search():
         polished.append(one)
         return one
 
-    return SimpleNamespace(
-        left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished
-    )
+    def submit(function, *args):
+        return SimpleNamespace(result=lambda: function(given, *args), cancel=lambda: None)
+
+    given = SimpleNamespace(
+        left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished,
+        submit=submit, at_once=1,
+    )  # fmt: skip
+    return given
 
 
 def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, monkeypatch):
@@ -66,7 +71,7 @@ def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, m
     monkeypatch.setattr(unlisted, "gain", lambda _, term: gains[term.variable])
     monkeypatch.setattr(unlisted, "with_term", with_term)
     base = trial(3.0)
-    curves = learn(search, base, search.progress, most=3, beat=base)
+    curves = learn(search, base, most=3, beat=base)
     assert list(asked) == ["x2", "y1", "x1"]
     patient, *quick = asked.values()
     assert "worst" not in patient

@@ -57,7 +57,7 @@ def _choose(search: Search) -> Choice:
     null, best = search.tried[()], trials[0]
     if explained(best, null):
         return Choice(null, best, None, trials)
-    curves = unlisted.learn(search, null, search.progress, beat=best)
+    curves = unlisted.learn(search, null, beat=best)
     curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]
@@ -69,7 +69,7 @@ def _choose(search: Search) -> Choice:
         if explained(best, null):
             return Choice(null, best, None, trials)
         if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
-            curves += unlisted.learn(search, best, search.progress, 3)
+            curves += unlisted.learn(search, best, 3)
     curves.sort(key=lambda one: one[1].bic)
     absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
     if curves and _clearly(curves[0][1], best):

@@ -103,6 +103,10 @@ class Engine:
         self.kept = np.array(states_read(known, channels, self.learned), dtype=np.int32)
         self._last = (b"none", np.empty((0, 0)), [])
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # what the core takes does not cross processes; it is made again
+        return type(self), (self.data, self.hypothesis, self.threads, self.learned)
+
     def parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
         """The core's parameter vector and the values by name."""
         numbers, values = self._parameters(vector)

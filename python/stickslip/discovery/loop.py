@@ -40,6 +40,7 @@ from stickslip.discovery.trace import (
     declared,
 )
 from stickslip.discovery.views import train_view, validate_view
+from stickslip.discovery.workers import Workers
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
@@ -71,7 +72,7 @@ def discover(
     progress
         Told what is being tried, a sentence at a time.
     threads
-        Threads over the windows of the fit.
+        Cores to use: rivals are fitted side by side in as many processes, the windows of one fit in as many threads.
     seed
         Of the bootstrap and of the floor's noise.
     budget
@@ -99,11 +100,22 @@ def discover(
             return slider.discover(case, progress=progress, seed=seed)
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
-        return _discover(case, tell, threads, seed, budget, began)
+        workers = Workers(threads)
+        try:
+            return _discover(case, tell, threads, seed, budget, began, workers)
+        except BaseException:
+            workers.stop()
+            raise
 
 
 def _discover(
-    case: Case, tell: Callable[[str], None], threads: int, seed: int, budget: float, began: float
+    case: Case,
+    tell: Callable[[str], None],
+    threads: int,
+    seed: int,
+    budget: float,
+    began: float,
+    workers: Workers,
 ) -> Found:
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
@@ -113,7 +125,7 @@ def _discover(
     search = Search(data[:count], model, threads, tell, budget)
     tell("fitting the declared law")
     data, corrected = _cleaned(case, data, search)
-    search = Search(data[:count], model, threads, tell, budget)
+    search = Search(data[:count], model, threads, tell, budget, workers=workers)
     choice = choose(search)
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +20,12 @@ from stickslip.discovery.solve import Fit, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.window import Window
 from stickslip.discovery.windows import cut, with_hidden
+from stickslip.discovery.workers import Task, Workers
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
+Result = TypeVar("Result")
+Rest = ParamSpec("Rest")
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
 CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
@@ -87,11 +91,38 @@ class Search:
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
     ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for
+    workers: Workers = field(default_factory=lambda: Workers(1))
+    spent: float = 0.0  # processor seconds of other processes
 
     @property
     def left(self) -> float:
         """Processor seconds of the budget that remain."""
-        return self.budget - (time.process_time() - self.began)
+        return self.budget - self.spent - (time.process_time() - self.began)
+
+    @property
+    def at_once(self) -> int:
+        """How many fits run side by side."""
+        return self.workers.count
+
+    def submit(
+        self,
+        function: Callable[Concatenate[Search, Rest], Result],
+        *args: Rest.args,
+        **options: Rest.kwargs,
+    ) -> Task[Result]:
+        """Have function(search, ...) computed by another process where there is one, else when it is asked for."""
+        return self.workers.submit(self, function, *args, **options)
+
+    def away(self) -> Search:
+        """The search as another process needs it: the data, the declared model, the time that is left."""
+        return Search(self.data, self.model, 1, _silent, self.left)
+
+    def back(self, value: object, seconds: float) -> None:
+        """What came back from another process is on our data and threads, and its time is ours."""
+        self.spent += seconds
+        for one in value if isinstance(value, tuple) else (value,):
+            if isinstance(one, Trial):
+                one.fit.engine.data, one.fit.engine.threads = self.data, self.threads
 
     def extend(self, seconds: float) -> None:
         """See to it that at least so many processor seconds are left."""
@@ -233,6 +264,10 @@ class Search:
             learned=trial.fit.engine.learned,
             vector=trial.fit.vector,
         )
+
+
+def _silent(_: str) -> None:
+    """Tell nobody."""
 
 
 def _from(window: Window, known: Window | None) -> Window:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.workers import each
 from stickslip.effects import CATALOGUE, Effect
 from stickslip.errors import StickslipError
 
@@ -21,6 +23,8 @@ ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were bu
 ANOTHER = 20.0  # processor seconds for the pairs of one effect
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
+STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
+MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -41,43 +45,72 @@ def starts_of(trial: Trial) -> list[Start]:
 
 def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Trial]:
     """Every effect added to `base` (on short windows), crudely fitted; best first."""
-    model = base.hypothesis.model
-    own = starts_of(base)
     skip = {*base.names, *exclude}
-    candidates = {n: shapes(n, search.data) for n in CATALOGUE if n not in skip and n not in PERIODIC}
     search.progress("looking for lines in the residual's spectrum")
-    candidates |= periodic_starts(base.fit, [n for n in PERIODIC if n not in skip])
-    if "belt_speed_ripple" in candidates:
-        candidates["belt_speed_ripple"] += _ripples(search, base)
-    found = []
-    for name, starts in candidates.items():
-        search.progress(f"trying {' + '.join([*base.names, name])}")
-        best: Trial | None = None
-        for start in starts:
-            trial = search.run(
-                hypothesis(model, [*own, start], search.model),
-                cycles=SHORT,
-                iterations=24,  # most stop far earlier; one that is still falling must not be ranked yet
-                tolerance=1e-2,
-                rounds=1,
-                windows_of=base,
-                worst=0.985 * base.fit.cost if base.excess > CLEAN else 1.01 * base.fit.cost,
-            )
-            if trial is not None and (best is None or trial.fit.cost < best.fit.cost):
-                best = trial
-        if best is not None:
-            found.append(best)
-    search.screened += found
-    return sorted(found, key=lambda one: one.bic)
+    lines = search.submit(_lines, base, tuple(n for n in PERIODIC if n not in skip), search.ripples)
+
+    def starts() -> Iterator[tuple[str, Start]]:
+        for name in CATALOGUE:
+            if name not in skip and name not in PERIODIC:
+                yield from ((name, start) for start in shapes(name, search.data))
+        found, search.ripples = lines.result()
+        yield from found
+
+    tried, best = [], dict[str, Trial]()
+
+    def take(name: str, trial: Trial | None) -> None:
+        if trial is not None and (name not in best or trial.fit.cost < best[name].fit.cost):
+            best[name] = trial
+
+    def say(one: tuple[str, Start]) -> str:
+        return f"trying {' + '.join([*base.names, one[0]])}"
+
+    for one, task in each(search, partial(_screened, base=base), starts(), say):
+        tried.append(one)
+        take(one[0], task.result())
+    if _stuck(base, best.values()):
+        stalled = [
+            one for one in tried if one[0] not in best or best[one[0]].fit.cost > MOVED * base.fit.cost
+        ]
+        for one, task in each(search, partial(_screened, base=base, afresh=True), stalled, say):
+            take(one[0], task.result())
+    search.screened += best.values()
+    return sorted(best.values(), key=lambda one: one.bic)
 
 
-def _ripples(search: Search, base: Trial) -> list[Start]:
-    """Lines in the sticks, of the block itself where the base has an effect of its sensor."""
-    if any(CATALOGUE[name].where == "x1 channel" for name in base.names if name in CATALOGUE):
-        return ripple_starts(freed_of_sensor(base.fit))
-    if search.ripples is None:
-        search.ripples = ripple_starts(search.data)
-    return search.ripples
+def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
+    """Do all leave most of what the base leaves? Then the base may be in a place that no way leads out of."""
+    least = min((one.chi2 for one in trials), default=base.chi2)
+    return base.excess > CLEAN and least - 1 > STUCK * (base.chi2 - 1)
+
+
+def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
+    """An effect added to the base, from the base's law or `afresh` from the declared one."""
+    model = search.model if afresh else base.hypothesis.model
+    return search.run(
+        hypothesis(model, [*starts_of(base), one[1]], search.model),
+        cycles=SHORT,
+        iterations=24,  # most stop far earlier; one that is still falling must not be ranked yet
+        tolerance=1e-2,
+        rounds=1,
+        windows_of=base,
+        worst=0.985 * base.fit.cost if base.excess > CLEAN else 1.01 * base.fit.cost,
+    )
+
+
+def _lines(
+    search: Search, base: Trial, names: Sequence[str], ripples: list[Start] | None
+) -> tuple[list[tuple[str, Start]], list[Start] | None]:
+    """Starts of periodic effects, and the ripples that the readings themselves show, sought if they are not known."""
+    found = periodic_starts(base.fit, names)
+    if "belt_speed_ripple" in found:
+        # lines in the sticks: of the block itself where the base has an effect of its sensor
+        if any(CATALOGUE[name].where == "x1 channel" for name in base.names if name in CATALOGUE):
+            found["belt_speed_ripple"] += ripple_starts(freed_of_sensor(base.fit))
+        else:
+            ripples = ripple_starts(search.data) if ripples is None else ripples
+            found["belt_speed_ripple"] += ripples
+    return [(name, start) for name, some in found.items() for start in some], ripples
 
 
 def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
@@ -88,15 +121,15 @@ def polished(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tri
 def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Trial]:
     """The most promising trials fitted closely on short windows, best first; hopeless ones are left out."""
     close: list[Trial] = []
-    for trial in trials[:most]:
+    say = lambda trial: f"fitting {' + '.join(trial.names)} closely"  # noqa: E731
+    for trial, task in each(search, Search.close, trials[:most], say):
         if close and (search.left < 0 or trial.fit.cost > FARTHEST * close[0].fit.cost):
             break
         least = min(close, key=lambda one: one.fit.cost, default=trial)
         far = FAR if len(close) >= 2 else BEYOND
         if close and least.excess < CLEAN and trial.fit.cost > far * least.fit.cost:
             break
-        search.progress(f"fitting {' + '.join(trial.names)} closely")
-        close.append(search.close(trial))
+        close.append(task.result())
         if min(one.excess for one in close) < CLEAN and len(close) >= 3:
             break
     for one in close:
@@ -107,15 +140,20 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
 def deepened(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     """The two best trials shaken out of poor minima where they are left above the noise; best first."""
     out, best = list(trials), None
-    for i in [i for i, one in enumerate(trials) if one.names][:2]:
+    chosen = [i for i, one in enumerate(trials) if one.names][:2]
+    for i, task in each(search, partial(_polished, trials=trials), chosen):
         if best is not None and (best.excess < CLEAN or out[i].fit.cost > 3 * best.fit.cost):
             break
         if out[i].excess > CLEAN:
             search.progress(f"fitting {' + '.join(out[i].names)} from other sides")
-            out[i] = search.polish(out[i])
+            out[i] = task.result()
             search.keep(out[i], tuple(sorted(out[i].names)))
         best = out[i]
     return sorted(out, key=lambda one: one.bic)
+
+
+def _polished(search: Search, i: int, *, trials: Sequence[Trial]) -> Trial:
+    return search.polish(trials[i])
 
 
 def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4) -> list[Trial]:
@@ -124,16 +162,19 @@ def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4)
     A curve that reaches the noise has every window on the right side of its transitions.
     """
     out = list(trials)
-    for i, trial in enumerate(trials[:most]):
-        if len(trial.names) != 1:
-            continue
-        search.progress(f"fitting {trial.names[0]} from where the curve is")
-        h = hypothesis(curve.hypothesis.model, starts_of(trial), search.model)
-        again = search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, anyway=True)
-        if again is not None and again.fit.cost < trial.fit.cost:
+    singles = [i for i, trial in enumerate(trials[:most]) if len(trial.names) == 1]
+    say = lambda i: f"fitting {trials[i].names[0]} from where the curve is"  # noqa: E731
+    for i, task in each(search, partial(_beside, trials=trials, curve=curve), singles, say):
+        again = task.result()
+        if again is not None and again.fit.cost < out[i].fit.cost:
             out[i] = again
             search.keep(again, again.names)
     return sorted(out, key=lambda one: one.bic)
+
+
+def _beside(search: Search, i: int, *, trials: Sequence[Trial], curve: Trial) -> Trial | None:
+    h = hypothesis(curve.hypothesis.model, starts_of(trials[i]), search.model)
+    return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, anyway=True)
 
 
 def decide_single(search: Search) -> list[Trial]:
@@ -180,15 +221,19 @@ def _astray(pairs: Sequence[Trial], null: Trial) -> bool:
 def _eliminated(search: Search, pair: Trial) -> list[Trial]:
     """Each effect of a pair alone, refitted from where the pair is."""
     out = []
-    for start in starts_of(pair):
-        search.progress(f"fitting {start.term.name} without its partner")
-        h = hypothesis(pair.hypothesis.model, [start], search.model)
-        worst = ALONE * (pair.fit.cost + MARGIN)
-        alone = search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, worst=worst, anyway=True)
+    say = lambda start: f"fitting {start.term.name} without its partner"  # noqa: E731
+    for _, task in each(search, partial(_alone, pair=pair), starts_of(pair), say):
+        alone = task.result()
         if alone is not None:
             out.append(alone)
             search.keep(alone, alone.names)
     return out
+
+
+def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
+    h = hypothesis(pair.hypothesis.model, [start], search.model)
+    worst = ALONE * (pair.fit.cost + MARGIN)
+    return search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, worst=worst, anyway=True)
 
 
 def settled(search: Search, trial: Trial) -> Trial:

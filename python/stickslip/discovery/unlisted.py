@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
 
 Floats = NDArray[np.float64]
@@ -137,45 +139,41 @@ def gain(base: Trial, term: Term) -> float:
     return float(g @ np.linalg.lstsq(A, g, rcond=1e-12)[0] - law)
 
 
-def learn(
-    search: Search, base: Trial, progress: Callable[[str], None], most: int = 6, beat: Trial | None = None
-) -> list[tuple[Term, Trial]]:
+def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None) -> list[tuple[Term, Trial]]:
     """Curves added to `base`: screened by their scores, the best `most` fitted, the best two closely; best first.
 
     One that does no better than `beat` is not fitted closely.
     """
-    promised = []
-    for term in terms(base):
-        progress(f"scoring a curve: {term.where} against {term.variable}")
-        promised.append((gain(base, term), term))
-    promised.sort(key=lambda one: -one[0])
+    say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
+    scores = each(search, partial(_scored, base=base), terms(base), say)
+    promised = sorted(((task.result(), term) for term, task in scores), key=lambda one: -one[0])
     found: list[tuple[Term, Trial]] = []
-    quick = {"iterations": 12, "tolerance": 1e-3, "rounds": 1, "worst": 0.98 * base.fit.cost}
-    for i, (_, term) in enumerate(promised[:most]):
+    say = lambda term: f"learning a curve: {term.where} against {term.variable}"  # noqa: E731
+    quick = partial(_quickly, base=base, first=promised[0][1])
+    for term, task in each(search, quick, [term for _, term in promised[:most]], say):
         if search.left < 0.05 * search.budget and found:
             break
-        progress(f"learning a curve: {term.where} against {term.variable}")
-        patient = {"iterations": 60, "rounds": 3}  # far from the readings the way down begins flat
-        trial = with_term(search, base, term, **(quick if i else patient))
+        trial = task.result()
         if trial is not None:
             found.append((term, trial))
     found.sort(key=lambda one: one[1].bic)
     close = []
-    for term, trial in _worth(found, promised[0][1], beat):
-        progress(f"learning closely: {term.where} against {term.variable}")
-        close.append((term, search.polish(trial, turns=1)))
+    tell = lambda one: f"learning closely: {one[0].where} against {one[0].variable}"  # noqa: E731
+    for (term, _), polished in each(search, _closely, _worth(found, promised[0][1], beat), tell):
+        close.append((term, polished.result()))
         if close[-1][1].excess < CLEAN:
             break
     close.sort(key=lambda one: one[1].bic)
     fine = []
-    for one in close:  # which place it is may show only once the curve is fine enough
+    for one, finer in each(search, partial(_finer, base=base), close):
+        # which place it is may show only once the curve is fine enough
         if close[0][1].excess < CLEAN or search.left < 0 or one[1].fit.cost > 0.7 * base.fit.cost:
             break
-        finer = _finer(search, base, one)
-        if finer is not one:
-            fine.append(finer)
-        if finer[1].excess < CLEAN:
-            break
+        better = finer.result()
+        if better is not None:
+            fine.append(better)
+            if better[1].excess < CLEAN:
+                break
     done = {term for term, _ in close}
     return sorted([*close, *fine, *(one for one in found if one[0] not in done)], key=lambda one: one[1].bic)
 
@@ -190,19 +188,34 @@ def _worth(
             yield term, trial
 
 
-def _finer(search: Search, base: Trial, coarse: tuple[Term, Trial]) -> tuple[Term, Trial]:
-    """The same curve on more knots, started from the coarse one."""
+def _scored(_: Search, term: Term, *, base: Trial) -> float:
+    return gain(base, term)
+
+
+def _quickly(search: Search, term: Term, *, base: Trial, first: Term) -> Trial | None:
+    """A curve fitted crudely; the first patiently: far from the readings the way down begins flat."""
+    if term == first:
+        return with_term(search, base, term, iterations=60, rounds=3)
+    return with_term(search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=0.98 * base.fit.cost)
+
+
+def _closely(search: Search, one: tuple[Term, Trial]) -> Trial:
+    return search.polish(one[1], turns=1)
+
+
+def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:
+    """The same curve on more knots, started afresh, if that is better."""
     term, trial = coarse
     visited = np.array([term.knots[1], term.knots[-2]])
     fine = Term(term.where, term.variable, knots_for(visited, FINE))
     added = with_term(search, base, fine, iterations=25, rounds=2)
     if added is None:
-        return coarse
+        return None
     if added.chi2 - 1 < RESOLVED * (
         trial.chi2 - 1
     ):  # else it is not for knots that the coarse one fits badly
         added = search.polish(added, turns=1)
-    return (fine, added) if added.bic < trial.bic else coarse
+    return (fine, added) if added.bic < trial.bic else None
 
 
 def curve(term: Term, trial: Trial) -> Curve:

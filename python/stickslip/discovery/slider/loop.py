@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip.catalogue import KINDS
 from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Rival, Verdict
@@ -53,12 +52,8 @@ def discover(
     InputError
         Too few events, or a belt that stands still.
     """
-    with threadpool_limits(1):  # many small matrices: threads would only wait for each other
-        return _discover(case, progress or (lambda _: None), seed, draws)
-
-
-def _discover(case: Case, tell: Callable[[str], None], seed: int, draws: int) -> Found:
     began = time.monotonic()
+    tell = progress or (lambda _: None)
     tell("finding events")
     train, validate = ([measure(prepare(one)) for one in runs] for runs in (case.train, case.validate))
     idle = _idle(case.train, train)

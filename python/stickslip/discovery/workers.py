@@ -1,0 +1,137 @@
+"""Fits side by side, in processes of their own: most of a fit is Python, which threads do not share."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from stickslip.discovery.search import Search
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+Got = TypeVar("Got", covariant=True)
+Rest = ParamSpec("Rest")
+IDLE = 20.0  # seconds after which processes that nobody asks for anything end
+ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+class Task(Protocol[Got]):
+    """What was handed out."""
+
+    def result(self) -> Got:
+        """Wait for it."""
+
+    def cancel(self) -> None:
+        """Nobody needs it."""
+
+
+class Workers:
+    """Processes to fit in; none where there is but one core to use, or the machine does not let us have them."""
+
+    def __init__(self, count: int) -> None:
+        self.count = min(count, os.cpu_count() or 1)
+        self._pool = _pool(self.count) if self.count > 1 else None
+
+    def submit(
+        self,
+        search: Search,
+        function: Callable[Concatenate[Search, Rest], Result],
+        *args: Rest.args,
+        **options: Rest.kwargs,
+    ) -> Task[Result]:
+        """Have function(search, ...) computed elsewhere; what it does to the search itself is lost."""
+        here = lambda: function(search, *args, **options)  # noqa: E731
+        if self._pool is None:
+            return _Later(here)
+        return _Elsewhere(self._pool.submit(_timed, search.away(), function, args, options), search, here)
+
+    def stop(self) -> None:
+        """End the processes at once, whatever they are at."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=False, kill_workers=True)
+
+
+class _Later:
+    """Computed here, when it is asked for."""
+
+    def __init__(self, compute: Callable[[], Any]) -> None:
+        self.result = compute
+
+    def cancel(self) -> None:
+        """Was not begun."""
+
+
+class _Elsewhere:
+    """Computed by another process; here, if that dies."""
+
+    def __init__(self, future: Any, search: Search, here: Callable[[], Any]) -> None:
+        self._future, self._search, self._here = future, search, here
+
+    def result(self) -> Any:
+        try:
+            value, seconds = self._future.result()
+        except BrokenExecutor:
+            return self._here()
+        self._search.back(value, seconds)
+        return value
+
+    def cancel(self) -> None:
+        self._future.cancel()
+
+
+def each(
+    search: Search,
+    function: Callable[[Search, Item], Result],
+    items: Iterable[Item],
+    say: Callable[[Item], str] | None = None,
+) -> Iterator[tuple[Item, Task[Result]]]:
+    """Items with function(search, item) as tasks, in their order; some are begun before they are asked for."""
+    todo, under_way = iter(items), deque[tuple[Item, Task[Result]]]()
+    try:
+        while True:
+            for item in todo:
+                if say is not None:
+                    search.progress(say(item))
+                under_way.append((item, search.submit(function, item)))
+                if len(under_way) >= search.at_once:
+                    break
+            if not under_way:
+                return
+            yield under_way.popleft()
+    finally:
+        for _, task in under_way:
+            task.cancel()
+
+
+def _pool(count: int) -> Any:
+    """A pool of processes, or None where the system has no semaphores for it or we are a process that may not fork."""
+    from loky import get_reusable_executor  # type: ignore[import-untyped]
+
+    if multiprocessing.current_process().daemon:
+        return None
+    try:
+        pool = get_reusable_executor(count, timeout=IDLE, env=ONE, initializer=_ready)
+        pool.submit(_ready)  # start them now: they take a second to come
+    except (OSError, ImportError, NotImplementedError):
+        return None
+    return pool
+
+
+def _ready() -> None:
+    """What a worker needs later, loaded."""
+    import scipy.signal  # noqa: F401
+
+    import stickslip.discovery.loop  # noqa: F401
+
+
+def _timed(
+    search: Search, function: Callable[..., Result], args: tuple[Any, ...], options: dict[str, Any]
+) -> tuple[Result, float]:
+    search.began = began = time.process_time()
+    return function(search, *args, **options), time.process_time() - began

@@ -1,0 +1,161 @@
+"""Fits in other processes: the same numbers, in order, their time counted, and what happens when a process dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from discover_cases import RIG, make_case
+from stickslip.discovery import trace, workers
+from stickslip.discovery.data import prepare
+from stickslip.discovery.loop import discover
+from stickslip.discovery.search import Search
+from stickslip.discovery.trace import _stuck, declared, screen
+from stickslip.discovery.workers import Workers, each
+from stickslip.effects import effect
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
+
+
+@pytest.fixture(scope="module")
+def data():
+    return prepare(make_case((effect("spring_cubic_k2", k=6.0),)).train[:2])
+
+
+def search_in(data, processes, budget=1e6):
+    return Search(
+        data,
+        Model(RIG, friction=PaperFriction()),
+        processes,
+        lambda _: None,
+        budget,
+        workers=Workers(processes),
+    )
+
+
+def square(_search, number):
+    return number * number
+
+
+def busy(_search, seconds):
+    begin = time.process_time()
+    while time.process_time() - begin < seconds:
+        pass
+    return os.getpid()
+
+
+def dies_elsewhere(_search, parent):
+    if os.getpid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "here"
+
+
+def test_a_worker_finds_the_same_numbers_on_our_data(data):
+    here, there = search_in(data, 1), search_in(data, 2)
+    base = [declared(search) for search in (here, there)]
+    alone, beside = screen(here, base[0]), screen(there, base[1])
+    assert [one.names for one in alone] == [one.names for one in beside]
+    for one, other in zip(alone, beside, strict=True):
+        assert np.array_equal(one.fit.vector, other.fit.vector)
+        assert one.fit.cost == other.fit.cost
+        assert other.fit.engine.data is there.data
+        assert other.fit.engine.threads == 2
+    assert alone[0].names == ("spring_cubic_k2",)
+    assert there.spent > 0 == here.spent
+
+
+def test_results_come_in_order_and_are_computed_elsewhere(data):
+    search = search_in(data, 2)
+    assert [task.result() for _, task in each(search, square, range(7))] == [k * k for k in range(7)]
+    assert all(task.result() != os.getpid() for _, task in each(search, busy, [0.0, 0.0]))
+
+
+def test_alone_only_what_is_asked_for_is_computed(data):
+    search, done, said = search_in(data, 1), [], []
+    search.progress = said.append
+    for k, task in each(search, lambda _, k: done.append(k), range(5), str):
+        if k == 2:
+            break
+        task.result()
+    assert done == [0, 1]
+    assert said == ["0", "1", "2"]
+
+
+def test_what_is_not_needed_any_more_is_cancelled():
+    cancelled = []
+
+    def submit(_function, item):
+        return SimpleNamespace(result=lambda: item, cancel=lambda: cancelled.append(item))
+
+    search = SimpleNamespace(submit=submit, at_once=3, progress=lambda _: None)
+    for k, _ in each(search, square, range(9)):
+        if k == 1:
+            break
+    assert cancelled == [2, 3]
+
+
+def test_the_time_of_workers_is_off_the_budget(data):
+    search = search_in(data, 2, budget=100.0)
+    before = search.left
+    search.submit(busy, 0.5).result()
+    assert 0.5 <= before - search.left < 5.0
+    assert search.away().budget == pytest.approx(search.left, abs=0.5)
+
+
+def test_what_a_dead_worker_was_at_is_computed_here(data):
+    search = search_in(data, 2)
+    assert search.submit(dies_elsewhere, os.getpid()).result() == "here"
+    assert [task.result() for _, task in each(search_in(data, 2), square, [3, 4])] == [9, 16]
+
+
+def test_without_semaphores_there_are_no_workers(data, monkeypatch):
+    def missing(*_, **__):
+        raise OSError("no /dev/shm")
+
+    monkeypatch.setattr("loky.get_reusable_executor", missing)
+    search = search_in(data, 2)
+    assert search.submit(busy, 0.0).result() == os.getpid()
+
+
+def test_an_interrupt_ends_the_workers(monkeypatch):
+    stopped = []
+    monkeypatch.setattr(workers.Workers, "stop", lambda self: stopped.append(self))
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        discover(make_case(), progress=interrupt)
+    assert len(stopped) == 1
+
+
+def trial(chi2, excess=100.0):
+    return SimpleNamespace(chi2=chi2, excess=excess)
+
+
+def test_a_base_is_stuck_where_all_rivals_leave_most_of_what_it_leaves():
+    assert _stuck(trial(101.0), [trial(60.0), trial(99.0)])
+    assert not _stuck(trial(101.0), [trial(40.0), trial(99.0)])
+    assert not _stuck(trial(1.01, excess=1.0), [trial(1.01)])
+
+
+def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_law(data, monkeypatch):
+    search, tried = search_in(data, 1), []
+    base = declared(search)
+
+    def run(_search, one, *, base, afresh=False):
+        tried.append((one[0], afresh))
+        moved = {"static_aging": 0.6, "sensor_lag": 0.2 if afresh else 1.0}.get(one[0], 1.0)
+        fit = SimpleNamespace(cost=moved * base.fit.cost)
+        return SimpleNamespace(names=(one[0],), fit=fit, chi2=moved * base.chi2, bic=moved)
+
+    monkeypatch.setattr(trace, "_screened", run)
+    found = screen(search, base)
+    assert [one.names for one in found[:2]] == [("sensor_lag",), ("static_aging",)]
+    assert ("static_aging", True) not in tried
+    assert {("sensor_lag", True), ("belt_seam", False), ("belt_seam", True)} <= set(tried)
