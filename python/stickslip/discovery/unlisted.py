@@ -25,6 +25,7 @@ PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
 RESOLVED = 0.8  # of the excess of a coarse curve: what finer knots must leave less than, to be fitted closely
+SLOW = 0.15  # share of the fastest slip within which the knots of a curve in v_w are nearly even
 TERMS = {
     "block": ("x1", "x2", "y1", "y2", "t"),
     "angle_body": ("y1", "y2", "x1", "x2", "t"),
@@ -67,14 +68,24 @@ def ranges(trial: Trial) -> dict[str, Floats]:
     return {name: np.concatenate(values) for name, values in seen.items()}
 
 
-def knots_for(values: Floats, count: int) -> tuple[float, ...]:
-    """Even knots over what was visited, but for its rarest thousandth, and one more beyond each end.
+def knots_for(values: Floats, count: int, variable: str = "") -> tuple[float, ...]:
+    """Knots over what was visited, but for its rarest thousandth, and one more beyond each end.
 
+    They are even, but for v_w: friction changes most where the contact hardly slips, so that knots lie closer there.
     A natural spline has no curvature at its last knots: these must not lie where the readings are.
     """
     low, high = np.quantile(values, [0.001, 0.999])
+    if variable != "v_w":
+        return tuple(_stretched(low, high, count).tolist())
+    slow = SLOW * max(abs(low), abs(high))
+    even = _stretched(np.arcsinh(low / slow), np.arcsinh(high / slow), count)
+    return tuple((slow * np.sinh(even)).tolist())
+
+
+def _stretched(low: float, high: float, count: int) -> Floats:
+    """Even numbers from low to high, and one more beyond each end."""
     step = (high - low) / (count - 1)
-    return tuple(np.linspace(low - step, high + step, count + 2).tolist())
+    return np.linspace(low - step, high + step, count + 2)
 
 
 def terms(trial: Trial, count: int = KNOTS) -> Iterator[Term]:
@@ -82,7 +93,7 @@ def terms(trial: Trial, count: int = KNOTS) -> Iterator[Term]:
     seen = ranges(trial)
     for where, variables in TERMS.items():
         for variable in variables:
-            yield Term(where, variable, knots_for(seen[variable], count))
+            yield Term(where, variable, knots_for(seen[variable], count, variable))
     for channel, variables in READINGS.items():
         for variable in variables:
             yield Term(f"{channel} channel", variable, knots_for(seen[variable], count))
@@ -166,8 +177,13 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
     close.sort(key=lambda one: one[1].bic)
     fine = []
     for one, finer in each(search, partial(_finer, base=base), close):
-        # which place it is may show only once the curve is fine enough
-        if close[0][1].excess < CLEAN or search.left < 0 or one[1].fit.cost > 0.7 * base.fit.cost:
+        # which place it is may show only once the curve is fine enough; one within the noise may still be too smooth
+        clean = close[0][1].excess < CLEAN
+        if (
+            (clean and one is not close[0])
+            or search.left < 0
+            or (one[1].fit.cost > 0.7 * base.fit.cost and not clean)
+        ):
             break
         better = finer.result()
         if better is not None:
@@ -207,7 +223,7 @@ def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[
     """The same curve on more knots, started afresh, if that is better."""
     term, trial = coarse
     visited = np.array([term.knots[1], term.knots[-2]])
-    fine = Term(term.where, term.variable, knots_for(visited, FINE))
+    fine = Term(term.where, term.variable, knots_for(visited, FINE, term.variable))
     added = with_term(search, base, fine, iterations=25, rounds=2)
     if added is None:
         return None
