@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -53,6 +56,12 @@ def dies_elsewhere(_search, parent):
     if os.getpid() != parent:
         os.kill(os.getpid(), signal.SIGKILL)
     return "here"
+
+
+def runs(process):
+    """Is there such a process that is not over? Not every machine's first process buries the dead."""
+    stat = Path(f"/proc/{process}/stat")
+    return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 def test_a_worker_finds_the_same_numbers_on_our_data(data):
@@ -159,3 +168,25 @@ def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_
     assert [one.names for one in found[:2]] == [("sensor_lag",), ("static_aging",)]
     assert ("static_aging", True) not in tried
     assert {("sensor_lag", True), ("belt_seam", False), ("belt_seam", True)} <= set(tried)
+
+
+def test_a_worker_ends_with_the_process_that_started_it(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import os, signal, sys\n"
+        "from stickslip.discovery.workers import Workers\n"
+        "class Search:\n"
+        "    def away(self): return self\n"
+        "    def back(self, value, seconds): pass\n"
+        "workers = Workers(2)\n"
+        "print(workers.submit(Search(), lambda _: os.getpid()).result(), flush=True)\n"
+        "workers.submit(Search(), lambda _: b'x' * 10_000_000)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    worker = int(done.stdout)
+    assert done.returncode == -signal.SIGKILL
+    end = time.monotonic() + 30
+    while runs(worker) and time.monotonic() < end:
+        time.sleep(0.2)
+    assert not runs(worker)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import unlisted
-from stickslip.discovery.unlisted import PROMISING, Term, _worth, learn
+from stickslip.discovery.unlisted import PROMISING, STALLED, Term, _worth, learn
 
 TERMS = {variable: Term("block", variable, (0.0, 1.0)) for variable in ("x1", "x2", "y1", "y2")}
 
@@ -36,6 +36,11 @@ def test_a_curve_that_comes_nowhere_near_the_names_is_not():
 def test_what_promised_most_is_though_its_fit_stalled():
     assert worth("y1", 2.0, x1=0.5, x2=1.0, y1=1.9) == ["x1", "x2", "y1"]
     assert worth("x1", 2.0, x1=1.9, x2=1.95) == ["x1"]
+
+
+def test_what_promised_most_is_not_where_it_is_hopeless():
+    assert worth("x1", 2.0, x1=1.99 * STALLED) == ["x1"]
+    assert worth("x1", 2.0, x1=2.01 * STALLED) == []
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -49,6 +50,7 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
+MOST_CORES = 8  # what a search can keep busy
 FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
 WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
@@ -59,7 +61,7 @@ def discover(
     case: Case,
     *,
     progress: Callable[[str], None] | None = None,
-    threads: int = 2,
+    threads: int | None = None,
     seed: int = 0,
     budget: float = BUDGET,
 ) -> Found:
@@ -72,7 +74,8 @@ def discover(
     progress
         Told what is being tried, a sentence at a time.
     threads
-        Cores to use: rivals are fitted side by side in as many processes, the windows of one fit in as many threads.
+        Cores to use, all (but at most 8) if not given: rivals are fitted side by side in as many processes, the windows
+        of one fit in as many threads. The result does not depend on it.
     seed
         Of the bootstrap and of the floor's noise.
     budget
@@ -100,9 +103,10 @@ def discover(
             return slider.discover(case, progress=progress, seed=seed)
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
-        workers = Workers(threads)
+        cores = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
+        workers = Workers(cores)
         try:
-            return _discover(case, tell, threads, seed, budget, began, workers)
+            return _discover(case, tell, cores, seed, budget, began, workers)
         except BaseException:
             workers.stop()
             raise
@@ -158,7 +162,10 @@ def _found(
     began: float,
     notes: tuple[str, ...] = (),
 ) -> Found:
-    before, after = _final(search, choice.null), _final(search, choice.trial)
+    task = search.submit(_final, choice.null)
+    after = None if choice.trial is choice.null else _final(search, choice.trial)
+    before = task.result()
+    after = before if after is None else after
     before_model, after_model = _model(case, before), _model(case, after)
     tell("forecasting the validate runs")
     error, forecasts = error_block(before_model, after_model, validate, case.validate, search.threads, seed)

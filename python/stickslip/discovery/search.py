@@ -173,9 +173,9 @@ class Search:
         if trial is not None and (key not in self.tried or trial.fit.cost < self.tried[key].fit.cost):
             self.tried[key] = trial
 
-    def polish(self, trial: Trial, turns: int = 2) -> Trial:
-        """The trial closely fitted on short windows; long windows in between shake it out of poor minima."""
-        best, idle = self.close(trial), 0
+    def polish(self, trial: Trial, turns: int = 2, closed: bool = False) -> Trial:
+        """The trial closely fitted on short windows, if not yet; long ones in between shake it out of poor minima."""
+        best, idle = trial if closed else self.close(trial), 0
         for turn in range(turns + 2):
             if best.excess < CLEAN or best.chi2 > (NEAR if turn < turns else ALMOST) or self.left < 0:
                 break

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 
@@ -20,11 +21,15 @@ Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 BEYOND = 3.0  # and the same for the second of all
 ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
-ANOTHER = 20.0  # processor seconds for the pairs of one effect
+ANOTHER = 45.0  # processor seconds for the pairs of one effect: a screen cut short misses what comes late in the list
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
+AFRESH = 25.0  # processor seconds for these
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
+HOPELESS = (
+    2.0  # of the cost of a pair: an effect of it that alone leaves more after a few steps will not come near
+)
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -50,7 +55,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     lines = search.submit(_lines, base, tuple(n for n in PERIODIC if n not in skip), search.ripples)
 
     def starts() -> Iterator[tuple[str, Start]]:
-        for name in CATALOGUE:
+        for name in _promising_first(search):
             if name not in skip and name not in PERIODIC:
                 yield from ((name, start) for start in shapes(name, search.data))
         found, search.ripples = lines.result()
@@ -69,6 +74,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
         tried.append(one)
         take(one[0], task.result())
     if _stuck(base, best.values()):
+        search.extend(AFRESH)
         stalled = [
             one for one in tried if one[0] not in best or best[one[0]].fit.cost > MOVED * base.fit.cost
         ]
@@ -76,6 +82,12 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
             take(one[0], task.result())
     search.screened += best.values()
     return sorted(best.values(), key=lambda one: one.bic)
+
+
+def _promising_first(search: Search) -> list[str]:
+    """The catalogue in the order in which its effects alone explained most: time may run out."""
+    alone = {one.names[0]: one.fit.cost for one in reversed(search.screened) if len(one.names) == 1}
+    return sorted(CATALOGUE, key=lambda name: alone.get(name, math.inf))
 
 
 def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
@@ -138,7 +150,7 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
 
 
 def deepened(search: Search, trials: Sequence[Trial]) -> list[Trial]:
-    """The two best trials shaken out of poor minima where they are left above the noise; best first."""
+    """The two best trials, closely fitted, shaken out of poor minima where they are above the noise; best first."""
     out, best = list(trials), None
     chosen = [i for i, one in enumerate(trials) if one.names][:2]
     for i, task in each(search, partial(_polished, trials=trials), chosen):
@@ -153,7 +165,7 @@ def deepened(search: Search, trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _polished(search: Search, i: int, *, trials: Sequence[Trial]) -> Trial:
-    return search.polish(trials[i])
+    return search.polish(trials[i], closed=True)
 
 
 def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4) -> list[Trial]:
@@ -232,8 +244,13 @@ def _eliminated(search: Search, pair: Trial) -> list[Trial]:
 
 def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
     h = hypothesis(pair.hypothesis.model, [start], search.model)
+    crude = search.run(h, cycles=SHORT, windows_of=pair, tolerance=1e-2, iterations=4, rounds=0, anyway=True)
+    if crude is None or crude.fit.cost > HOPELESS * pair.fit.cost:
+        return crude
     worst = ALONE * (pair.fit.cost + MARGIN)
-    return search.run(h, cycles=SHORT, windows_of=pair, tolerance=2e-5, worst=worst, anyway=True)
+    return search.run(
+        crude.hypothesis, cycles=SHORT, windows_of=crude, tolerance=2e-5, worst=worst, anyway=True
+    )
 
 
 def settled(search: Search, trial: Trial) -> Trial:

@@ -24,6 +24,7 @@ KNOTS, FINE = 7, 15
 PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
+STALLED = 12.0  # and so much for the one that promised most
 RESOLVED = 0.8  # of the excess of a coarse curve: what finer knots must leave less than, to be fitted closely
 SLOW = 0.15  # share of the fastest slip within which the knots of a curve in v_w are nearly even
 TERMS = {
@@ -199,8 +200,8 @@ def _worth(
 ) -> Iterator[tuple[Term, Trial]]:
     """What to fit closely: the two best, where they come near `beat`; and what promised most, though it stalled."""
     for i, (term, trial) in enumerate(found):
-        near = beat is None or trial.chi2 - 1 <= PROMISING * (beat.chi2 - 1)
-        if (i < 2 and near) or term == promised:
+        left = 0.0 if beat is None else (trial.chi2 - 1) / max(beat.chi2 - 1, 1e-9)
+        if (i < 2 and left <= PROMISING) or (term == promised and left <= STALLED):
             yield term, trial
 
 
@@ -227,9 +228,8 @@ def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[
     added = with_term(search, base, fine, iterations=25, rounds=2)
     if added is None:
         return None
-    if added.chi2 - 1 < RESOLVED * (
-        trial.chi2 - 1
-    ):  # else it is not for knots that the coarse one fits badly
+    # else it is not for knots that the coarse one fits badly
+    if added.bic < trial.bic or added.chi2 - 1 < RESOLVED * (trial.chi2 - 1):
         added = search.polish(added, turns=1)
     return (fine, added) if added.bic < trial.bic else None
 

@@ -1,0 +1,174 @@
+"""When tracing goes on and when it gives up: rivals far off, pairs astray, knots that change nothing."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from stickslip.discovery import trace, unlisted
+from stickslip.discovery.trace import (
+    ALONE,
+    ANOTHER,
+    ASTRAY,
+    BEYOND,
+    FAR,
+    FARTHEST,
+    HOPELESS,
+    MARGIN,
+    closely,
+    decide_pairs,
+)
+from stickslip.discovery.unlisted import KNOTS, RESOLVED, Term, _finer, knots_for
+
+CLEAN_COST = 1000.0
+
+
+def trial(names, cost, excess=100.0, bic=None):
+    return SimpleNamespace(
+        names=names, fit=SimpleNamespace(cost=cost), excess=excess, bic=cost if bic is None else bic,
+        chi2=cost / CLEAN_COST, hypothesis=SimpleNamespace(model=None),
+    )  # fmt: skip
+
+
+class Search:
+    """One that computes a task where it is asked for, and notes what it was asked."""
+
+    def __init__(self, left=1e6, budget=1e6):
+        self.left, self.budget, self.at_once = left, budget, 1
+        self.model, self.data = None, []
+        self.tried, self.fitted, self.extended, self.options = {}, [], [], []
+
+    def progress(self, _):
+        pass
+
+    def submit(self, function, *args):
+        if function is trace.Search.close:
+            function = Search.close
+        return SimpleNamespace(result=lambda: function(self, *args), cancel=lambda: None)
+
+    def close(self, one):
+        self.fitted.append(one.names)
+        return one
+
+    def keep(self, one, key):
+        self.tried[key] = one
+
+    def extend(self, seconds):
+        self.extended.append(seconds)
+
+    def run(self, _h, **options):
+        self.options.append(options)
+
+
+@pytest.mark.parametrize(
+    ("costs", "clean", "fitted"),
+    [
+        ((1000, 1000 * BEYOND * 0.99, 1000 * BEYOND * 1.01), True, 2),  # the third is measured by FAR
+        ((1000, 1000 * FAR * 1.5), True, 2),  # the second of all has more patience than that
+        ((1000, 1000 * BEYOND * 1.01), True, 1),
+        ((1000, 1010, 1000 * FAR * 0.99), True, 3),
+        ((1000, 1010, 1000 * FAR * 1.01), True, 2),
+        (
+            (1000, 1000 * FARTHEST * 0.99),
+            False,
+            2,
+        ),  # where the best is above the noise, all that is not absurd
+        ((1000, 1000 * FARTHEST * 1.01), False, 1),
+        ((1000, 1001, 1002, 1003), True, 3),
+        ((1000, 1001, 1002, 1003, 1004), False, 4),
+    ],
+)
+def test_which_rivals_are_fitted_closely(costs, clean, fitted):
+    search = Search()
+    trials = [trial((f"e{i}",), cost, 0.0 if clean and i == 0 else 100.0) for i, cost in enumerate(costs)]
+    assert closely(search, trials) == trials[:fitted]
+    assert search.fitted == [(f"e{i}",) for i in range(fitted)]
+    assert list(search.tried) == search.fitted
+
+
+def test_no_second_rival_is_fitted_when_the_time_is_up():
+    search = Search(left=-1.0)
+    closely(search, [trial(("a",), 1000), trial(("b",), 1001)])
+    assert search.fitted == [("a",)]
+
+
+def pairs_of(monkeypatch, left_by_pairs, *, left=10.0, budget=100.0):
+    """Bases whose pairs were sought, where the pairs on each leave this much of an excess of 9."""
+    search = Search(left, budget)
+    search.tried[()] = trial((), 10 * CLEAN_COST)
+    singles = [trial((name,), (3 + i) * CLEAN_COST) for i, name in enumerate("abc")]
+    sought = []
+
+    def screen(_search, base):
+        sought.append(base.names[0])
+        return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 9) * CLEAN_COST)]
+
+    monkeypatch.setattr(trace, "screen", screen)
+    monkeypatch.setattr(trace, "polished", lambda _, trials, **__: trials)
+    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    found = decide_pairs(search, singles)
+    return sought, search, found
+
+
+def test_pairs_that_explain_everything_need_no_other_base(monkeypatch):
+    sought, search, found = pairs_of(monkeypatch, [0.0])
+    assert sought == ["a"]
+    assert search.extended == [ANOTHER]
+    assert found[0].names == ("a", "z")
+
+
+def test_pairs_that_leave_much_were_built_on_the_wrong_effect(monkeypatch):
+    sought, search, found = pairs_of(monkeypatch, [1.01 * ASTRAY, 0.0])
+    assert sought == ["a", "b"]
+    assert search.extended == [ANOTHER, ANOTHER]
+    assert found[0].names == ("b", "z")
+
+
+def test_pairs_that_leave_little_are_built_on_the_right_one(monkeypatch):
+    assert pairs_of(monkeypatch, [0.99 * ASTRAY])[0] == ["a"]
+    assert pairs_of(monkeypatch, [0.99 * ASTRAY] * 3, left=50.0)[0] == ["a", "b", "c"]  # there is time
+
+
+@pytest.mark.parametrize(("crude", "fits"), [(HOPELESS * 0.99, 2), (HOPELESS * 1.01, 1)])
+def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the_end(
+    monkeypatch, crude, fits
+):
+    search = Search()
+
+    def run(_h, **options):
+        search.options.append(options)
+        return trial(("a",), crude * 1000.0)
+
+    search.run = run
+    monkeypatch.setattr(trace, "starts_of", lambda _: [SimpleNamespace(term=SimpleNamespace(name="a"))])
+    monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
+    found = trace._eliminated(search, trial(("a", "b"), 1000.0))
+    assert [one.names for one in found] == [("a",)]
+    assert len(search.options) == fits
+    assert all(one["anyway"] for one in search.options)
+    assert [one["worst"] for one in search.options[1:]] == [ALONE * (1000.0 + MARGIN)] * (fits - 1)
+
+
+@pytest.mark.parametrize(("share", "bic", "polished"), [(0.99, 2000, 1), (1.01, 2000, 0), (1.01, 1300, 1)])
+def test_fine_knots_are_polished_where_they_change_something(monkeypatch, share, bic, polished):
+    coarse = trial(("t",), 1400.0, bic=1400)
+    added = trial(("t",), CLEAN_COST + share * RESOLVED * 400, bic=bic)
+    monkeypatch.setattr(unlisted, "with_term", lambda *_, **__: added)
+    asked = []
+    search = SimpleNamespace(polish=lambda one, turns: asked.append(turns) or one)
+    term = Term("block", "x1", knots_for([0.0, 1.0], KNOTS))
+    found = _finer(search, (term, coarse), base=coarse)
+    assert len(asked) == polished
+    assert (found is not None) == (bic < 1400)
+
+
+def test_partners_that_explained_most_alone_are_tried_first():
+    search = SimpleNamespace(
+        screened=[trial(("belt_seam",), 500.0), trial(("static_aging",), 300.0), trial(("a", "b"), 1.0)]
+    )
+    order = trace._promising_first(search)
+    assert order[:2] == ["static_aging", "belt_seam"]
+    assert sorted(order) == sorted(trace.CATALOGUE)
+    assert trace._promising_first(SimpleNamespace(screened=[])) == list(trace.CATALOGUE)
