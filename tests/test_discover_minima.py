@@ -13,6 +13,7 @@ from scipy.signal import savgol_filter
 from discover_cases import LAW, RIG, make_case
 from stickslip import _core
 from stickslip.discovery import unlisted
+from stickslip.discovery import windows as of_windows
 from stickslip.discovery.data import prepare
 from stickslip.discovery.engine import MOST_STEPS, Engine
 from stickslip.discovery.relax import relaxed, rephased
@@ -99,7 +100,8 @@ def from_stick(run: Recording) -> Recording:
     return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
 
 
-def test_a_window_that_starts_in_stick_does_not_know_for_how_long():
+def test_a_window_that_starts_in_stick_does_not_know_for_how_long(monkeypatch):
+    monkeypatch.setattr(of_windows, "EARLY", 0.0)  # keep the beginnings
     case = make_case((effect("static_aging", dT=0.8, tau=1.0),))
     data = prepare([from_stick(run) for run in case.train])
     h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.5, tau=1.5))])
@@ -113,6 +115,20 @@ def test_a_window_that_starts_in_stick_does_not_know_for_how_long():
     assert abs(found.per_reading - 1) < 5 * math.sqrt(2 / found.readings)
 
 
+def test_a_record_begins_with_its_first_slip_unless_that_is_late():
+    data = prepare(make_case().train)
+    h = hypothesis(Model(RIG, friction=LAW), [])
+    first = {w.run: w.start for w in reversed(cut(data, h.model, 1.0))}
+    assert [first[i] for i in range(len(data))] == [int(run.slips[0]) for run in data]
+    assert all(run.t[run.slips[0]] <= of_windows.EARLY * run.t[-1] for run in data)
+    late = [
+        replace(run, slips=run.slips[run.t[run.slips] > 1.01 * of_windows.EARLY * run.t[-1]]) for run in data
+    ]
+    few = [replace(run, slips=run.slips[: of_windows.FEWEST - 1]) for run in data]
+    for runs in (late, few):
+        assert {w.run for w in cut(runs, h.model, 1.0) if w.start == 0} == set(range(len(data)))
+
+
 def from_slow_slip(run: Recording) -> Recording:
     """The recording from where a slip has just begun: a quarter of the belt's speed off it, and faster soon."""
     off = np.abs(savgol_filter(run.x1, 7, 2, deriv=1, delta=0.05) - run.belt_speed) / abs(run.belt_speed)
@@ -122,7 +138,8 @@ def from_slow_slip(run: Recording) -> Recording:
     return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
 
 
-def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip():
+def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip(monkeypatch):
+    monkeypatch.setattr(of_windows, "EARLY", 0.0)  # keep the beginnings
     case = make_case((effect("static_aging", dT=0.8, tau=1.0),), noise=2e-4)
     data = prepare([from_slow_slip(run) for run in case.train])
     h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.8, tau=1.0))])

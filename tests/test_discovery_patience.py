@@ -115,14 +115,14 @@ def pairs_of(monkeypatch, left_by_pairs, *, left=10.0, budget=100.0):
 def test_pairs_that_explain_everything_need_no_other_base(monkeypatch):
     sought, search, found = pairs_of(monkeypatch, [0.0])
     assert sought == ["a"]
-    assert search.extended == [ANOTHER]
+    assert search.extended == [ANOTHER[0]]
     assert found[0].names == ("a", "z")
 
 
 def test_pairs_that_leave_much_were_built_on_the_wrong_effect(monkeypatch):
     sought, search, found = pairs_of(monkeypatch, [1.01 * ASTRAY, 0.0])
     assert sought == ["a", "b"]
-    assert search.extended == [ANOTHER, ANOTHER]
+    assert search.extended == list(ANOTHER)
     assert found[0].names == ("b", "z")
 
 

@@ -21,12 +21,11 @@ Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 BEYOND = 3.0  # and the same for the second of all
 ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
-ANOTHER = 45.0  # processor seconds for the pairs of one effect: a screen cut short misses what comes late in the list
+ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
-STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
-AFRESH = 25.0  # processor seconds for these
-MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
+AFRESH = 10.0  # processor seconds for these, at least
+MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move, and is tried afresh
 HOPELESS = (
     2.0  # of the cost of a pair: an effect of it that alone leaves more after a few steps will not come near
 )
@@ -75,9 +74,8 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
         take(one[0], task.result())
     if _stuck(base, best.values()):
         search.extend(AFRESH)
-        stalled = [
-            one for one in tried if one[0] not in best or best[one[0]].fit.cost > MOVED * base.fit.cost
-        ]
+        cost = {name: trial.fit.cost / base.fit.cost for name, trial in best.items()}
+        stalled = [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
         for one, task in each(search, partial(_screened, base=base, afresh=True), stalled, say):
             take(one[0], task.result())
     search.screened += best.values()
@@ -91,9 +89,8 @@ def _promising_first(search: Search) -> list[str]:
 
 
 def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
-    """Do all leave most of what the base leaves? Then the base may be in a place that no way leads out of."""
-    least = min((one.chi2 for one in trials), default=base.chi2)
-    return base.excess > CLEAN and least - 1 > STUCK * (base.chi2 - 1)
+    """Does nothing reach the noise? Then the base may be in a place that the right rival finds no way out of."""
+    return min(one.excess for one in (base, *trials)) > CLEAN
 
 
 def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
@@ -102,11 +99,13 @@ def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bo
     return search.run(
         hypothesis(model, [*starts_of(base), one[1]], search.model),
         cycles=SHORT,
-        iterations=24,  # most stop far earlier; one that is still falling must not be ranked yet
+        iterations=12
+        if afresh
+        else 24,  # most stop far earlier; one that is still falling must not be ranked yet
         tolerance=1e-2,
         rounds=1,
         windows_of=base,
-        worst=0.985 * base.fit.cost if base.excess > CLEAN else 1.01 * base.fit.cost,
+        worst=math.inf if afresh else (0.985 if base.excess > CLEAN else 1.01) * base.fit.cost,
     )
 
 
@@ -215,7 +214,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     for base in bases:
         if pairs and search.left < 0.3 * search.budget and not _astray(pairs, null):
             break
-        search.extend(ANOTHER)
+        search.extend(ANOTHER[bool(pairs)])
         pairs += polished(search, screen(search, base), most=3)
         if any(explained(one, null) for one in pairs):
             break

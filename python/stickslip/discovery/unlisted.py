@@ -171,7 +171,7 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
     found.sort(key=lambda one: one[1].bic)
     close = []
     tell = lambda one: f"learning closely: {one[0].where} against {one[0].variable}"  # noqa: E731
-    for (term, _), polished in each(search, _closely, _worth(found, promised[0][1], beat), tell):
+    for (term, *_), polished in each(search, _closely, _worth(found, promised[0][1], beat), tell):
         close.append((term, polished.result()))
         if close[-1][1].excess < CLEAN:
             break
@@ -197,12 +197,16 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
 
 def _worth(
     found: list[tuple[Term, Trial]], promised: Term, beat: Trial | None
-) -> Iterator[tuple[Term, Trial]]:
-    """What to fit closely: the two best, where they come near `beat`; and what promised most, though it stalled."""
+) -> Iterator[tuple[Term, Trial, int]]:
+    """What to fit closely, and in how many turns: the two best, where they come near `beat`; and what promised most,
+    though it stalled.
+    """
     for i, (term, trial) in enumerate(found):
         left = 0.0 if beat is None else (trial.chi2 - 1) / max(beat.chi2 - 1, 1e-9)
-        if (i < 2 and left <= PROMISING) or (term == promised and left <= STALLED):
-            yield term, trial
+        if i < 2 and left <= PROMISING:
+            yield term, trial, 1
+        elif term == promised and left <= STALLED:
+            yield term, trial, 0
 
 
 def _scored(_: Search, term: Term, *, base: Trial) -> float:
@@ -216,8 +220,8 @@ def _quickly(search: Search, term: Term, *, base: Trial, first: Term) -> Trial |
     return with_term(search, base, term, iterations=12, tolerance=1e-3, rounds=1, worst=0.98 * base.fit.cost)
 
 
-def _closely(search: Search, one: tuple[Term, Trial]) -> Trial:
-    return search.polish(one[1], turns=1)
+def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
+    return search.polish(one[1], turns=one[2])
 
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:

@@ -25,24 +25,28 @@ def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> 
 
 
 def _fitted(fit: Fit, number: int) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    readings, states, modes = [], [], []
+    """Readings, states and modes of a run in the fit; NaN where no window is."""
     run = fit.engine.data[number]
+    readings, states, modes = _nothing(run)
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         if w.run != number:
             continue
-        done = fit.engine.simulate(fit.vector, [w])
-        n = w.stop - w.start
-        states.append(done.state if done.ok[0] else np.full((n, 9), np.nan))
-        modes.append(done.mode)
-        noise = np.where(run.weight[w.start : w.stop] > 0, run.noise, np.nan)
-        readings.append(run.readings[w.start : w.stop] - b.r.reshape(n, -1) * noise)
-    return np.concatenate(readings), np.concatenate(states), np.concatenate(modes)
+        done, rows = fit.engine.simulate(fit.vector, [w]), slice(w.start, w.stop)
+        if done.ok[0]:
+            states[rows] = done.state
+        modes[rows] = done.mode
+        noise = np.where(run.weight[rows] > 0, run.noise, np.nan)
+        readings[rows] = run.readings[rows] - b.r.reshape(w.stop - w.start, -1) * noise
+    return readings, states, modes
+
+
+def _nothing(run: Data) -> tuple[Floats, Floats, NDArray[np.int8]]:
+    n = len(run.t)
+    return np.full((n, run.readings.shape[1]), np.nan), np.full((n, 9), np.nan), np.zeros(n, dtype=np.int8)
 
 
 def _forecast(run: Data, measured: Measured) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    n = len(run.t)
-    readings, states = np.full((n, run.readings.shape[1]), np.nan), np.full((n, 9), np.nan)
-    modes = np.zeros(n, dtype=np.int8)
+    readings, states, modes = _nothing(run)
     readings[measured.samples] = measured.prediction.readings
     states[measured.samples] = measured.prediction.state
     modes[measured.samples] = measured.prediction.mode

@@ -14,14 +14,20 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 VISIBLE = (0, 1, 2, 3)
+FEWEST = 3  # slips of a record whose beginning may be left out
+EARLY = 0.2  # share of it that may be
 SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
 
 
 def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
-    """Windows about `cycles` long, starting where the block slips fastest; the first starts with the record."""
+    """Windows about `cycles` long, starting where the block slips fastest.
+
+    What comes before the first slip is left out, unless it is much of the record: how the block has come to where the
+    record begins, and for how long it has stuck there, is not known, and a window that begins wrongly misleads a fit.
+    """
     out = []
     for number, run in enumerate(data):
-        starts = [0]
+        starts = [_first(run)]
         for at in run.slips:
             if run.t[at] - run.t[starts[-1]] >= (cycles - 0.5) * run.cycle:
                 starts.append(int(at))
@@ -30,6 +36,14 @@ def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
         ends = [*starts[1:], len(run.t)]
         out += [start_window(run, number, model, a, b) for a, b in zip(starts, ends, strict=True)]
     return out
+
+
+def _first(run: Data) -> int:
+    """Sample at which the first window starts."""
+    if len(run.slips) < FEWEST:
+        return 0
+    at = int(run.slips[0])
+    return at if run.t[at] - run.t[0] <= EARLY * (run.t[-1] - run.t[0]) else 0
 
 
 def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:

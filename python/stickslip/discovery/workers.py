@@ -56,7 +56,7 @@ class Workers:
     def stop(self) -> None:
         """End the processes at once, whatever they are at."""
         if self._pool is not None:
-            self._pool.shutdown(wait=False, kill_workers=True)
+            self._pool.shutdown(kill_workers=True)
 
 
 class _Later:
