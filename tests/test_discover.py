@@ -65,7 +65,8 @@ def test_the_runs_can_be_drawn(crossed):
         assert view.after["x1"].shape == view.force_after.shape == view.speed_before.shape == (n,)
     train = next(view for view in crossed.runs if view.role == "train")
     r = (train.measured["x1"] - train.after["x1"]) / train.noise["x1"]
-    assert np.std(r) == pytest.approx(1.0, abs=0.1)
+    assert np.isfinite(r).mean() > 0.8
+    assert np.nanstd(r) == pytest.approx(1.0, abs=0.1)
 
 
 def test_the_model_after_survives_its_file(crossed, tmp_path):

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,40 +215,42 @@ def _verdict(choice: Choice) -> Verdict:
 
 
 def _final(search: Search, trial: Trial) -> Trial:
-    """The trial on long windows, which say more, where these are fitted as well as the short ones."""
+    """The trial on long windows, which say more, where these are fitted as well as the short ones.
+
+    Of one within the noise the records are taken from their beginning: a start says much, where it is understood.
+    """
     near = trial.excess < FAR_OFF * CLEAN  # beyond, a few digits more of the numbers mean nothing
 
-    def fitted(
-        cycles: float,
-        vector: Floats,
-        windows_of: Trial | None = None,
-        states_of: Trial | None = None,
-        worst: float = np.inf,
-    ) -> Trial | None:
+    def fitted(vector: Floats, **options: Any) -> Trial | None:
         return search.run(
-            trial.hypothesis, cycles=cycles, tolerance=1e-9 if near else 1e-5, rounds=3 if near else 1,
-            vector=vector, anyway=True, learned=trial.fit.engine.learned, windows_of=windows_of,
-            states_of=states_of, worst=worst,
+            trial.hypothesis, tolerance=1e-9 if near else 1e-5, rounds=3 if near else 1,
+            vector=vector, anyway=True, learned=trial.fit.engine.learned, **options,
         )  # fmt: skip
 
     short, vector = trial, _in_order(trial)
-    again = fitted(SHORT, vector, windows_of=trial)
+    again = fitted(vector, cycles=SHORT, windows_of=trial)
     named_anew = not np.array_equal(vector, trial.fit.vector)
     if again is not None and (named_anew or again.fit.cost < trial.fit.cost):
         short = again
-    vector = short.fit.vector
-    first = fitted(LONG, vector, states_of=short)
-    if first is None:
-        return short
-    best = search.trimmed(first)
-    if short.excess < 5 * CLEAN and not any(map(unlisted.is_tabulated, trial.names)):
-        # the narrow valleys of (4.1) end a fit early: from other sides too
-        worst = WORSE * best.fit.cost
-        law = search.with_declared_law(short).fit.vector
-        others = [fitted(LONG, vector, worst=worst), fitted(LONG, law, states_of=short, worst=worst)]
-        tried = [search.trimmed(one) for one in others if one is not None and one.fit.cost < worst]
-        best = min([best, *tried], key=lambda one: one.fit.cost)
-    return best if best.excess < max(short.excess, 0.0) + 0.8 else short
+    vector, enough = short.fit.vector, max(short.excess, 0.0) + 0.8
+    for whole in (True, False) if short.excess < CLEAN else (False,):
+        first = fitted(vector, cycles=LONG, states_of=short, whole=whole)
+        if first is None:
+            continue
+        best = search.trimmed(first)
+        if short.excess < 5 * CLEAN and not any(map(unlisted.is_tabulated, trial.names)):
+            # the narrow valleys of (4.1) end a fit early: from other sides too
+            worst = WORSE * best.fit.cost
+            law = search.with_declared_law(short).fit.vector
+            others = [
+                fitted(vector, cycles=LONG, worst=worst, whole=whole),
+                fitted(law, cycles=LONG, states_of=short, worst=worst, whole=whole),
+            ]
+            tried = [search.trimmed(one) for one in others if one is not None and one.fit.cost < worst]
+            best = min([best, *tried], key=lambda one: one.fit.cost)
+        if best.excess < enough:
+            return best
+    return short
 
 
 def _in_order(trial: Trial) -> Floats:
