@@ -143,14 +143,14 @@ def test_an_interrupt_ends_the_workers(monkeypatch):
     assert len(stopped) == 1
 
 
-def trial(excess):
-    return SimpleNamespace(excess=excess)
+def trial(chi2, excess=100.0):
+    return SimpleNamespace(chi2=chi2, excess=excess)
 
 
-def test_a_base_may_be_stuck_where_nothing_reaches_the_noise():
-    assert _stuck(trial(100.0), [trial(1.01 * CLEAN), trial(99.0)])
-    assert not _stuck(trial(100.0), [trial(0.99 * CLEAN), trial(99.0)])
-    assert not _stuck(trial(1.0), [trial(50.0)])
+def test_a_base_is_stuck_where_all_rivals_leave_most_of_what_it_leaves():
+    assert _stuck(trial(101.0), [trial(60.0), trial(99.0)])
+    assert not _stuck(trial(101.0), [trial(40.0), trial(99.0)])
+    assert not _stuck(trial(1.01, 0.99 * CLEAN), [trial(1.01, 0.99 * CLEAN)])
 
 
 def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_law(data, monkeypatch):
@@ -161,7 +161,7 @@ def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_
         tried.append((one[0], afresh))
         moved = {"static_aging": 0.6, "sensor_lag": 0.2 if afresh else 1.0}.get(one[0], 1.0)
         fit = SimpleNamespace(cost=moved * base.fit.cost)
-        return SimpleNamespace(names=(one[0],), fit=fit, excess=100.0, bic=moved)
+        return SimpleNamespace(names=(one[0],), fit=fit, chi2=moved * base.chi2, bic=moved)
 
     monkeypatch.setattr(trace, "_screened", run)
     found = screen(search, base)
