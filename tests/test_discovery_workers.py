@@ -119,6 +119,7 @@ def test_the_time_of_workers_is_off_the_budget(data):
 def test_what_a_dead_worker_was_at_is_computed_here(data):
     search = search_in(data, 2)
     assert search.submit(dies_elsewhere, os.getpid()).result() == "here"
+    assert [task.result() for _, task in each(search, square, [1, 2])] == [1, 4]
     assert [task.result() for _, task in each(search_in(data, 2), square, [3, 4])] == [9, 16]
 
 

@@ -76,7 +76,7 @@ def discover(
         Told what is being tried, a sentence at a time.
     threads
         Cores to use, all (but at most 8) if not given: rivals are fitted side by side in as many processes, the windows
-        of one fit in as many threads. The result does not depend on it.
+        of one fit in as many threads. The result does not depend on it while the budget lasts.
     seed
         Of the bootstrap and of the floor's noise.
     budget
@@ -96,7 +96,7 @@ def discover(
     arguments.must_be("case", case, Case, "load_case(path) gives one")
     began = time.monotonic()
     tell = progress or (lambda _: None)
-    # products of many small matrices: threads that wait for each other cost ten times more
+    # products of many small matrices: threads that wait for each other cost far more
     with threadpool_limits(1):
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)

@@ -49,9 +49,14 @@ class Workers:
     ) -> Task[Result]:
         """Have function(search, ...) computed elsewhere; what it does to the search itself is lost."""
         here = lambda: function(search, *args, **options)  # noqa: E731
-        if self._pool is None:
-            return _Later(here)
-        return _Elsewhere(self._pool.submit(_timed, search.away(), function, args, options), search, here)
+        if self._pool is not None:
+            try:
+                future = self._pool.submit(_timed, search.away(), function, args, options)
+            except BrokenExecutor:  # one of them died: from now on alone
+                self._pool = None
+            else:
+                return _Elsewhere(future, search, here)
+        return _Later(here)
 
     def stop(self) -> None:
         """End the processes at once, whatever they are at."""
