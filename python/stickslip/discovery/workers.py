@@ -123,20 +123,19 @@ def _pool(count: int) -> Any:
     if multiprocessing.current_process().daemon:
         return None
     try:
-        pool = get_reusable_executor(count, timeout=IDLE, env=ONE, initializer=_ready)
+        pool = get_reusable_executor(count, timeout=IDLE, env=ONE, initializer=_ready, initargs=(os.getpid(),))
         pool.submit(int)  # start them now: they take a second to come
     except (OSError, ImportError, NotImplementedError):
         return None
     return pool
 
 
-def _ready() -> None:
-    """What a worker needs later, loaded."""
+def _ready(parent: int) -> None:
+    """What a worker needs later, loaded; the watch first: the parent may be dead before we come."""
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     import scipy.signal  # noqa: F401
 
     import stickslip.discovery.loop  # noqa: F401
-
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
 
 
 def _end_with(parent: int) -> None:
