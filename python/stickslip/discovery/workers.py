@@ -123,7 +123,9 @@ def _pool(count: int) -> Any:
     if multiprocessing.current_process().daemon:
         return None
     try:
-        pool = get_reusable_executor(count, timeout=IDLE, env=ONE, initializer=_ready, initargs=(os.getpid(),))
+        pool = get_reusable_executor(
+            count, timeout=IDLE, env=ONE, initializer=_ready, initargs=(os.getpid(),)
+        )
         pool.submit(int)  # start them now: they take a second to come
     except (OSError, ImportError, NotImplementedError):
         return None
