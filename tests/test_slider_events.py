@@ -7,7 +7,18 @@ import numpy as np
 import pytest
 
 from slider import coulomb_record
-from stickslip.discovery.slider.cycle import LOG_W2, RELEASE, ZETA, K, S, arrest, duration, lost, positions
+from stickslip.discovery.slider.cycle import (
+    LOG_W2,
+    RELEASE,
+    ZETA,
+    K,
+    S,
+    arrest,
+    duration,
+    lost,
+    positions,
+    slopes,
+)
 from stickslip.discovery.slider.held import constants_of, held
 from stickslip.discovery.slider.predict import Forecaster, seen
 from stickslip.discovery.slider.table import measure, natural_rate, prepare
@@ -37,6 +48,24 @@ def test_the_closed_form_is_what_the_core_simulates(damping: float) -> None:
     np.testing.assert_allclose(positions(p, t[None, inside])[0], run.state[inside, 0], atol=2e-8)
     assert run.transitions.t[1] == pytest.approx(end, abs=1e-7)
     assert top + v * duration(p)[0] - lost(p)[0] == pytest.approx(arrest(p)[0])
+
+
+def test_slopes_agree_with_differences() -> None:
+    rng = np.random.default_rng(3)
+    p = np.array([0.9, 0.3, 2.0, 0.2, 0.4, 0.0]) + rng.uniform(-0.1, 0.1, (20, 6))
+    p[:, ZETA] += rng.uniform(-0.3, 0.15, 20)
+    t = np.linspace(0, 12, 500) * np.ones((20, 1))
+    found = slopes(p, t)
+    for j in range(6):
+        up, down = p.copy(), p.copy()
+        up[:, j] += 1e-5
+        down[:, j] -= 1e-5
+        expected = (positions(up, t) - positions(down, t)) / 2e-5
+        # at the breakaway and the capture themselves x is bent
+        bent = (np.abs(t - p[:, RELEASE, None]) < 0.03) | (
+            np.abs(t - (p[:, RELEASE] + duration(p))[:, None]) < 0.03
+        )
+        np.testing.assert_allclose(found[:, j][~bent], expected[~bent], atol=2e-8)
 
 
 def recording(tmp_path: Path, seed: int, slips: int = 30) -> tuple[Recording, np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 S, K, RELEASE, RATE, LOG_W2, ZETA = range(6)
 NUMBERS = 6
 STEEPEST = 0.7  # largest |zeta|
+ROUNDS = 9  # of Newton's method
 TURNS = np.linspace(0.2, 1.0, 33)  # of a period: where the end of a slip is looked for
 
 
@@ -30,15 +31,24 @@ def positions(p: Floats, t: Floats) -> Floats:
     -------
     (e, n) array
     """
-    rate, w, zeta, wd = _constants(p)
-    end = duration(p)
-    u = t - p[:, RELEASE, None]
-    inside = np.clip(u, 0.0, end[:, None])
-    a, b = _amplitudes(p, rate, w, zeta, wd)
-    decay = np.exp(-(zeta * w)[:, None] * inside)
-    angle = wd[:, None] * inside
-    x = p[:, K, None] + decay * (a[:, None] * np.cos(angle) + b[:, None] * np.sin(angle))
-    return np.asarray(x + rate[:, None] * (np.minimum(u, 0.0) + np.maximum(u - end[:, None], 0.0)))
+    return _positions(p, t)[0]
+
+
+def slopes(p: Floats, t: Floats) -> Floats:
+    """d x/d number of each event at its own times, (e, 6, n); its capture moves with them, but not to first order."""
+    _, inside, past, cos, sin = _positions(p, t)
+    rate, w, zeta, wd = (one[:, None] for one in _constants(p))
+    a, b = (one[:, None] for one in _amplitudes(p, rate[:, 0], w[:, 0], zeta[:, 0], wd[:, 0]))
+    n, bent = zeta * w, -w * zeta / np.sqrt(1 - zeta**2)  # bent = d wd/d zeta
+    turned, part = b * cos - a * sin, a * cos + b * sin  # part = x - K in the slip
+    out = np.empty((len(p), NUMBERS, t.shape[1]))
+    out[:, S] = cos + n / wd * sin
+    out[:, K] = 1 - out[:, S]
+    out[:, RELEASE] = np.where(past == 0, n * part - wd * turned, -rate)
+    out[:, RATE] = sin / wd + past
+    out[:, LOG_W2] = 0.5 * (inside * (wd * turned - n * part) + (n * a / wd - b) * sin)
+    out[:, ZETA] = inside * (bent * turned - w * part) + (w * a - b * bent) / wd * sin
+    return out
 
 
 def duration(p: Floats) -> Floats:
@@ -56,12 +66,16 @@ def duration(p: Floats) -> Floats:
     first = np.where(back.any(axis=1), np.argmax(back, axis=1), len(TURNS) - 1)
     high = np.take_along_axis(grid, first[:, None], axis=1)[:, 0]
     low = np.where(first > 0, np.take_along_axis(grid, np.maximum(first - 1, 0)[:, None], axis=1)[:, 0], 0.0)
-    for _ in range(36):
-        middle = 0.5 * (low + high)
-        speed = np.exp(-n * middle) * (c * np.cos(wd * middle) + d * np.sin(wd * middle))
+    at = 0.5 * (low + high)
+    for _ in range(ROUNDS):  # Newton's method, and halving where that leaves the bracket
+        decay, cos, sin = np.exp(-n * at), np.cos(wd * at), np.sin(wd * at)
+        speed = decay * (c * cos + d * sin)
         below = speed < rate
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.asarray(0.5 * (low + high))
+        low, high = np.where(below, at, low), np.where(below, high, at)
+        steepness = decay * wd * (d * cos - c * sin) - n * speed
+        newton = at - (speed - rate) / np.where(steepness == 0, np.inf, steepness)
+        at = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+    return at
 
 
 def lost(p: Floats) -> Floats:
@@ -74,6 +88,21 @@ def lost(p: Floats) -> Floats:
 def arrest(p: Floats) -> Floats:
     """x at the capture, (e,)."""
     return np.asarray(p[:, S] + p[:, RATE] * duration(p) - lost(p))
+
+
+def _positions(p: Floats, t: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """x, the time within the slip, the time outside it, and the slip's decaying cosine and sine, all (e, n)."""
+    rate, w, zeta, wd = _constants(p)
+    end = duration(p)[:, None]
+    u = t - p[:, RELEASE, None]
+    inside = np.clip(u, 0.0, end)
+    past = np.minimum(u, 0.0) + np.maximum(u - end, 0.0)
+    a, b = _amplitudes(p, rate, w, zeta, wd)
+    decay = np.exp(-(zeta * w)[:, None] * inside)
+    angle = wd[:, None] * inside
+    cos, sin = decay * np.cos(angle), decay * np.sin(angle)
+    x = p[:, K, None] + a[:, None] * cos + b[:, None] * sin + rate[:, None] * past
+    return x, inside, past, cos, sin
 
 
 def _constants(p: Floats) -> tuple[Floats, Floats, Floats, Floats]:

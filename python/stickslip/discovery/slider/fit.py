@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.slider.cycle import LOG_W2, NUMBERS, RATE, RELEASE, ZETA, K, S, positions
+from stickslip.discovery.slider.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions, slopes
 
 Floats = NDArray[np.float64]
 ROUNDS = 40
 TAIL = 3.0  # standard deviations from which a reading counts less
-STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 1e-4, 1e-4])  # of the numbers' scales, for the derivatives
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class Fitted:
     residual: Floats
 
 
-def fit(windows: Windows, start: Floats, prior: Prior, scale: Floats, tail: float = TAIL) -> Fitted:
+def fit(windows: Windows, start: Floats, prior: Prior, tail: float = TAIL) -> Fitted:
     """Fit all events of a run.
 
     Parameters
@@ -51,8 +50,6 @@ def fit(windows: Windows, start: Floats, prior: Prior, scale: Floats, tail: floa
         `weight` is 1/noise.
     start : (e, 6) array
     prior : Prior
-    scale : (e, 6) array
-        Sizes over which the numbers matter, for derivatives.
     tail : float
         Standard deviations from which a reading counts less; infinite for plain least squares.
     """
@@ -61,7 +58,7 @@ def fit(windows: Windows, start: Floats, prior: Prior, scale: Floats, tail: floa
     r, robust = _residual(p, windows, tail)
     cost = _cost(r, p, prior, tail)
     for _ in range(ROUNDS):
-        J = _jacobian(p, windows, scale) * (windows.weight * robust)[:, None, :]
+        J = slopes(p, windows.t) * (windows.weight * robust)[:, None, :]
         normal = J @ J.transpose(0, 2, 1) + _diagonal(1 / prior.spread**2)
         slope = np.einsum("ejn,en->ej", J, r * robust) + (prior.centre - p) / prior.spread**2
         size = np.diagonal(normal, axis1=1, axis2=2)
@@ -78,7 +75,7 @@ def fit(windows: Windows, start: Floats, prior: Prior, scale: Floats, tail: floa
         damping = np.clip(np.where(better, damping / 5, damping * 6), 1e-8, 1e8)
         if settled and bool(np.all(better | (damping > 1e3))):
             break
-    J = _jacobian(p, windows, scale) * (windows.weight * robust)[:, None, :]
+    J = slopes(p, windows.t) * (windows.weight * robust)[:, None, :]
     normal = J @ J.transpose(0, 2, 1) + _diagonal(1 / prior.spread**2)
     used = np.where(windows.weight > 0, r, np.nan)
     rms = np.nanmedian(np.abs(used), axis=1) / 0.6745
@@ -95,18 +92,6 @@ def _cost(r: Floats, p: Floats, prior: Prior, tail: float) -> Floats:
     """Minus twice the log of a density with heavy tails, whose weights are those of `_residual`."""
     tails = np.sum(r**2, axis=1) if np.isinf(tail) else tail**2 * np.sum(np.log1p((r / tail) ** 2), axis=1)
     return np.asarray(tails + np.sum(((p - prior.centre) / prior.spread) ** 2, axis=1))
-
-
-def _jacobian(p: Floats, windows: Windows, scale: Floats) -> Floats:
-    """d x/d number, (e, 6, n)."""
-    out = np.empty((len(p), NUMBERS, windows.t.shape[1]))
-    for j in range(NUMBERS):
-        h = STEPS[j] * scale[:, j]
-        up, down = p.copy(), p.copy()
-        up[:, j] += h
-        down[:, j] -= h
-        out[:, j] = (positions(up, windows.t) - positions(down, windows.t)) / (2 * h)[:, None]
-    return out
 
 
 def _bounded(p: Floats) -> Floats:

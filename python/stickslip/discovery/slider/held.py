@@ -84,13 +84,11 @@ def _fitted(measured: Measured, windows: Windows, constants: Constants, late: fl
     start[:, RELEASE] += late / w
     start[:, K] = np.minimum(0.5 * (e.p[:, S] + e.arrest), start[:, S] - run.noise)
     size = np.maximum(e.slip, 5 * run.noise)
-    scale, spread = np.empty_like(start), np.empty_like(start)
-    scale[:, [S, K]] = size[:, None]
-    scale[:, RELEASE], scale[:, RATE], scale[:, LOG_W2], scale[:, ZETA] = 1 / w, run.belt_speed, 1.0, 1.0
+    spread = np.empty_like(start)
     spread[:, [S, K]] = 100 * size[:, None]
     spread[:, RELEASE] = 10 / w
     spread[:, RATE], spread[:, LOG_W2], spread[:, ZETA] = 1e-6 * run.belt_speed, 1e-6, 1e-6
-    return fit(windows, start, Prior(start, spread), scale, tail=np.inf)
+    return fit(windows, start, Prior(start, spread), tail=np.inf)
 
 
 def motion(measured: Measured, one: Held) -> tuple[Floats, Floats, NDArray[np.int8]]:

@@ -182,20 +182,17 @@ def events(run: Run) -> Events:
         return Events(np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=())
     windows = cut(run, bounds)
     start = np.array(starts)
-    scale = np.empty_like(start)
     size = np.maximum(start[:, S] - start[:, K], 5 * run.noise)
     w = natural_rate(run.rig)
-    scale[:, [S, K]] = size[:, None]
-    scale[:, RELEASE], scale[:, RATE], scale[:, LOG_W2], scale[:, ZETA] = 1 / w, run.belt_speed, 1.0, 1.0
     spread = np.empty_like(start)
     spread[:, [S, K]] = 100 * size[:, None]
     spread[:, RELEASE], spread[:, RATE], spread[:, LOG_W2], spread[:, ZETA] = 1 / w, run.belt_speed, 1.5, 0.3
-    return _table(run, bounds, _best(windows, start, Prior(start, spread), scale))
+    return _table(run, bounds, _best(windows, start, Prior(start, spread)))
 
 
-def _best(windows: Windows, start: Floats, prior: Prior, scale: Floats) -> Fitted:
+def _best(windows: Windows, start: Floats, prior: Prior) -> Fitted:
     """The better of two starts of the frequency, event by event."""
-    found = [fit(windows, _shifted(start, shift), prior, scale) for shift in (0.0, 0.7)]
+    found = [fit(windows, _shifted(start, shift), prior) for shift in (0.0, 0.7)]
     first, second = ([float(np.nansum(np.log1p((r / 3) ** 2))) for r in one.residual] for one in found)
     take = np.array(second) < np.array(first)
     a, b = found
