@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -121,6 +122,28 @@ def test_what_a_dead_worker_was_at_is_computed_here(data):
     assert search.submit(dies_elsewhere, os.getpid()).result() == "here"
     assert [task.result() for _, task in each(search, square, [1, 2])] == [1, 4]
     assert [task.result() for _, task in each(search_in(data, 2), square, [3, 4])] == [9, 16]
+
+
+def signed_root(parent, number):
+    return -(number**0.5) if os.getpid() == parent else number**0.5
+
+
+def number_or_death(parent, number):
+    if os.getpid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_a_map_is_in_order_and_computed_elsewhere():
+    root = partial(signed_root, os.getpid())
+    assert Workers(2).map(root, [9.0, 4.0, 1.0]) == [3.0, 2.0, 1.0]
+    assert Workers(1).map(root, [9.0, 4.0]) == [-3.0, -2.0]
+
+
+def test_a_map_is_computed_here_after_a_worker_died():
+    broken = Workers(2)
+    assert broken.map(partial(number_or_death, os.getpid()), [1, 2, 3]) == [1, 2, 3]
+    assert broken.map(partial(signed_root, os.getpid()), [9.0]) == [-3.0]
 
 
 def test_without_semaphores_there_are_no_workers(data, monkeypatch):

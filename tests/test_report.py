@@ -253,9 +253,10 @@ def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
         pytest.fail("the work began")
 
 
-def test_same_result_same_files(tmp_path: Path) -> None:
+def test_same_result_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found, case = made(tmp_path)
-    for name in ("a", "b"):
+    for name, processes in (("a", 2), ("b", 1)):
+        monkeypatch.setattr("stickslip.report.page.cores", lambda: processes)  # noqa: B023
         (tmp_path / name).mkdir()
         fill(tmp_path / name, found, case)
     for name in ("report.html", "report.json", "figures/portrait.svg"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -42,7 +41,7 @@ from stickslip.discovery.trace import (
     declared,
 )
 from stickslip.discovery.views import train_view, validate_view
-from stickslip.discovery.workers import Workers
+from stickslip.discovery.workers import Workers, cores
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
@@ -51,7 +50,6 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
-MOST_CORES = 8  # what a search can keep busy
 FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
 WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
@@ -104,10 +102,10 @@ def discover(
             return slider.discover(case, progress=progress, seed=seed)
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
-        cores = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
-        workers = Workers(cores)
+        count = cores() if threads is None else threads
+        workers = Workers(count)
         try:
-            return _discover(case, tell, cores, seed, budget, began, workers)
+            return _discover(case, tell, count, seed, budget, began, workers)
         except BaseException:
             workers.stop()
             raise

@@ -18,9 +18,15 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 Got = TypeVar("Got", covariant=True)
 Rest = ParamSpec("Rest")
+MOST_CORES = 8  # what a search can keep busy
 IDLE = 20.0  # seconds after which processes that nobody asks for anything end
 LOOK = 2.0  # seconds between looks for the process that started us
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+def cores() -> int:
+    """How many processes to have where nobody says."""
+    return min(os.cpu_count() or 1, MOST_CORES)
 
 
 class Task(Protocol[Got]):
@@ -34,7 +40,7 @@ class Task(Protocol[Got]):
 
 
 class Workers:
-    """Processes to fit in; none where there is but one core to use, or the machine does not let us have them."""
+    """Processes to fit and draw in; none where there is one core to use, or the machine does not let us have any."""
 
     def __init__(self, count: int) -> None:
         self.count = min(count, os.cpu_count() or 1)
@@ -57,6 +63,16 @@ class Workers:
             else:
                 return _Elsewhere(future, search, here)
         return _Later(here)
+
+    def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+        """function(item) of every item, in their order."""
+        todo = list(items)
+        if self._pool is not None:
+            try:
+                return list(self._pool.map(function, todo))
+            except BrokenExecutor:
+                self._pool = None
+        return [function(item) for item in todo]
 
     def stop(self) -> None:
         """End the processes at once, whatever they are at."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
@@ -13,11 +14,13 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
+from stickslip.discovery.workers import Workers, cores
 from stickslip.plot import save_figure
 from stickslip.records import Case
 from stickslip.report import figures, figures_numbers, figures_residual, words
 from stickslip.report.motion import residual
 from stickslip.report.units import Axes, axes_of
+from stickslip.rig import Rig
 
 Drawer = Callable[[Found, Axes], Figure]
 FIGURES: Mapping[str, Drawer] = {
@@ -35,12 +38,14 @@ FIGURES: Mapping[str, Drawer] = {
 
 def draw(found: Found, case: Case, folder: Path) -> dict[str, Path]:
     """Draw every figure the result has something for, as SVG and PNG; return the SVG of each."""
-    axes = axes_of(case)
-    out = {}
-    for name, drawer in FIGURES.items():
-        if _wanted(name, found):
-            out[name], _ = save_figure(drawer(found, axes), folder / name)
-    return out
+    names = [name for name in FIGURES if _wanted(name, found)]
+    # the processes of a search of the two-mass rig are still there; for another it is not worth starting them
+    workers = Workers(cores() if isinstance(case.rig, Rig) else 1)
+    return dict(zip(names, workers.map(partial(_saved, found, axes_of(case), folder), names), strict=True))
+
+
+def _saved(found: Found, axes: Axes, folder: Path, name: str) -> Path:
+    return save_figure(FIGURES[name](found, axes), folder / name)[0]
 
 
 def _wanted(name: str, found: Found) -> bool:
