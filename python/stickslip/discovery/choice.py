@@ -16,7 +16,6 @@ from stickslip.discovery.trace import (
     MARGIN,
     beside,
     decide_pairs,
-    decide_single,
     deepened,
     explained,
     settled,
@@ -30,6 +29,7 @@ MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still b
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
 DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
+DOUBTFUL = 2.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -47,15 +47,14 @@ class Choice:
     held: float = 1.0
 
 
-def choose(search: Search) -> Choice:
-    """The choice for the runs of a search, held against windows left out of the fits."""
-    return _held(_choose(search))
+def choose(search: Search, trials: list[Trial]) -> Choice:
+    """The choice for the runs of a search and the trials of single effects, held against windows left out."""
+    return _held(_choose(search, trials))
 
 
-def _choose(search: Search) -> Choice:
-    trials = decide_single(search)
+def _choose(search: Search, trials: list[Trial]) -> Choice:
     null, best = search.tried[()], trials[0]
-    if explained(best, null):
+    if explained(best, null) and (not best.names or best.excess < DOUBTFUL):
         return Choice(null, best, None, trials)
     curves = unlisted.learn(search, null, beat=best)
     curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)

@@ -202,9 +202,10 @@ def refined(data: Sequence[Data], factor: Floats) -> list[Data]:
 
 
 def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[Data]:
-    """The runs with single samples masked that stand out from the residual (n, c) of both neighbours.
+    """The runs with samples masked that stand out, singly or in twos, from the residual (n, c) on both their sides.
 
-    A misfit varies from sample to sample by less than the noise, so that it masks nothing.
+    A misfit varies from sample to sample by less than the noise, and a smooth one by less than twice its spread over
+    the flanks of two, so that it masks nothing.
     """
     out = []
     for run, r in zip(data, residuals, strict=True):
@@ -212,5 +213,8 @@ def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[
         middle, spread = 0.5 * (r[:-2] + r[2:]), np.abs(r[2:] - r[:-2])
         odd = (np.abs(r[1:-1] - middle) > OUTLIER_SIGMAS + spread) & np.isfinite(middle)
         weight[1:-1][odd] = 0.0
+        flanks = np.stack([r[:-6], r[1:-5], r[5:-1], r[6:]])
+        odd = np.abs(r[3:-3] - flanks.mean(axis=0)) > OUTLIER_SIGMAS + 2 * np.ptp(flanks, axis=0)
+        weight[3:-3][odd] = 0.0
         out.append(replace(run, weight=weight))
     return out

@@ -36,10 +36,7 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
-from stickslip.discovery.trace import (
-    MARGIN,
-    declared,
-)
+from stickslip.discovery.trace import MARGIN, decide_single, declared
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.discovery.workers import Workers, cores
 from stickslip.driven import loop as driven
@@ -51,6 +48,7 @@ from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
 FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
+MANY = 5  # readings taken out, from which the fits before are worth repeating
 WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 
@@ -129,7 +127,17 @@ def _discover(
     tell("fitting the declared law")
     data, corrected = _cleaned(case, data, search)
     search = Search(data[:count], model, threads, tell, budget, workers=workers)
-    choice = choose(search)
+    trials = decide_single(search)
+    freed, more = _cleaned_of_what_shows(case, data, trials[0])
+    if trials[0].excess > CLEAN and _masked(data, freed) > MANY:
+        tell("single readings stand out from what is left: once more without them")
+        data, corrected = freed, (*corrected, *more)
+        search = Search(data[:count], model, threads, tell, budget, workers=workers)
+        trials = decide_single(search)
+    choice = choose(search, trials)
+    if choice.trial.names:
+        data, more = _cleaned_of_what_shows(case, data, choice.trial)
+        search, corrected = replace(search, data=data[:count]), (*corrected, *more)
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 
@@ -137,18 +145,22 @@ def _cleaned(case: Case, data: list[Data], search: Search) -> tuple[list[Data], 
     """The runs cleaned by the declared law's fit; a second time if there was much, for a fit without it shows more."""
     first = declared(search)
     out, said = cleaned(data, None if first is None else first.fit, case.noise)
-    count = len(search.data)
-    if (
-        sum(
-            int(np.sum(b.weight == 0) - np.sum(a.weight == 0))
-            for a, b in zip(data[:count], out, strict=False)
-        )
-        > 5
-    ):
-        again = declared(replace(search, data=out[:count]))
+    if _masked(data, out) > MANY:
+        again = declared(replace(search, data=out[: len(search.data)]))
         out, more = cleaned(out, None if again is None else again.fit, case.noise)
         said = said or more
     return out, said
+
+
+def _cleaned_of_what_shows(case: Case, data: list[Data], found: Trial) -> tuple[list[Data], tuple[str, ...]]:
+    """The runs cleaned by the fit of what was found, if it shows outliers that a misfit had hidden."""
+    out, said = cleaned(data, found.fit, case.noise)
+    return (out, said) if _masked(data, out) else (data, ())
+
+
+def _masked(before: Sequence[Data], after: Sequence[Data]) -> int:
+    """Readings that have been taken out."""
+    return sum(int(np.sum(b.weight == 0) - np.sum(a.weight == 0)) for a, b in zip(before, after, strict=True))
 
 
 def _found(

@@ -26,6 +26,7 @@ FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
 AFRESH = 10.0  # processor seconds for these, at least
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
+NEARLY = 1.5  # chi-squared per reading below which a base is not stuck
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 HOPELESS = (
     2.0  # of the cost of a pair: an effect of it that alone leaves more after a few steps will not come near
@@ -92,7 +93,7 @@ def _promising_first(search: Search) -> list[str]:
 def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
     """Do all leave most of what the base leaves? Then the right one may find no way out of where the base is."""
     least = min((one.chi2 for one in trials), default=base.chi2)
-    return base.excess > CLEAN and least - 1 > STUCK * (base.chi2 - 1)
+    return base.excess > CLEAN and base.chi2 > NEARLY and least - 1 > STUCK * (base.chi2 - 1)
 
 
 def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
