@@ -29,7 +29,7 @@ MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still b
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
 DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
-DOUBTFUL = 2.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
+DOUBTFUL = 1.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
