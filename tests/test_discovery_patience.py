@@ -27,7 +27,7 @@ CLEAN_COST = 1000.0
 def trial(names, cost, excess=100.0, bic=None):
     return SimpleNamespace(
         names=names, fit=SimpleNamespace(cost=cost), excess=excess, bic=cost if bic is None else bic,
-        chi2=cost / CLEAN_COST, hypothesis=SimpleNamespace(model=None),
+        chi2=cost / CLEAN_COST, mean=cost / CLEAN_COST, hypothesis=SimpleNamespace(model=None),
     )  # fmt: skip
 
 

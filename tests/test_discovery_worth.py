@@ -6,7 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import unlisted
+from stickslip.discovery import choice, unlisted
+from stickslip.discovery.choice import DOUBTFUL
+from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import PROMISING, STALLED, Term, _worth, learn
 
 TERMS = {variable: Term("block", variable, (0.0, 1.0)) for variable in ("x1", "x2", "y1", "y2")}
@@ -83,3 +85,40 @@ def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, m
     assert all(patient[name] > one[name] for one in quick for name in ("iterations", "rounds"))
     assert search.polished == [(trials["y1"], 1), (trials["x1"], 1), (trials["x2"], 0)]
     assert [term.variable for term, _ in curves] == ["y1", "x1", "x2"]
+
+
+def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
+    """Names chosen where the best named leaves `excess` and a curve has this BIC; and was one learned at all?"""
+    null = SimpleNamespace(names=(), chi2=2.0, bic=9000.0, excess=900.0)
+
+    def fitted(names, bic, chi2, excess):
+        fit = SimpleNamespace(cost=bic)
+        return SimpleNamespace(names=names, bic=bic, chi2=chi2, excess=excess, fit=fit)
+
+    best = fitted(("stribeck_peak",), 1000.0, 1 + 0.01 * excess, excess)
+    curve = fitted(("tabulated_contact_v_w",), curve_bic, 1.0, 0.0)
+    again = fitted(
+        ("stribeck_peak",), beside_bic, 1.0 + (0.01 * excess if beside_bic == 1000.0 else 0), excess
+    )
+    learned = []
+
+    def learn(*_, **__):
+        learned.append(True)
+        return [(TERMS["x1"], curve)]
+
+    monkeypatch.setattr(choice.unlisted, "learn", learn)
+    monkeypatch.setattr(choice, "beside", lambda *_: [again])
+    monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    search = SimpleNamespace(tried={(): null}, data=[])
+    return choice._choose(search, [best]).trial.names, bool(learned)
+
+
+def test_a_name_that_leaves_a_little_is_held_against_curves(monkeypatch):
+    assert chosen(monkeypatch, 0.9 * DOUBTFUL, 500.0) == (("stribeck_peak",), False)
+    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0) == (("tabulated_contact_v_w",), True)
+    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 1000.0 - 0.9 * MARGIN) == (("stribeck_peak",), True)
+
+
+def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeypatch):
+    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0, beside_bic=495.0) == (("stribeck_peak",), True)

@@ -332,11 +332,16 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
 
 
 def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
+    every = choice.null.fit.readings
+
+    def bic(one: Trial) -> float:
+        """Of a part of the windows as if it were of all."""
+        return one.bic + (every - one.fit.readings) * one.mean if one.partial else one.bic
+
     trials: Sequence[Trial] = sorted(
-        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
-        key=lambda one: one.bic,
+        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(), key=bic
     )
-    least, chosen = trials[0].bic, tuple(sorted(choice.trial.names))
+    least, chosen = bic(trials[0]), tuple(sorted(choice.trial.names))
     out, seen = [], set()
     for t in trials:
         key = tuple(sorted(t.names))
@@ -345,7 +350,7 @@ def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
         seen.add(key)
         values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
         numbers = {k: v for k, v in values.items() if "." in k and not unlisted.is_tabulated(k)}
-        out.append(Rival(t.names, t.chi2, t.bic - least, numbers, None, key == chosen))
+        out.append(Rival(t.names, t.chi2, bic(t) - least, numbers, None, key == chosen))
     return tuple(out)
 
 

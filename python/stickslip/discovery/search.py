@@ -16,7 +16,7 @@ from stickslip.discovery.engine import Engine
 from stickslip.discovery.readings import Learned, as_terms
 from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.rivals import Start
-from stickslip.discovery.solve import Fit, fit
+from stickslip.discovery.solve import Fit, Point, conclude, fit
 from stickslip.discovery.unknowns import Hypothesis
 from stickslip.discovery.window import Window
 from stickslip.discovery.windows import cut, with_hidden
@@ -42,6 +42,7 @@ class Trial:
 
     names: tuple[str, ...]
     fit: Fit
+    partial: bool = False  # on a part of the windows
 
     @property
     def chi2(self) -> float:
@@ -71,6 +72,11 @@ class Trial:
         """chi-squared with ln N for each added number, and 1 for each hidden state that a window starts from."""
         hidden = sum(k >= 4 for w in self.fit.windows for k in w.free)
         return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + hidden
+
+    @property
+    def mean(self) -> float:
+        """Cost per reading: to compare trials of all windows with those of a part."""
+        return self.fit.cost / max(self.fit.readings, 1)
 
     @property
     def excess(self) -> float:
@@ -167,7 +173,8 @@ class Search:
             give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
             worth=lambda cost: not worst < cost < BESIDE * worst,
         )
-        return None if found is None else Trial(_names(h, learned), found)
+        part = windows_of is not None and windows_of.partial
+        return None if found is None else Trial(_names(h, learned), found, part)
 
     def keep(self, trial: Trial | None, key: tuple[str, ...]) -> None:
         """Remember a trial if it is the best of its names."""
@@ -206,6 +213,19 @@ class Search:
                     break
         return best
 
+    def half(self, trial: Trial) -> Trial:
+        """The trial on every other two of its windows, not fitted on."""
+        fit, kept, last, at = trial.fit, [], -1, 0
+        for window in trial.fit.windows:
+            at, last = (at + 1 if window.run == last else 0), window.run
+            if at % 4 < 2:
+                kept.append(window)
+        point = Point.at(fit.engine, fit.vector, kept)
+        if point is None:
+            return trial
+        part = conclude(fit.engine, point.vector, kept, point.blocks, point.cost, 0)
+        return Trial(trial.names, part, partial=True)
+
     def _rephased(self, trial: Trial) -> Trial:
         """The trial fitted from the best of many phases of each run that it leaves above the noise; or itself."""
         engine = trial.fit.engine
@@ -232,6 +252,8 @@ class Search:
 
     def close(self, trial: Trial) -> Trial:
         """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
+        if trial.partial:
+            trial = self._again(trial, SHORT, None, 25, trial) or trial
         best = self._again(trial, SHORT, trial, 25) or trial
         for _ in range(MORE):
             if best.excess < CLEAN or best.fit.iterations < 25 or self.left < 0:
@@ -254,7 +276,12 @@ class Search:
         return Trial(trial.names, replace(trial.fit, vector=vector))
 
     def _again(
-        self, trial: Trial, cycles: float, windows_of: Trial | None, iterations: int = 40
+        self,
+        trial: Trial,
+        cycles: float,
+        windows_of: Trial | None,
+        iterations: int = 40,
+        states_of: Trial | None = None,
     ) -> Trial | None:
         return self.run(
             trial.hypothesis,
@@ -262,6 +289,7 @@ class Search:
             iterations=iterations,
             tolerance=2e-5 if trial.chi2 < NEAR else 1e-3,
             windows_of=windows_of,
+            states_of=states_of,
             learned=trial.fit.engine.learned,
             vector=trial.fit.vector,
         )

@@ -26,6 +26,7 @@ FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
 AFRESH = 10.0  # processor seconds for these, at least
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
+PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
 NEARLY = 1.5  # chi-squared per reading below which a base is not stuck
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 HOPELESS = (
@@ -50,7 +51,11 @@ def starts_of(trial: Trial) -> list[Start]:
 
 
 def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Trial]:
-    """Every effect added to `base` (on short windows), crudely fitted; best first."""
+    """Every effect added to `base` (on short windows), crudely fitted; best first.
+
+    Where the misfit is plain, half of the windows show it as well: the trials are then `partial`.
+    """
+    part = search.half(base) if base.chi2 > PLAIN else base
     skip = {*base.names, *exclude}
     search.progress("looking for lines in the residual's spectrum")
     lines = search.submit(_lines, base, tuple(n for n in PERIODIC if n not in skip), search.ripples)
@@ -71,14 +76,14 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     def say(one: tuple[str, Start]) -> str:
         return f"trying {' + '.join([*base.names, one[0]])}"
 
-    for one, task in each(search, partial(_screened, base=base), starts(), say):
+    for one, task in each(search, partial(_screened, base=part), starts(), say):
         tried.append(one)
         take(one[0], task.result())
     if _stuck(base, best.values()):
         search.extend(AFRESH)
-        cost = {name: trial.fit.cost / base.fit.cost for name, trial in best.items()}
+        cost = {name: trial.fit.cost / part.fit.cost for name, trial in best.items()}
         stalled = [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
-        for one, task in each(search, partial(_screened, base=base, afresh=True), stalled, say):
+        for one, task in each(search, partial(_screened, base=part, afresh=True), stalled, say):
             take(one[0], task.result())
     search.screened += best.values()
     return sorted(best.values(), key=lambda one: one.bic)
@@ -137,11 +142,11 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
     close: list[Trial] = []
     say = lambda trial: f"fitting {' + '.join(trial.names)} closely"  # noqa: E731
     for trial, task in each(search, Search.close, trials[:most], say):
-        if close and (search.left < 0 or trial.fit.cost > FARTHEST * close[0].fit.cost):
+        if close and (search.left < 0 or trial.mean > FARTHEST * close[0].mean):
             break
         least = min(close, key=lambda one: one.fit.cost, default=trial)
         far = FAR if len(close) >= 2 else BEYOND
-        if close and least.excess < CLEAN and trial.fit.cost > far * least.fit.cost:
+        if close and least.excess < CLEAN and trial.mean > far * least.mean:
             break
         close.append(task.result())
         if min(one.excess for one in close) < CLEAN and len(close) >= 3:

@@ -1,0 +1,72 @@
+"""Readings that stand out: singly and in twos, and those that only the fit of what was found lets one see."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from discover_cases import RIG, make_case
+from stickslip.discovery.data import prepare, without_outliers
+from stickslip.discovery.loop import _cleaned_of_what_shows, _masked
+from stickslip.discovery.rivals import Start, hypothesis
+from stickslip.discovery.search import SHORT, Search
+from stickslip.discovery.trace import declared
+from stickslip.effects import effect
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
+
+CAUSE = effect("spring_cubic_k2", k=6.0)
+
+
+@pytest.fixture(scope="module")
+def case():
+    return make_case((CAUSE,))
+
+
+def masked(case, residual):
+    run = prepare(case.train[:1])[0]
+    return np.argwhere(without_outliers([run], [residual])[0].weight == 0).tolist()
+
+
+def white(case):
+    return np.random.default_rng(3).standard_normal((len(case.train[0].t), 2))
+
+
+def test_white_noise_masks_nothing(case):
+    assert masked(case, white(case)) == []
+
+
+def test_what_stands_out_singly_or_in_twos_is_masked_and_nothing_beside_it(case):
+    r = white(case)
+    r[100, 0] += 20
+    r[300:302, 1] += 15, 25
+    r[500:502, 0] += 15, -15
+    assert masked(case, r) == [[100, 0], [300, 1], [301, 1], [500, 0], [501, 0]]
+
+
+@pytest.mark.parametrize("period", [25, 40, 120])
+def test_a_smooth_misfit_far_above_the_noise_masks_nothing(case, period):
+    n = len(case.train[0].t)
+    assert masked(case, white(case) + 60 * np.sin(2 * np.pi * np.arange(n) / period)[:, None]) == []
+
+
+def test_what_a_misfit_hid_is_found_when_its_cause_is(case):
+    data = prepare(case.train[:2])
+    at = np.array([150, 151, 420, 421, 700, 701])
+    for run in data:
+        run.readings[at, 0] += 25 * run.noise[0] * np.array([1, 1.2, -1, -1.2, 1, -1.1])
+    search = Search(data, Model(RIG, friction=PaperFriction()), 1, lambda _: None, 1e6)
+    base = declared(search)
+    found = search.run(hypothesis(search.model, [Start(CAUSE)]), cycles=SHORT, windows_of=base)
+    few, _ = _cleaned_of_what_shows(case, data, base)
+    many, _ = _cleaned_of_what_shows(case, data, found)
+    assert _masked(data, few) < _masked(data, many) == 12
+    for run in many:
+        assert np.argwhere(run.weight == 0).tolist() == [[i, 0] for i in at]
+    again = replace(search, data=many).run(found.hypothesis, cycles=SHORT)
+    assert again.excess < 3 < found.excess
+    same, said = _cleaned_of_what_shows(case, many, again)
+    assert same is many
+    assert said == ()

@@ -1,0 +1,51 @@
+"""Half of the windows: enough to see which effect a plain misfit comes from."""
+
+from __future__ import annotations
+
+import pytest
+
+from discover_cases import RIG, make_case
+from stickslip.discovery.data import prepare
+from stickslip.discovery.search import CLEAN, Search
+from stickslip.discovery.solve import Point
+from stickslip.discovery.trace import PLAIN, closely, declared, screen
+from stickslip.effects import effect
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
+
+
+@pytest.fixture(scope="module")
+def search():
+    runs = prepare(make_case((effect("spring_cubic_k2", k=6.0),)).train[:3])
+    return Search(runs, Model(RIG, friction=PaperFriction()), 1, lambda _: None, 1e6)
+
+
+@pytest.fixture(scope="module")
+def base(search):
+    return declared(search)
+
+
+def test_half_is_two_in_four_of_every_run(search, base):
+    half = search.half(base)
+    for run in range(3):
+        every = [w.start for w in base.fit.windows if w.run == run]
+        assert [w.start for w in half.fit.windows if w.run == run] == [
+            s for i, s in enumerate(every) if i % 4 < 2
+        ]
+    cost = Point.at(base.fit.engine, base.fit.vector, half.fit.windows).cost
+    assert half.fit.cost == pytest.approx(cost)
+    assert half.partial
+    assert half.fit.readings < 0.7 * base.fit.readings
+    assert half.mean == pytest.approx(base.mean, rel=0.5)
+
+
+def test_a_plain_misfit_is_screened_on_half_and_fitted_closely_on_all(search, base):
+    assert base.chi2 > PLAIN
+    rivals = screen(search, base)
+    assert all(one.partial for one in rivals)
+    assert rivals[0].names == ("spring_cubic_k2",)
+    found = closely(search, rivals, most=1)[0]
+    assert not found.partial
+    assert len(found.fit.windows) == len(base.fit.windows)
+    assert found.excess < CLEAN
+    assert search.tried["spring_cubic_k2",] is found
