@@ -10,12 +10,13 @@ from stickslip.discovery import trace, unlisted
 from stickslip.discovery.trace import (
     ALONE,
     ANOTHER,
-    ASTRAY,
     BEYOND,
     FAR,
     FARTHEST,
+    FREED,
     HOPELESS,
     MARGIN,
+    PROMISING,
     closely,
     decide_pairs,
 )
@@ -25,9 +26,10 @@ CLEAN_COST = 1000.0
 
 
 def trial(names, cost, excess=100.0, bic=None):
+    bic, mean = cost if bic is None else bic, cost / CLEAN_COST
     return SimpleNamespace(
-        names=names, fit=SimpleNamespace(cost=cost), excess=excess, bic=cost if bic is None else bic,
-        chi2=cost / CLEAN_COST, mean=cost / CLEAN_COST, hypothesis=SimpleNamespace(model=None),
+        names=names, fit=SimpleNamespace(cost=cost, readings=CLEAN_COST), excess=excess, bic=bic,
+        chi2=mean, mean=mean, hypothesis=SimpleNamespace(model=None), bic_of=lambda _: bic,
     )  # fmt: skip
 
 
@@ -93,42 +95,50 @@ def test_no_second_rival_is_fitted_when_the_time_is_up():
     assert search.fitted == [("a",)]
 
 
-def pairs_of(monkeypatch, left_by_pairs, *, left=10.0, budget=100.0):
-    """Bases whose pairs were sought, where the pairs on each leave this much of an excess of 9."""
-    search = Search(left, budget)
-    search.tried[()] = trial((), 10 * CLEAN_COST)
-    singles = [trial((name,), (3 + i) * CLEAN_COST) for i, name in enumerate("abc")]
+def pairs_of(monkeypatch, left_by_pairs, *, alone=None):
+    """Bases whose pairs were sought, where those on each leave this much of an excess of 99.
+
+    `alone` is the cost that an effect of the best pair then leaves alone.
+    """
+    search = Search()
+    search.tried[()] = trial((), 100 * CLEAN_COST)
+    singles = [trial((name,), (30 + i) * CLEAN_COST) for i, name in enumerate("abc")]
     sought = []
 
     def screen(_search, base):
         sought.append(base.names[0])
-        return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 9) * CLEAN_COST)]
+        return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 99) * CLEAN_COST)]
 
+    freed = [] if alone is None else [trial(("z",), alone * CLEAN_COST)]
     monkeypatch.setattr(trace, "screen", screen)
     monkeypatch.setattr(trace, "polished", lambda _, trials, **__: trials)
-    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(trace, "_eliminated", lambda *_: freed)
     monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
     found = decide_pairs(search, singles)
-    return sought, search, found
+    return "".join(sought), search, found
 
 
-def test_pairs_that_explain_everything_need_no_other_base(monkeypatch):
-    sought, search, found = pairs_of(monkeypatch, [0.0])
-    assert sought == ["a"]
+def test_pairs_that_promise_to_explain_everything_need_no_other_base(monkeypatch):
+    sought, search, found = pairs_of(monkeypatch, [0.99 * PROMISING])
+    assert sought == "a"
     assert search.extended == [ANOTHER[0]]
     assert found[0].names == ("a", "z")
 
 
-def test_pairs_that_leave_much_were_built_on_the_wrong_effect(monkeypatch):
-    sought, search, found = pairs_of(monkeypatch, [1.01 * ASTRAY, 0.0])
-    assert sought == ["a", "b"]
+def test_pairs_that_leave_more_may_be_built_on_the_wrong_effect(monkeypatch):
+    sought, search, found = pairs_of(monkeypatch, [1.01 * PROMISING, 0.0])
+    assert sought == "ab"
     assert search.extended == list(ANOTHER)
     assert found[0].names == ("b", "z")
+    assert pairs_of(monkeypatch, [0.3, 0.2, 0.4])[0] == "abc"
 
 
-def test_pairs_that_leave_little_are_built_on_the_right_one(monkeypatch):
-    assert pairs_of(monkeypatch, [0.99 * ASTRAY])[0] == ["a"]
-    assert pairs_of(monkeypatch, [0.99 * ASTRAY] * 3, left=50.0)[0] == ["a", "b", "c"]  # there is time
+def test_an_effect_that_a_pair_has_brought_to_its_place_is_another_base(monkeypatch):
+    sought, _, found = pairs_of(monkeypatch, [0.3, 0.2, 0.4, 0.0], alone=0.9 * 30 * FREED)
+    assert sought == "abcz"
+    assert found[0].names == ("z", "z")
+    assert pairs_of(monkeypatch, [0.3, 0.2, 0.4], alone=1.1 * 30 * FREED)[0] == "abc"
+    assert pairs_of(monkeypatch, [0.0], alone=0.9 * 30 * FREED)[0] == "a"
 
 
 @pytest.mark.parametrize(("crude", "fits"), [(HOPELESS * 0.99, 2), (HOPELESS * 1.01, 1)])

@@ -332,16 +332,12 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
 
 
 def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
-    every = choice.null.fit.readings
-
-    def bic(one: Trial) -> float:
-        """Of a part of the windows as if it were of all."""
-        return one.bic + (every - one.fit.readings) * one.mean if one.partial else one.bic
-
+    readings = choice.null.fit.readings
     trials: Sequence[Trial] = sorted(
-        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(), key=bic
+        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
+        key=lambda one: one.bic_of(readings),
     )
-    least, chosen = bic(trials[0]), tuple(sorted(choice.trial.names))
+    least, chosen = trials[0].bic_of(readings), tuple(sorted(choice.trial.names))
     out, seen = [], set()
     for t in trials:
         key = tuple(sorted(t.names))
@@ -350,7 +346,7 @@ def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
         seen.add(key)
         values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
         numbers = {k: v for k, v in values.items() if "." in k and not unlisted.is_tabulated(k)}
-        out.append(Rival(t.names, t.chi2, bic(t) - least, numbers, None, key == chosen))
+        out.append(Rival(t.names, t.chi2, t.bic_of(readings) - least, numbers, None, key == chosen))
     return tuple(out)
 
 

@@ -73,6 +73,10 @@ class Trial:
         hidden = sum(k >= 4 for w in self.fit.windows for k in w.free)
         return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + hidden
 
+    def bic_of(self, readings: int) -> float:
+        """The same of a trial on a part of the windows, as if it were of all these readings."""
+        return self.bic + (readings - self.fit.readings) * self.mean if self.partial else self.bic
+
     @property
     def mean(self) -> float:
         """Cost per reading: to compare trials of all windows with those of a part."""

@@ -20,14 +20,15 @@ from stickslip.errors import StickslipError
 Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 BEYOND = 3.0  # and the same for the second of all
-ASTRAY = 0.1  # of the excess of the declared law: pairs that leave more were built on the wrong effect
+PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
+FREED = 0.5  # of the cost of the best effect: one that then leaves less alone is another to build pairs on
 ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
 AFRESH = 10.0  # processor seconds for these, at least
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
 PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
-NEARLY = 1.5  # chi-squared per reading below which a base is not stuck
+NEARLY = 1.5  # chi-squared per reading that is near the noise
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 HOPELESS = (
     2.0  # of the cost of a pair: an effect of it that alone leaves more after a few steps will not come near
@@ -215,26 +216,38 @@ def decide_single(search: Search) -> list[Trial]:
 
 
 def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
-    """Pairs built on the best single effects, and what there was; best first."""
+    """Pairs built on the best single effects, and what there was; best first.
+
+    A single effect that explains most may only stand in for the two there are: where no pair on it promises to explain
+    the rest, pairs on the next are screened too. One that a pair has brought to its place, and that then does
+    far better alone than any before, is another to build on.
+    """
     null = search.tried[()]
-    pairs: list[Trial] = []
+    found: list[Trial] = []
     bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:3]
     for base in bases:
-        if pairs and search.left < 0.3 * search.budget and not _astray(pairs, null):
+        if found and _promising(found, null):
             break
-        search.extend(ANOTHER[bool(pairs)])
-        pairs += polished(search, screen(search, base), most=3)
-        if any(explained(one, null) for one in pairs):
-            break
-    pairs.sort(key=lambda one: one.bic)
+        search.extend(ANOTHER[bool(found)])
+        found += screen(search, base)
+    readings = null.fit.readings
+    pairs = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=4)
     singles = _eliminated(search, pairs[0]) if pairs else []
+    freed = min(singles, key=lambda one: one.fit.cost, default=None)
+    if freed and not explained(pairs[0], null) and freed.fit.cost < FREED * bases[0].fit.cost:
+        search.extend(ANOTHER[True])
+        more = polished(search, screen(search, freed), most=3)
+        if more and more[0].bic < pairs[0].bic:
+            singles += _eliminated(search, more[0])
+        pairs = sorted([*pairs, *more], key=lambda one: one.bic)
     pairs = [one for one in pairs if _both_needed(search, one)]
     return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
 
 
-def _astray(pairs: Sequence[Trial], null: Trial) -> bool:
-    """Do all pairs leave so much that another effect must be among them?"""
-    return min(one.chi2 for one in pairs) - 1 > ASTRAY * (null.chi2 - 1)
+def _promising(pairs: Sequence[Trial], null: Trial) -> bool:
+    """Does a pair, crudely fitted, come so near the noise that a close fit may reach it?"""
+    left = min(one.chi2 for one in pairs) - 1
+    return left < NEARLY - 1 or left < PROMISING * (null.chi2 - 1)
 
 
 def _eliminated(search: Search, pair: Trial) -> list[Trial]:
