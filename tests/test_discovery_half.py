@@ -6,6 +6,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.discovery.data import prepare
+from stickslip.discovery.evidence import evidence
 from stickslip.discovery.search import CLEAN, Search
 from stickslip.discovery.solve import Point
 from stickslip.discovery.trace import PLAIN, closely, declared, screen
@@ -49,3 +50,20 @@ def test_a_plain_misfit_is_screened_on_half_and_fitted_closely_on_all(search, ba
     assert len(found.fit.windows) == len(base.fit.windows)
     assert found.excess < CLEAN
     assert search.tried["spring_cubic_k2",] is found
+
+
+def test_a_part_is_weighed_as_if_it_were_of_all_readings(search, base):
+    half, every = search.half(base), base.fit.readings
+    assert half.cost_of(every) == pytest.approx(half.mean * every)
+    assert half.bic_of(every) - half.cost_of(every) == pytest.approx(half.bic - half.fit.cost, abs=1e-6)
+    assert (base.cost_of(every + 100), base.bic_of(every + 100)) == (base.fit.cost, base.bic)
+
+
+def test_the_best_wrong_effect_is_not_flattered_by_its_part(search, base):
+    search.keep(base, ())
+    rivals = screen(search, base)
+    found = closely(search, rivals, most=1)[0]
+    proof = evidence(search, base, found, "spring_cubic_k2", [found], 20.0, 0.5)
+    wrong = min(one.mean for one in rivals[1:]) * base.fit.readings
+    assert proof.control == pytest.approx(max(base.fit.cost - wrong, 0.0))
+    assert proof.control < proof.delta_chi2

@@ -58,13 +58,15 @@ def evidence(
     rest = tuple(sorted(n for n in trial.names if n != name))
     without = search.tried.get(rest, null)
     gain, bic = without.fit.cost - trial.fit.cost, without.bic - trial.bic
+    done = {t.names for t in tried}
     swapped = [  # another effect in the place of this one, beside the same others
         t
-        for t in (*tried, *search.screened)
+        for t in (*tried, *(t for t in search.screened if t.names not in done))
         if name not in t.names and len(t.names) == len(trial.names) and set(rest) <= set(t.names)
     ]
-    control = min(swapped, key=lambda t: t.fit.cost, default=None)
-    fall = 0.0 if control is None else max(without.fit.cost - control.fit.cost, 0.0)
+    readings = trial.fit.readings
+    control = min(swapped, key=lambda t: t.cost_of(readings), default=None)
+    fall = 0.0 if control is None else max(without.fit.cost - control.cost_of(readings), 0.0)
     label = "" if control is None else next((n for n in control.names if n not in rest), "")
     words = f"lowers chi-squared by {gain:.4g} (the gate is {threshold:.3g})"
     if label:

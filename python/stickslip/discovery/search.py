@@ -75,7 +75,11 @@ class Trial:
 
     def bic_of(self, readings: int) -> float:
         """The same of a trial on a part of the windows, as if it were of all these readings."""
-        return self.bic + (readings - self.fit.readings) * self.mean if self.partial else self.bic
+        return self.bic + self.cost_of(readings) - self.fit.cost
+
+    def cost_of(self, readings: int) -> float:
+        """Cost of a trial on a part of the windows, as if it were of all these readings."""
+        return readings * self.mean if self.partial else self.fit.cost
 
     @property
     def mean(self) -> float:

@@ -92,7 +92,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
 
 def _promising_first(search: Search) -> list[str]:
     """The catalogue in the order in which its effects alone explained most: time may run out."""
-    alone = {one.names[0]: one.fit.cost for one in reversed(search.screened) if len(one.names) == 1}
+    alone = {one.names[0]: one.mean for one in reversed(search.screened) if len(one.names) == 1}
     return sorted(CATALOGUE, key=lambda name: alone.get(name, math.inf))
 
 
