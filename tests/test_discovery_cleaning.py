@@ -46,6 +46,17 @@ def test_what_stands_out_singly_or_in_twos_is_masked_and_nothing_beside_it(case)
     assert masked(case, r) == [[100, 0], [300, 1], [301, 1], [500, 0], [501, 0]]
 
 
+def test_where_much_stands_out_it_is_motion_that_is_sampled_too_coarsely(case):
+    r = white(case)
+    often = np.arange(5, len(r) - 5, 15)
+    r[often, 0] += 40
+    assert masked(case, r) == []
+    seldom = often[::2]
+    r[often, 0] -= 40
+    r[seldom, 0] += 40
+    assert masked(case, r) == [[i, 0] for i in seldom]
+
+
 @pytest.mark.parametrize("period", [25, 40, 120])
 def test_a_smooth_misfit_far_above_the_noise_masks_nothing(case, period):
     n = len(case.train[0].t)

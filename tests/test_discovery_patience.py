@@ -30,6 +30,7 @@ def trial(names, cost, excess=100.0, bic=None):
     return SimpleNamespace(
         names=names, fit=SimpleNamespace(cost=cost, readings=CLEAN_COST), excess=excess, bic=bic,
         chi2=mean, mean=mean, hypothesis=SimpleNamespace(model=None), bic_of=lambda _: bic,
+        partial=False,
     )  # fmt: skip
 
 
@@ -93,6 +94,13 @@ def test_no_second_rival_is_fitted_when_the_time_is_up():
     search = Search(left=-1.0)
     closely(search, [trial(("a",), 1000), trial(("b",), 1001)])
     assert search.fitted == [("a",)]
+
+
+def test_a_rival_that_cannot_be_fitted_on_all_windows_is_left_out():
+    search, rivals = Search(), [trial(("a",), 1000), trial(("b",), 1001)]
+    rivals[0].partial = True
+    assert closely(search, rivals) == rivals[1:]
+    assert list(search.tried) == [("b",)]
 
 
 def pairs_of(monkeypatch, left_by_pairs, *, alone=None):

@@ -214,3 +214,13 @@ def test_a_worker_ends_with_the_process_that_started_it(tmp_path):
     while runs(worker) and time.monotonic() < end:
         time.sleep(0.2)
     assert not runs(worker)
+
+
+def test_processes_at_hand_are_those_of_a_search_just_ended_in_this_process(data, monkeypatch):
+    search = search_in(data, 2)
+    search.submit(square, 2).result()
+    assert Workers.at_hand() is search.workers
+    latest = Workers._latest
+    for other in (None, (search.workers, os.getpid() + 1, latest[2]), (search.workers, os.getpid(), 0.0)):
+        monkeypatch.setattr(Workers, "_latest", other)
+        assert Workers.at_hand().count == 1

@@ -18,6 +18,7 @@ import stickslip as ss
 from stickslip.catalogue import CATALOGUE, CONSTANTS, KINDS
 from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found
+from stickslip.discovery.workers import Workers
 from stickslip.report import motion, words
 from stickslip.report.contents import contents
 from stickslip.report.page import page
@@ -253,10 +254,28 @@ def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
         pytest.fail("the work began")
 
 
+def test_an_interrupt_while_drawing_ends_the_processes_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, case = made(tmp_path)
+    stopped = []
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Workers, "map", interrupt)
+    monkeypatch.setattr(Workers, "stop", lambda self: stopped.append(self))
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(KeyboardInterrupt):
+        write_report(found, case, tmp_path / "out")
+    assert len(stopped) == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
 def test_same_result_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found, case = made(tmp_path)
     for name, processes in (("a", 2), ("b", 1)):
-        monkeypatch.setattr("stickslip.report.page.cores", lambda: processes)  # noqa: B023
+        monkeypatch.setattr(Workers, "at_hand", lambda: Workers(processes))  # noqa: B023
         (tmp_path / name).mkdir()
         fill(tmp_path / name, found, case)
     for name in ("report.html", "report.json", "figures/portrait.svg"):

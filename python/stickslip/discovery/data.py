@@ -17,6 +17,7 @@ from stickslip.records import Recording
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
 GLITCH_SIGMAS = 8.0
+MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
 
@@ -205,16 +206,15 @@ def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[
     """The runs with samples masked that stand out, singly or in twos, from the residual (n, c) on both their sides.
 
     A misfit varies from sample to sample by less than the noise, and a smooth one by less than twice its spread over
-    the flanks of two, so that it masks nothing.
+    the flanks of two, so that it masks nothing. Where the sampling is too coarse for that, much stands out, and stays.
     """
     out = []
     for run, r in zip(data, residuals, strict=True):
-        weight = run.weight.copy()
+        odd = np.zeros(r.shape, dtype=bool)
         middle, spread = 0.5 * (r[:-2] + r[2:]), np.abs(r[2:] - r[:-2])
-        odd = (np.abs(r[1:-1] - middle) > OUTLIER_SIGMAS + spread) & np.isfinite(middle)
-        weight[1:-1][odd] = 0.0
+        odd[1:-1] = np.abs(r[1:-1] - middle) > OUTLIER_SIGMAS + spread
         flanks = np.stack([r[:-6], r[1:-5], r[5:-1], r[6:]])
-        odd = np.abs(r[3:-3] - flanks.mean(axis=0)) > OUTLIER_SIGMAS + 2 * np.ptp(flanks, axis=0)
-        weight[3:-3][odd] = 0.0
-        out.append(replace(run, weight=weight))
+        odd[3:-3] |= np.abs(r[3:-3] - flanks.mean(axis=0)) > OUTLIER_SIGMAS + 2 * np.ptp(flanks, axis=0)
+        odd[:, odd.mean(axis=0) > MOST_OUTLIERS] = False
+        out.append(replace(run, weight=np.where(odd, 0.0, run.weight)))
     return out

@@ -121,6 +121,7 @@ def _discover(
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
     data, notes = plausible(case, data)
+    as_read = data
     count = len(case.train)
     model = Model(case.rig, friction=case.friction)
     search = Search(data[:count], model, threads, tell, budget)
@@ -138,6 +139,12 @@ def _discover(
     if choice.trial.names:
         data, more = _cleaned_of_what_shows(case, data, choice.trial)
         search, corrected = replace(search, data=data[:count]), (*corrected, *more)
+    if out := _masked(as_read, data):
+        share = out / sum(run.readings.size for run in data[:count])
+        corrected = (
+            *corrected,
+            f"{out} readings that stand out from both sides ({share:.2g} of all) are left out",
+        )
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 

@@ -149,7 +149,10 @@ def closely(search: Search, trials: Sequence[Trial], most: int = 4) -> list[Tria
         far = FAR if len(close) >= 2 else BEYOND
         if close and least.excess < CLEAN and trial.mean > far * least.mean:
             break
-        close.append(task.result())
+        done = task.result()
+        if done.partial:  # what cannot be fitted on all windows
+            continue
+        close.append(done)
         if min(one.excess for one in close) < CLEAN and len(close) >= 3:
             break
     for one in close:

@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Concatenate, ParamSpec, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from stickslip.discovery.search import Search
@@ -42,6 +42,8 @@ class Task(Protocol[Got]):
 class Workers:
     """Processes to fit and draw in; none where there is one core to use, or the machine does not let us have any."""
 
+    _latest: ClassVar[tuple[Workers, int, float] | None] = None  # last asked, by which process, when
+
     def __init__(self, count: int) -> None:
         self.count = min(count, os.cpu_count() or 1)
         self._pool = _pool(self.count) if self.count > 1 else None
@@ -61,13 +63,24 @@ class Workers:
             except BrokenExecutor:  # one of them died: from now on alone
                 self._pool = None
             else:
+                Workers._latest = self, os.getpid(), time.monotonic()
                 return _Elsewhere(future, search, here)
         return _Later(here)
+
+    @classmethod
+    def at_hand(cls) -> Workers:
+        """The processes of a search that this one has just ended; else none: it takes longer to start any."""
+        if cls._latest is not None and cls._latest[1] == os.getpid():
+            workers, _, at = cls._latest
+            if time.monotonic() - at < IDLE / 2:
+                return workers
+        return Workers(1)
 
     def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
         """function(item) of every item, in their order."""
         todo = list(items)
         if self._pool is not None:
+            Workers._latest = self, os.getpid(), time.monotonic()
             try:
                 return list(self._pool.map(function, todo))
             except BrokenExecutor:

@@ -14,13 +14,12 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
-from stickslip.discovery.workers import Workers, cores
+from stickslip.discovery.workers import Workers
 from stickslip.plot import save_figure
 from stickslip.records import Case
 from stickslip.report import figures, figures_numbers, figures_residual, words
 from stickslip.report.motion import residual
 from stickslip.report.units import Axes, axes_of
-from stickslip.rig import Rig
 
 Drawer = Callable[[Found, Axes], Figure]
 FIGURES: Mapping[str, Drawer] = {
@@ -39,9 +38,13 @@ FIGURES: Mapping[str, Drawer] = {
 def draw(found: Found, case: Case, folder: Path) -> dict[str, Path]:
     """Draw every figure the result has something for, as SVG and PNG; return the SVG of each."""
     names = [name for name in FIGURES if _wanted(name, found)]
-    # the processes of a search of the two-mass rig are still there; for another it is not worth starting them
-    workers = Workers(cores() if isinstance(case.rig, Rig) else 1)
-    return dict(zip(names, workers.map(partial(_saved, found, axes_of(case), folder), names), strict=True))
+    workers = Workers.at_hand()
+    try:
+        drawn = workers.map(partial(_saved, found, axes_of(case), folder), names)
+    except BaseException:
+        workers.stop()  # nobody draws into a folder that is about to go
+        raise
+    return dict(zip(names, drawn, strict=True))
 
 
 def _saved(found: Found, axes: Axes, folder: Path, name: str) -> Path:
