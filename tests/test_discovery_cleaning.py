@@ -9,7 +9,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.discovery.data import prepare, without_outliers
-from stickslip.discovery.loop import _cleaned_of_what_shows, _masked
+from stickslip.discovery.loop import _cleaned_of_what_shows, _masked, discover
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import SHORT, Search
 from stickslip.discovery.trace import declared
@@ -81,3 +81,13 @@ def test_what_a_misfit_hid_is_found_when_its_cause_is(case):
     same, said = _cleaned_of_what_shows(case, many, again)
     assert same is many
     assert said == ()
+
+
+def test_what_is_left_out_is_said(case):
+    runs = [replace(run, x1=run.x1.copy()) for run in case.runs]
+    for run, at in zip(runs[:2], (200, 500), strict=True):
+        run.x1[at : at + 2] += 0.03
+    found = discover(replace(case, runs=tuple(runs)))
+    assert [one.name for one in found.effects] == [CAUSE.name]
+    said = [one for one in found.messages if one.startswith("left out of the fits")]
+    assert said == ["left out of the fits: 4 readings that stand out from both sides (0.052 % of all)"]

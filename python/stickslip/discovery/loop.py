@@ -141,9 +141,10 @@ def _discover(
         search, corrected = replace(search, data=data[:count]), (*corrected, *more)
     if out := _masked(as_read, data):
         share = out / sum(run.readings.size for run in data[:count])
+        which = "1 reading that stands out" if out == 1 else f"{out} readings that stand out"
         corrected = (
             *corrected,
-            f"{out} readings that stand out from both sides ({share:.2g} of all) are left out",
+            f"left out of the fits: {which} from both sides ({100 * share:.2g} % of all)",
         )
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
