@@ -19,7 +19,7 @@ from stickslip.discovery import trace, workers
 from stickslip.discovery.data import prepare
 from stickslip.discovery.loop import discover
 from stickslip.discovery.search import CLEAN, Search
-from stickslip.discovery.trace import _stuck, declared, screen
+from stickslip.discovery.trace import NEARLY, _stuck, declared, screen
 from stickslip.discovery.workers import Workers, each
 from stickslip.effects import effect
 from stickslip.friction import PaperFriction
@@ -174,6 +174,8 @@ def trial(chi2, excess=100.0):
 def test_a_base_is_stuck_where_all_rivals_leave_most_of_what_it_leaves():
     assert _stuck(trial(101.0), [trial(60.0), trial(99.0)])
     assert not _stuck(trial(101.0), [trial(40.0), trial(99.0)])
+    assert _stuck(trial(1.01 * NEARLY), [trial(1.0 * NEARLY)])
+    assert not _stuck(trial(0.99 * NEARLY), [trial(0.98 * NEARLY)])  # above the noise, and yet near it
     assert not _stuck(trial(1.01, 0.99 * CLEAN), [trial(1.01, 0.99 * CLEAN)])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -38,7 +39,7 @@ from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import MARGIN, decide_single, declared
 from stickslip.discovery.views import train_view, validate_view
-from stickslip.discovery.workers import Workers, cores
+from stickslip.discovery.workers import Workers
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError
@@ -47,6 +48,7 @@ from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 Floats = NDArray[np.float64]
+MOST_CORES = 8  # what a search can keep busy
 FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
 MANY = 5  # readings taken out, from which the fits before are worth repeating
 WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
@@ -100,7 +102,7 @@ def discover(
             return slider.discover(case, progress=progress, seed=seed)
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
-        count = cores() if threads is None else threads
+        count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         workers = Workers(count)
         try:
             return _discover(case, tell, count, seed, budget, began, workers)

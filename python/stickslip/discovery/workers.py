@@ -18,15 +18,9 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 Got = TypeVar("Got", covariant=True)
 Rest = ParamSpec("Rest")
-MOST_CORES = 8  # what a search can keep busy
 IDLE = 20.0  # seconds after which processes that nobody asks for anything end
 LOOK = 2.0  # seconds between looks for the process that started us
 ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-
-
-def cores() -> int:
-    """How many processes to have where nobody says."""
-    return min(os.cpu_count() or 1, MOST_CORES)
 
 
 class Task(Protocol[Got]):
@@ -63,7 +57,7 @@ class Workers:
             except BrokenExecutor:  # one of them died: from now on alone
                 self._pool = None
             else:
-                Workers._latest = self, os.getpid(), time.monotonic()
+                self._asked()
                 return _Elsewhere(future, search, here)
         return _Later(here)
 
@@ -80,12 +74,15 @@ class Workers:
         """function(item) of every item, in their order."""
         todo = list(items)
         if self._pool is not None:
-            Workers._latest = self, os.getpid(), time.monotonic()
+            self._asked()
             try:
                 return list(self._pool.map(function, todo))
             except BrokenExecutor:
                 self._pool = None
         return [function(item) for item in todo]
+
+    def _asked(self) -> None:
+        Workers._latest = self, os.getpid(), time.monotonic()
 
     def stop(self) -> None:
         """End the processes at once, whatever they are at."""
