@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.effects import AnyEffect, Effect
+from stickslip.effects import AnyEffect
 from stickslip.friction import PaperFriction
 from stickslip.model import Model
 from stickslip.recording import Recording, Role
@@ -37,10 +37,7 @@ def make_case(
     runs = []
     for i, speed in enumerate(speeds):
         own = tuple(
-            one.replace(phi=float(rng.uniform(0, 6)))
-            if isinstance(one, Effect) and "phi" in one.parameters
-            else one
-            for one in effects
+            one.replace(phi=float(rng.uniform(0, 6))) if "phi" in one.parameters else one for one in effects
         )
         t = np.arange(0.0, length, dt)
         t[1:-1] += jitter * dt * rng.uniform(-1, 1, len(t) - 2)

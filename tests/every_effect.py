@@ -38,6 +38,9 @@ EFFECTS: dict[str, list[ss.Effect | ss.Tabulated]] = {
     "a table on the angle body": [ss.tabulated("angle_body", "y2", *SHAPE)],
     "a table on the contact": [ss.tabulated("contact", "y1", *SHAPE)],
     "a table in time that repeats": [ss.tabulated("block", "t", [0, 1, 2, 3], [0, 0.2, -0.1, 0], period=3)],
+    "a table in time at its own phase": [
+        ss.tabulated("contact", "t", [0, 1, 2, 3], [0, 0.2, -0.1, 0], period=3, phi=-2.5)
+    ],
     "three at once": [
         *one("belt_speed_ripple", a=0.1, w=4.0, phi=0.2),
         *one("static_aging", dT=1.0, tau=2.0),

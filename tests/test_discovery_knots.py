@@ -54,6 +54,7 @@ def learned(monkeypatch, fine_bic):
     monkeypatch.setattr(unlisted, "terms", lambda _: terms)
     monkeypatch.setattr(unlisted, "gain", lambda _, term: 10.0 if term.variable == "v_w" else 5.0)
     monkeypatch.setattr(unlisted, "with_term", with_term)
+    monkeypatch.setattr(unlisted, "ranges", lambda _: {"v_w": SEEN, "x1": SEEN})
     search = SimpleNamespace(
         left=100.0,
         budget=100.0,
@@ -75,3 +76,19 @@ def test_a_curve_within_the_noise_is_tried_on_finer_knots(monkeypatch):
 def test_finer_knots_that_are_not_worth_their_number_are_dropped(monkeypatch):
     curves, _ = learned(monkeypatch, fine_bic=600.0)
     assert (curves[0][0].variable, len(curves[0][0].knots)) == ("v_w", KNOTS + 2)
+
+
+def test_a_curve_is_fitted_again_while_the_motion_reaches_further(monkeypatch):
+    reach, fitted = iter([1.2, 1.5, 1.52, 9.0]), []
+    monkeypatch.setattr(unlisted, "ranges", lambda _: {"x1": next(reach) * SEEN})
+
+    def with_term(_search, _base, term, **_):
+        fitted.append(term.knots[-2] / HIGH)
+        return trial(5.0 / fitted[-1], 50.0, 900.0 / fitted[-1])
+
+    monkeypatch.setattr(unlisted, "with_term", with_term)
+    search = SimpleNamespace(polish=lambda one, **_: one)
+    coarse = Term("y1 channel", "x1", knots_for(SEEN, KNOTS)), trial(9.0, 90.0, 1000.0)
+    term, best = unlisted._finer(search, coarse, base=None)
+    assert fitted == pytest.approx([1.2, 1.5])
+    assert (len(term.knots), best.bic) == (FINE + 2, pytest.approx(600.0))

@@ -174,6 +174,7 @@ def test_fine_knots_are_polished_where_they_change_something(monkeypatch, share,
     coarse = trial(("t",), 1400.0, bic=1400)
     added = trial(("t",), CLEAN_COST + share * RESOLVED * 400, bic=bic)
     monkeypatch.setattr(unlisted, "with_term", lambda *_, **__: added)
+    monkeypatch.setattr(unlisted, "ranges", lambda _: {"x1": [0.0, 1.0]})
     asked = []
     search = SimpleNamespace(polish=lambda one, turns: asked.append(turns) or one)
     term = Term("block", "x1", knots_for([0.0, 1.0], KNOTS))

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DOUBTFUL
+from stickslip.discovery.choice import DOUBTFUL, SURPASSED
 from stickslip.discovery.trace import MARGIN
-from stickslip.discovery.unlisted import PROMISING, STALLED, Term, _worth, learn
+from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
 
 TERMS = {variable: Term("block", variable, (0.0, 1.0)) for variable in ("x1", "x2", "y1", "y2")}
 
@@ -122,3 +122,33 @@ def test_a_name_that_leaves_a_little_is_held_against_curves(monkeypatch):
 
 def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeypatch):
     assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0, beside_bic=495.0) == (("stribeck_peak",), True)
+
+
+@pytest.mark.parametrize(
+    ("left", "recurring", "bases"),
+    [(0.9 * SURPASSED, False, []), (1.1 * SURPASSED, False, [1]), (1.1 * OUTDONE, True, [3])],
+)
+def test_the_less_a_curve_leaves_the_fewer_pairs_are_sought(monkeypatch, left, recurring, bases):
+    """`left` is the share that a curve leaves of what the best name leaves; it does not reach the noise."""
+
+    def fitted(names, chi2):
+        fit = SimpleNamespace(cost=1000 * chi2)
+        return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=100.0, fit=fit)
+
+    null, best = fitted((), 200.0), fitted(("stribeck_peak",), 101.0)
+    sought, repeats = [], []
+
+    def pairs(_search, trials, most):
+        sought.append(most)
+        return trials
+
+    monkeypatch.setattr(
+        choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1 + 100 * left))]
+    )
+    monkeypatch.setattr(choice, "learn_recurring", lambda *_: repeats.append(True) or [])
+    monkeypatch.setattr(choice, "decide_pairs", pairs)
+    monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    found = choice._choose(SimpleNamespace(tried={(): null}, data=[], left=0.0), [best, null])
+    assert (sought, bool(repeats)) == (bases, recurring)
+    assert found.trial.names == ("c",)

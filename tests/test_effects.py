@@ -114,6 +114,13 @@ def test_tabulated_curve_repeats_in_time() -> None:
     at = np.linspace(-3, 9, 50)
     np.testing.assert_allclose(term.curve(at), np.sin(np.pi * at), atol=5e-3)
     np.testing.assert_allclose(term.curve(at), term.curve(at + 4.0), atol=1e-12)
+    late = term.replace(phi=0.5)
+    np.testing.assert_allclose(late.curve(at), term.curve(at + 0.5 / np.pi), atol=1e-12)
+    slow = late.replace(w=0.5 * np.pi)
+    assert slow.period == pytest.approx(4.0)
+    np.testing.assert_allclose(slow.curve(2 * at), late.curve(at), atol=1e-12)
+    with pytest.raises(InputError, match="only a curve that repeats has a phase"):
+        tabulated("block", "t", t, wave, phi=0.5)
     with pytest.raises(InputError, match="only a curve in t repeats"):
         tabulated("block", "x1", t, wave, period=2.0)
     with pytest.raises(InputError, match="equal first and last"):

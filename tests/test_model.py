@@ -77,7 +77,7 @@ def test_file_round_trip(tmp_path: Path, data: st.DataObject) -> None:
 
 
 def test_periodic_term_round_trip(tmp_path: Path) -> None:
-    term = tabulated("block", "t", [0, 0.4, 1.3], [0.1, -0.2, 0.1], period=1.3)
+    term = tabulated("block", "t", [0, 0.4, 1.3], [0.1, -0.2, 0.1], period=1.3, phi=0.7)
     model = Model(RIG, friction=PaperFriction(), effects=[term])
     model.save(tmp_path / "model.toml")
     assert load_model(tmp_path / "model.toml") == model

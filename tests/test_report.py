@@ -209,7 +209,7 @@ def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verd
     for observed in (0.5 * found.gate.threshold, found.gate.threshold):
         below = dataclasses.replace(found, gate=dataclasses.replace(found.gate, observed=observed))
         assert words.sureness(below)[0] == (
-            "Something is missing, though no single candidate lowers chi-squared by more than noise may."
+            "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
         )
 
 

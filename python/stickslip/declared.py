@@ -108,7 +108,9 @@ def effect_table(one: AnyEffect) -> dict[str, object]:
         return {"name": one.name, **one.parameters}
     table: dict[str, object] = {"name": "tabulated", "where": one.where, "depends_on": one.variable}
     table |= {"knots": list(one.knots), "values": list(one.values)}
-    return table if one.period is None else table | {"period": one.period}
+    if one.period is not None:
+        table["period"] = one.period
+    return table if one.phi == 0 else table | {"phi": one.phi}
 
 
 def _block_on_belt(*, m: float, k: float, c: float = 0.0) -> BlockOnBelt:

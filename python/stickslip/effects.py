@@ -98,8 +98,8 @@ class Tabulated:
 
     On `block` and `angle_body` it adds the force +g in the bracket's units; at the `contact` friction, static
     limits included, is multiplied by 1 + g; on `x1 channel` and `y1 channel` g is added to the reading, and the
-    motion does not feel it. Between knots g is the natural cubic spline (with a `period`, the
-    periodic one); beyond the outer knots it keeps their values.
+    motion does not feel it. Between knots g is the natural cubic spline; beyond the outer knots it keeps their values.
+    With a `period` it is the periodic spline, read at t + phi period/(2 pi).
     """
 
     where: str
@@ -107,6 +107,7 @@ class Tabulated:
     knots: tuple[float, ...]
     values: tuple[float, ...]
     period: float | None = None
+    phi: float = 0.0
 
     @property
     def name(self) -> str:
@@ -127,17 +128,22 @@ class Tabulated:
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """The values at the knots, named value_0, value_1, ..."""
-        return {f"value_{i}": value for i, value in enumerate(self.values)}
+        """The values at the knots, value_0, value_1, ...; with a period, the angular frequency w and the phase phi."""
+        out = {f"value_{i}": value for i, value in enumerate(self.values)}
+        return out if self.period is None else out | {"w": 2 * np.pi / self.period, "phi": self.phi}
 
     def replace(self, **parameters: float) -> Tabulated:
-        """Return the term with some of its values changed."""
+        """Return the term with some of its parameters changed; another w stretches the knots."""
         known = dict(self.parameters)
         for name in parameters:
             if name not in known:
                 raise InputError(f"'{self.name}' has no parameter '{name}'; {did_you_mean(name, known)}")
         known.update(parameters)
-        return tabulated(self.where, self.variable, self.knots, tuple(known.values()), period=self.period)
+        phi, w, knots, period = known.pop("phi", 0.0), known.pop("w", None), self.knots, self.period
+        if "w" in parameters and w is not None:
+            period = 2 * np.pi / number("w", w, above=0)
+            knots = (*(period * one / self.knots[-1] for one in self.knots[:-1]), period)
+        return tabulated(self.where, self.variable, knots, tuple(known.values()), period=period, phi=phi)
 
     def curve(self, variable: ArrayLike) -> NDArray[np.float64]:
         """Return g at `variable`, any shape."""
@@ -146,7 +152,7 @@ class Tabulated:
         if self.period is None:
             at = np.clip(at, knots[0], knots[-1])
         else:
-            at = knots[0] + np.mod(at - knots[0], self.period)
+            at = np.mod(at + self.phi * self.period / (2 * np.pi), self.period)
         ends: Literal["natural", "periodic"] = "natural" if self.period is None else "periodic"
         return np.asarray(
             scipy.interpolate.CubicSpline(knots, np.array(self.values), bc_type=ends)(at), dtype=np.float64
@@ -161,6 +167,7 @@ def tabulated(
     values: Iterable[float],
     *,
     period: float | None = None,
+    phi: float = 0.0,
 ) -> Tabulated:
     """Declare a tabulated term: a smooth curve in one variable, where no name of the catalogue fits.
 
@@ -178,6 +185,9 @@ def tabulated(
     period
         For `depends_on="t"`: the curve repeats with this period. Knots then run from 0 to `period`
         and the last value equals the first.
+    phi
+        Of a curve that repeats: its phase at the start of the run, in radians; the curve is read at
+        t + phi period/(2 pi).
 
     Raises
     ------
@@ -197,6 +207,9 @@ def tabulated(
         raise InputError(f"{len(at)} given; a tabulated term has 2 to 24", key="knots")
     if any(b <= a for a, b in pairwise(at)):
         raise InputError("must increase from knot to knot", key="knots")
+    phi = number("phi", phi)
+    if period is None and phi != 0:
+        raise InputError("only a curve that repeats has a phase; give its period", key="phi", value=phi)
     if period is not None:
         period = number("period", period, above=0)
         if variable != "t":
@@ -204,7 +217,7 @@ def tabulated(
         if at[0] != 0 or at[-1] != period or curve[0] != curve[-1] or len(at) < 3:
             words = "needs knots from 0 to the period (at least 3) and equal first and last values"
             raise InputError(words, key="period")
-    return Tabulated(place, variable, at, curve, period)
+    return Tabulated(place, variable, at, curve, period, phi)
 
 
 def _member(key: str, value: str, known: tuple[str, ...]) -> str:

@@ -133,6 +133,9 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                 place = len(SLOTS) + i
                 parameters[place] = value
                 slots[f"{term.name}.value_{i}"] = (place,)
+            if term.period is not None:
+                for key in ("w", "phi"):
+                    put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
             continue
         if term.name in CONSTANTS:
             _correct(term, parameters)

@@ -134,7 +134,7 @@ class System:
         assert self.curve is not None
         name, period = self.curve.variable, self.curve.period
         if name == "t":
-            return t - side.cycle * period if period else t
+            return t + (self.curve.phi / (2 * np.pi) - side.cycle) * period if period else t
         return x2 - self.belt(t, z)[0] if name == "v_w" else x2 if name == "x2" else self.get(z, name)
 
     def tabulated(self, where: str, t: Value, z: Value, x2: Value, side: Side) -> Value:
@@ -334,6 +334,8 @@ class System:
             side = replace(side, touching=bool(self.pressure(z) > 0))
         v = z[1] - self.belt(t, z)[0]
         if self.curve:
+            if self.curve.period:
+                side = replace(side, cycle=int(np.floor(self.curve.phi / (2 * np.pi))))
             cell = np.searchsorted(self.curve.knots, self.table_variable(t, z, z[1], side), side="right")
             side = replace(side, cell=int(cell))
         if abs(v) > REST:

@@ -7,6 +7,8 @@
 //   belt   V = v_b + r(t) + b,  r = v_b a sin(w t + phi),  tau b' = k T - b
 #pragma once
 
+#include <numbers>
+
 #include "stickslip/piece.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -53,6 +55,16 @@ T table_next(const System<T>& sys, const Mode& mode, EffectSeries<T>& fx, int k)
   return constant(c[0], k) + c[1] * d[k] + c[2] * square[k] + c[3] * cubic;
 }
 
+// Coefficient 0 or 1 of the time that the table is read at; with a period, the periods behind are taken off.
+template <class T>
+T table_time(const System<T>& sys, const Mode& mode, const T& t0, int k) {
+  const double period = sys.structure.table_period;
+  if (!(period > 0)) return k == 0 ? t0 : T(1.0);
+  const double turn = period / (2 * std::numbers::pi);
+  if (k == 1) return sys.p[tabulated_w] * turn;
+  return (sys.p[tabulated_w] * t0 + sys.p[tabulated_phi]) * turn - mode.cycle * period;
+}
+
 template <class T>
 void variable_next(const System<T>& sys, const Mode& mode, const Series<T>& s, EffectSeries<T>& fx, const T& t0,
                    int k) {
@@ -62,7 +74,7 @@ void variable_next(const System<T>& sys, const Mode& mode, const Series<T>& s, E
     case TableVariable::y1: fx.variable[k] = s.y1[k]; break;
     case TableVariable::y2: fx.variable[k] = s.y2[k]; break;
     case TableVariable::v_w: fx.variable[k] = fx.v[k]; break;
-    default: fx.variable[k] = k == 0 ? t0 - mode.cycle * sys.structure.table_period : T(k == 1 ? 1.0 : 0.0);
+    default: fx.variable[k] = k < 2 ? table_time(sys, mode, t0, k) : T(0.0);
   }
 }
 

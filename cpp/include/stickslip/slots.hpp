@@ -73,7 +73,9 @@ inline constexpr std::array<std::string_view, slot_count> slot_names{"alpha1",
                                                                      "belt_load_droop.tau",
                                                                      "sensor_lag.tau",
                                                                      "sensor_crosstalk.c",
-                                                                     "sensor_nonlinearity.q"};
+                                                                     "sensor_nonlinearity.q",
+                                                                     "tabulated.w",
+                                                                     "tabulated.phi"};
 
 inline constexpr std::array<std::string_view, state_count> state_names{"x1", "x2", "y1", "y2",   "w",
                                                                        "z",  "b",  "m",  "dwell"};

@@ -73,7 +73,7 @@ void set_effect_modes(const System<T>& sys, const State<T>& s, Mode& mode, Side*
     for (int i = 0; i < 4; ++i) state_series(piece, i)[0] = s.z[i];
     const Structure& st = sys.structure;
     if (st.table_variable == TableVariable::t && st.table_period > 0)
-      mode.cycle = static_cast<int>(std::floor(real(s.t) / st.table_period));
+      mode.cycle = static_cast<int>(std::floor(real(table_time(sys, mode, s.t, 0)) / st.table_period));
     belt_next(sys, piece.fx, s.t, 0);
     piece.fx.v[0] = s.z[1] - piece.fx.belt[0];
     variable_next(sys, mode, piece.s, piece.fx, s.t, 0);

@@ -10,7 +10,8 @@ import numpy as np
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.messages import absurd
-from stickslip.discovery.periodic import gain_of_line
+from stickslip.discovery.periodic import strongest_line
+from stickslip.discovery.recurring import cost_of_line, learn_recurring
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
     MARGIN,
@@ -30,6 +31,9 @@ LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what th
 SHARE_LEFT = 0.003
 DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
 DOUBTFUL = 1.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
+SURPASSED = (
+    0.05  # share of what the best single effect leaves: where a curve leaves less, no pair of names is sought
+)
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -62,8 +66,14 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     best = trials[0]
     if explained(best, null) and not (curved and _clearly(curves[0][1], best)):
         return Choice(null, best, None, trials)
-    if not curved:
-        trials = decide_pairs(search, trials)
+    outdone = min((unlisted.beyond(t, best) for _, t in curves), default=1.0)
+    if not curved and outdone > SURPASSED:
+        if outdone > unlisted.OUTDONE:
+            recurring = learn_recurring(search, null)
+            if recurring and _clearly(recurring[0][1], best) and explained(recurring[0][1], null):
+                return Choice(null, recurring[0][1], recurring[0][0], [*trials, *(t for _, t in recurring)])
+            curves += recurring
+        trials = decide_pairs(search, trials, most=3 if outdone > unlisted.OUTDONE else 1)
         best = trials[0]
         if explained(best, null):
             return Choice(null, best, None, trials)
@@ -118,14 +128,14 @@ def place_of(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
     """Where an effect that nothing here describes most likely acts, and on what; None where it does not show."""
     if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
         return "angle_body", ("t",)
-    lines = 2 * len(null.fit.engine.data) + 1  # an amplitude and a phase for each run, and the frequency
     penalty = math.log(null.fit.readings)
     promised = [
         (unlisted.gain(null, one) - len(one.knots) * penalty, one.where, one.variable)
         for one in unlisted.terms(null)
     ]
     promised += [
-        (gain_of_line(null.fit, where) - lines * penalty, where, "t") for where in ("angle_body", "contact")
+        (strongest_line(null.fit, where).gain - cost_of_line(null) + MARGIN, where, "t")
+        for where in ("angle_body", "contact")
     ]
     most, where, variable = max(promised)
     return (where, (variable,)) if most > MARGIN else None

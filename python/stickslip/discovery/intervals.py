@@ -40,7 +40,7 @@ def phases(fit: Fit, name: str) -> Mapping[str, float]:
     h = fit.engine.hypothesis
     if f"{name}.phi" not in {u.name for u in h.own}:
         return {}
-    turn = math.pi if h.values(fit.vector, 0)[f"{name}.a"] < 0 else 0.0
+    turn = math.pi if h.values(fit.vector, 0).get(f"{name}.a", 1.0) < 0 else 0.0
     return {
         run.name: float(np.mod(h.values(fit.vector, r)[f"{name}.phi"] + turn, 2 * math.pi))
         for r, run in enumerate(fit.engine.data)

@@ -325,10 +325,15 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             assert choice.term is not None
             where, variable = choice.term.where, choice.term.variable
             learned = unlisted.curve(choice.term, after)
-            formula = f"{learned.term}: a curve in {variable}" + (
+            again = f" that repeats every {learned.period:.4g}" if learned.period else ""
+            formula = f"{learned.term}: a curve in {variable}{again}" + (
                 f", {learned.guess}" if learned.guess else ""
             )
-            out.append(FoundEffect("unlisted", where, (variable,), {}, proof, (), formula, learned))
+            out.append(
+                FoundEffect(
+                    "unlisted", where, (variable,), {}, proof, (), formula, learned, phases(after.fit, name)
+                )
+            )
             continue
         kind = CATALOGUE[name]
         numbers = of_effect(after.fit, name)

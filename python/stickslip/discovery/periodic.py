@@ -26,6 +26,17 @@ SMALL = 1e-6  # amplitude at which responses are taken; they are linear in it
 WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
 
 
+@dataclass(frozen=True)
+class Line:
+    """A sine in time: the fall of chi-squared that it promises, its frequency, the weights of sine and cosine by run
+    (runs, 2).
+    """
+
+    gain: float
+    w: float
+    amplitudes: Floats
+
+
 @dataclass
 class _Line:
     """Normal equations of one effect at one coarse frequency, by window: with itself (m, 2, 2), with the residual
@@ -100,17 +111,17 @@ def periodic_starts(
     return {name: _best(name, lines, peaks, step) for name, lines in found.items()}
 
 
-def gain_of_line(fit: Fit, where: str, *, highest: float = 14.0, step: float = 0.4) -> float:
-    """Fall of chi-squared that a sine in time at a place promises to first order, of any frequency up to `highest` and
-    with a phase of its own in each run, the base refitted.
+def strongest_line(fit: Fit, where: str, *, highest: float = 14.0, step: float = 0.4) -> Line:
+    """The sine in time at a place that promises most to first order, of any frequency up to `highest` and with a phase
+    of its own in each run, the base refitted.
 
-    The catalogue has a force on the block and a ripple of the belt; this is for what acts on the angle body or contact.
+    The catalogue has a force on the block and a ripple of the belt; this is for what acts elsewhere, or is no sine.
     """
-    base, best = _Base.of(fit), 0.0
+    base, found = _Base.of(fit), []
     for w0 in np.arange(step, highest, step):
         line = _line_at(base, where, float(w0))
-        best = max(best, *(gain for gain, _, _ in _fine(base, line, float(w0), step)))
-    return best
+        found.append(max(_fine(base, line, float(w0), step), key=lambda one: one[0]))
+    return Line(*max(found, key=lambda one: one[0]))
 
 
 def _line_at(base: _Base, where: str, w0: float) -> _Line:

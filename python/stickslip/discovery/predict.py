@@ -17,7 +17,6 @@ from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.window import AUTO, Window
 from stickslip.discovery.windows import start_window
-from stickslip.effects import Effect
 from stickslip.errors import StickslipError
 from stickslip.lowering import WIDTH
 from stickslip.model import Model
@@ -56,9 +55,7 @@ class Forecaster:
     learned: tuple[Learned, ...] = ()
 
     def __post_init__(self) -> None:
-        self.periodic = [
-            one for one in self.model.effects if isinstance(one, Effect) and "phi" in one.parameters
-        ]
+        self.periodic = [one for one in self.model.effects if "phi" in one.parameters]
         unknowns = tuple(
             Unknown(f"{one.name}.phi", one.parameters["phi"], False, 0.0, 30.0, per_run=True)
             for one in self.periodic

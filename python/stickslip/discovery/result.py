@@ -64,7 +64,8 @@ class Curve:
     """A learned curve g(variable) with its 95 % band, where the readings reach; (n,) arrays.
 
     `term` says what g is ("force on the block", "friction factor minus 1", "added to the x1 reading"), `unit` is
-    always "1" (model units). `guess` is a formula that describes it adequately, or None.
+    always "1" (model units). `guess` is a formula that describes it adequately, or None. One that repeats in t has a
+    `period`; each run then has a phase of its own.
     """
 
     where: str
@@ -76,6 +77,7 @@ class Curve:
     high: Floats
     knots: Floats
     guess: str | None
+    period: float | None = None
 
 
 @dataclass(frozen=True)

@@ -218,8 +218,8 @@ def decide_single(search: Search) -> list[Trial]:
     return sorted([null, *singles], key=lambda one: one.bic)
 
 
-def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
-    """Pairs built on the best single effects, and what there was; best first.
+def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list[Trial]:
+    """Pairs built on the best single effects (on `most` of them at most), and what there was; best first.
 
     A single effect that explains most may only stand in for the two there are: where no pair on it promises to explain
     the rest, pairs on the next are screened too. One that a pair has brought to its place, and that then does
@@ -227,7 +227,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     """
     null = search.tried[()]
     found: list[Trial] = []
-    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:3]
+    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:most]
     for base in bases:
         if found and _promising(found, null):
             break
@@ -237,7 +237,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
     pairs = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=4)
     singles = _eliminated(search, pairs[0]) if pairs else []
     freed = min(singles, key=lambda one: one.fit.cost, default=None)
-    if freed and not explained(pairs[0], null) and freed.fit.cost < FREED * bases[0].fit.cost:
+    if most > 1 and freed and not explained(pairs[0], null) and freed.fit.cost < FREED * bases[0].fit.cost:
         search.extend(ANOTHER[True])
         more = polished(search, screen(search, freed), most=3)
         if more and more[0].bic < pairs[0].bic:

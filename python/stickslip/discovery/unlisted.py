@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+import scipy.interpolate
 from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Engine
@@ -25,7 +27,15 @@ PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
 STALLED = 12.0  # and so much for the one that promised most
+FURTHER, REACH = (
+    3,
+    0.05,
+)  # fits of a curve on finer knots at most; the share by which its motion must reach further
 RESOLVED = 0.8  # of the excess of a coarse curve: what finer knots must leave less than, to be fitted closely
+OUTDONE = (
+    0.15  # share of what names leave: a curve that leaves less is on the track of something that has no name
+)
+FINER = 15.0  # processor seconds for finer knots of such a curve, at least
 SLOW = 0.15  # share of the fastest slip within which the knots of a curve in v_w are nearly even
 TERMS = {
     "block": ("x1", "x2", "y1", "y2", "t"),
@@ -38,11 +48,12 @@ SPREAD = {"block": 5.0, "angle_body": 5.0, "contact": 1.5}
 
 @dataclass(frozen=True)
 class Term:
-    """A learned curve: its place, its variable, its knots."""
+    """A learned curve: its place, its variable, its knots. One that recurs is in time, its knots over one turn."""
 
     where: str  # "block", "angle_body", "contact", "x1 channel", "y1 channel"
     variable: str
     knots: tuple[float, ...]
+    recurs: bool = False
 
     @property
     def prefix(self) -> str:
@@ -176,6 +187,8 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
         if close[-1][1].excess < CLEAN:
             break
     close.sort(key=lambda one: one[1].bic)
+    if close and beat is not None and beyond(close[0][1], beat) < OUTDONE:
+        search.extend(FINER)
     fine = []
     for one, finer in each(search, partial(_finer, base=base), close):
         # which place it is may show only once the curve is fine enough; one within the noise may still be too smooth
@@ -193,6 +206,11 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
                 break
     done = {term for term, _ in close}
     return sorted([*close, *fine, *(one for one in found if one[0] not in done)], key=lambda one: one[1].bic)
+
+
+def beyond(curve: Trial, named: Trial) -> float:
+    """Share that a curve leaves of what the best of the named leaves over."""
+    return max(curve.chi2 - 1, 0.0) / max(named.chi2 - 1, 1e-9)
 
 
 def _worth(
@@ -225,21 +243,38 @@ def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
 
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:
-    """The same curve on more knots, started afresh, if that is better."""
-    term, trial = coarse
-    visited = np.array([term.knots[1], term.knots[-2]])
-    fine = Term(term.where, term.variable, knots_for(visited, FINE, term.variable))
-    added = with_term(search, base, fine, iterations=25, rounds=2)
-    if added is None:
-        return None
-    # else it is not for knots that the coarse one fits badly
-    if added.bic < trial.bic or added.chi2 - 1 < RESOLVED * (trial.chi2 - 1):
-        added = search.polish(added, turns=1)
-    return (fine, added) if added.bic < trial.bic else None
+    """The same curve on more knots, started afresh, if that is better; again while it moves the motion further out."""
+    best, found = coarse, None
+    for _ in range(FURTHER):
+        visited = ranges(best[1])[best[0].variable]
+        fine = Term(best[0].where, best[0].variable, knots_for(visited, FINE, best[0].variable))
+        if found is not None and (found[1].excess < CLEAN or _reach(fine) < (1 + REACH) * _reach(found[0])):
+            break
+        added = with_term(search, base, fine, iterations=25, rounds=2)
+        if added is None:
+            break
+        # else it is not for knots that the coarse one fits badly
+        if added.bic < best[1].bic or added.chi2 - 1 < RESOLVED * (best[1].chi2 - 1):
+            added = search.polish(added, turns=1)
+        if added.bic > best[1].bic:
+            break
+        best = found = fine, added
+    return found
+
+
+def _reach(term: Term) -> float:
+    return term.knots[-1] - term.knots[0]
+
+
+def repeating(term: Term, values: Floats) -> Tabulated:
+    """The curve of a term that recurs, its phase 0."""
+    return tabulated(term.where, term.variable, term.knots, values.tolist(), period=term.knots[-1])
 
 
 def curve(term: Term, trial: Trial) -> Curve:
     """The learned curve with its band."""
+    if term.recurs:
+        return _recurring_curve(term, trial)
     h = trial.fit.engine.hypothesis
     names = [u.name for u in h.shared]
     index = [names.index(f"{term.prefix}.value_{i}") for i in range(len(term.knots))]
@@ -252,21 +287,52 @@ def curve(term: Term, trial: Trial) -> Curve:
         basis, half, less = centred, _half(centred, covariance), ", less its mean"
     middle = basis @ values
     half *= max(trial.chi2, 1.0) ** 0.5
+    return Curve(
+        term.where, term.variable, _what(term) + less, x, middle, middle - half, middle + half,
+        np.array(term.knots), guess(x, middle, np.maximum(half, 1e-12), term.variable),
+    )  # fmt: skip
+
+
+def _recurring_curve(term: Term, trial: Trial) -> Curve:
+    """One turn of a curve that recurs, from where it is 0."""
+    h = trial.fit.engine.hypothesis
+    names = [u.name for u in h.shared]
+    w = h.values(trial.fit.vector, 0)[f"{term.prefix}.w"]
+    index = [names.index(f"{term.prefix}.value_{i}") for i in range(1, len(term.knots) - 1)]
+    knots = np.linspace(0.0, 2 * np.pi / w, len(term.knots))
+    shapes = np.vstack([np.zeros(len(index)), np.eye(len(index)), np.zeros(len(index))])
+    x = np.linspace(0.0, knots[-1], 101)
+    basis = scipy.interpolate.CubicSpline(knots, shapes, bc_type="periodic")(x)
+    value = basis @ trial.fit.vector[index]
+    half = _half(basis, trial.fit.covariance[np.ix_(index, index)]) * max(trial.chi2, 1.0) ** 0.5
+    return Curve(
+        term.where, term.variable, _what(term), x, value, value - half, value + half, knots,
+        _sine(x, value, np.maximum(half, 1e-12), w), float(knots[-1]),
+    )  # fmt: skip
+
+
+def _what(term: Term) -> str:
     words = {
         "block": "force on the block",
         "angle_body": "force on the angle body",
         "contact": "friction factor less 1",
     }
-    what = words.get(term.where, f"added to the {term.where[:2]} reading")
-    return Curve(
-        term.where, term.variable, what + less, x, middle, middle - half, middle + half,
-        np.array(term.knots), guess(x, middle, np.maximum(half, 1e-12), term.variable),
-    )  # fmt: skip
+    return words.get(term.where, f"added to the {term.where[:2]} reading")
 
 
 def _half(basis: Floats, covariance: Floats) -> Floats:
     """Half the width of the 95 % band of basis @ values."""
     return np.asarray(1.96 * np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0)))
+
+
+def _sine(t: Floats, value: Floats, half: Floats, w: float) -> str | None:
+    """The curve as a sine that stays within the band, or None."""
+    A = np.stack([np.sin(w * t), np.cos(w * t), np.ones_like(t)], 1)
+    c, *_ = np.linalg.lstsq(A, value, rcond=None)
+    off = np.abs(A @ c - value)
+    if np.mean(off < 1.5 * half) < 0.9 or np.sqrt(np.mean(off**2)) > 0.35 * np.std(value):
+        return None
+    return f"{math.hypot(c[0], c[1]):.3g} sin({w:.5g} t + phi)"
 
 
 _SHAPES: dict[str, Callable[[Floats], Floats]] = {

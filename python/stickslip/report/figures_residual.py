@@ -227,7 +227,7 @@ def _curve(ax: Plot, one: Curve, axes: Axes) -> None:
     knots = one.knots[(one.knots >= one.x[0]) & (one.knots <= one.x[-1])]
     ax.plot(axis.size * knots, size * np.interp(knots, one.x, one.value), "o", color=AFTER, mfc="white", ms=5)
     ax.axhline(0.0, color="black", lw=0.8, ls=DASH, zorder=0)
-    ax.set_xlabel(label(one.variable, axis.unit))
+    ax.set_xlabel(label(f"{one.variable} in one period" if one.period else one.variable, axis.unit))
     ax.set_ylabel(label(one.term, unit))
     if one.guess:
         ax.set_title(f"looks like {one.guess} (model units)", fontsize=9)

@@ -136,7 +136,7 @@ def sureness(found: Found) -> list[str]:
         f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
         f"{alarms(found)}."
         if g.observed > g.threshold
-        else "Something is missing, though no single candidate lowers chi-squared by more than noise may."
+        else "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
     ]
     if not found.residual_after.clean and found.verdict is Verdict.effect_found:
         names = joined([effect.name for effect in found.effects])

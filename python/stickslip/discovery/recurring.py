@@ -1,0 +1,97 @@
+"""What has no name and comes again and again: a curve in time that repeats, each run at a phase of its own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.periodic import Line, strongest_line
+from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.trace import MARGIN
+from stickslip.discovery.unknowns import Unknown
+from stickslip.discovery.unlisted import SPREAD, Term, repeating
+from stickslip.discovery.workers import each
+from stickslip.effects import Tabulated
+
+Floats = NDArray[np.float64]
+PLACES = ("block", "angle_body", "contact")
+KNOTS, FINE = 8, 16  # a turn; a spline through the fewer is a sine to half a percent
+NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises less is not tried
+
+
+def learn_recurring(search: Search, base: Trial) -> list[tuple[Term, Trial]]:
+    """Curves that repeat in time, added to `base` where a line shows; closely fitted, best first."""
+    say = lambda where: f"looking for what repeats in time: {where}"  # noqa: E731
+    lines = [(where, task.result()) for where, task in each(search, partial(_line, base=base), PLACES, say)]
+    least = max(cost_of_line(base), NEXT * max(line.gain for _, line in lines))
+    shown = sorted((one for one in lines if one[1].gain > least), key=lambda one: -one[1].gain)
+    say_where = lambda one: f"learning what repeats in time: {one[0]}"  # noqa: E731
+    learned = [task.result() for _, task in each(search, partial(_learned, base=base), shown, say_where)]
+    return sorted((one for one in learned if one is not None), key=lambda one: one[1].bic)
+
+
+def cost_of_line(base: Trial) -> float:
+    """What a line must gain: the penalty for its frequency and for an amplitude and a phase in each run, and more."""
+    return (2 * len(base.fit.engine.data) + 1) * math.log(base.fit.readings) + MARGIN
+
+
+def _line(_: Search, where: str, *, base: Trial) -> Line:
+    return strongest_line(base.fit, where)
+
+
+def _learned(search: Search, one: tuple[str, Line], *, base: Trial) -> tuple[Term, Trial] | None:
+    """The sine first, on more knots if that leaves something."""
+    where, line = one
+    turns = np.linspace(0.0, 1.0, KNOTS + 1)
+    size = min(float(np.median(np.hypot(*line.amplitudes.T))), 0.5 * SPREAD[where])
+    phases = tuple(float(np.arctan2(b, a)) for a, b in line.amplitudes)
+    term, trial = _fitted(search, base, where, line.w, size * np.sin(2 * np.pi * turns), phases)
+    if trial is None:
+        return None
+    trial = search.polish(trial, turns=1)
+    if trial.excess < CLEAN or trial.fit.cost > 0.7 * base.fit.cost:
+        return term, trial
+    found = trial.hypothesis
+    curve = found.model.effects[-1]
+    assert isinstance(curve, Tabulated)
+    period = 2 * np.pi / curve.parameters["w"]
+    finer = np.linspace(0.0, 1.0, FINE + 1)
+    values = curve.replace(phi=0.0).curve(finer * period)
+    phases = found.phases[f"{term.prefix}.phi"]
+    fine, more = _fitted(search, base, where, curve.parameters["w"], values, phases)
+    if more is not None:
+        more = search.polish(more, turns=1)
+    return (term, trial) if more is None or more.bic > trial.bic else (fine, more)
+
+
+def _fitted(
+    search: Search, base: Trial, where: str, w: float, values: Floats, phases: tuple[float, ...]
+) -> tuple[Term, Trial | None]:
+    """A trial from these values over a turn. The first stays 0: else all phases and the curve could turn together."""
+    knots = np.linspace(0.0, 2 * np.pi / w, len(values))
+    term = Term(where, "t", tuple(knots.tolist()), recurs=True)
+    values = values - values[0]
+    values[-1] = values[0]
+    h = base.hypothesis
+    model = h.model.with_effects([*h.model.effects, repeating(term, values)])
+    unknowns = [
+        Unknown(f"{term.prefix}.value_{i}", float(values[i]), False, 0.0, SPREAD[where])
+        for i in range(1, len(values) - 1)
+    ]
+    unknowns += [
+        Unknown(f"{term.prefix}.w", w, True, math.log(w), LOGARITHMIC, bounds=BOUNDS["harmonic_forcing.w"]),
+        Unknown(f"{term.prefix}.phi", phases[0], False, phases[0], 30.0, per_run=True),
+    ]
+    h = replace(
+        h,
+        model=model,
+        unknowns=(*h.unknowns, *unknowns),
+        phases={**h.phases, f"{term.prefix}.phi": phases},
+    )
+    learned = base.fit.engine.learned
+    return term, search.run(h, cycles=SHORT, windows_of=base, learned=learned, iterations=60)

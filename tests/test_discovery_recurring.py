@@ -1,0 +1,105 @@
+"""What repeats in time on a place where the catalogue has no name for it: found, learned, forecast."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discover_cases import LAW, NOISE, RIG, make_case
+from stickslip import Model, simulate, tabulated
+from stickslip.discovery import unlisted
+from stickslip.discovery.data import prepare
+from stickslip.discovery.predict import Forecaster
+from stickslip.discovery.recurring import learn_recurring
+from stickslip.discovery.search import Search
+from stickslip.discovery.trace import declared
+
+TURNS = np.linspace(0, 1, 9)
+
+
+def wave(where: str, size: float, period: float):
+    """A sine with half as much of its second harmonic, 0 at phase 0."""
+    values = size * (np.sin(2 * np.pi * TURNS) + 0.5 * np.sin(4 * np.pi * TURNS))
+    values[-1] = values[0] = 0.0
+    return tabulated(where, "t", period * TURNS, values, period=period)
+
+
+def search_of(case) -> Search:
+    return Search(prepare(case.train), Model(case.rig, friction=case.friction), 2, lambda _: None, 200.0)
+
+
+@pytest.mark.parametrize("where", ["block", "angle_body", "contact"])
+@pytest.mark.parametrize("key", ["w", "phi"])
+def test_frequency_and_phase_of_a_table_differentiate(where, key):
+    term = wave(where, 0.2, 2.3).replace(phi=0.7)
+    name, h = f"{term.name}.{key}", 1e-6
+    model = Model(RIG, friction=LAW, effects=[term])
+
+    def end(off: float, **options):
+        moved = model.replace({name: term.parameters[key] + off})
+        return simulate(
+            moved, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=40, rtol=1e-12, atol=1e-13, **options
+        )
+
+    exact = end(0.0, sensitivity=(name,))
+    assert len(exact.transitions.t) > 5
+    slope = (end(h).state[-1] - end(-h).state[-1]) / (2 * h)
+    assert np.abs(slope).max() > 1e-3
+    np.testing.assert_allclose(exact.sensitivity[-1][:, 0], slope, rtol=1e-4, atol=1e-7)
+
+
+@pytest.mark.parametrize(("where", "size"), [("angle_body", 0.15), ("contact", 0.06)])
+def test_a_wave_is_learned_with_each_run_at_its_own_phase(where, size):
+    truth = wave(where, size, 2.7)
+    case = make_case((truth,), length=60.0, seed=5)
+    search = search_of(case)
+    null = declared(search)
+    assert null.chi2 > 2
+    term, trial = learn_recurring(search, null)[0]
+    assert (term.where, term.recurs) == (where, True)
+    assert trial.chi2 == pytest.approx(1.0, abs=0.05)
+    curve = unlisted.curve(term, trial)
+    assert curve.period == pytest.approx(2.7, rel=2e-3)
+    assert curve.guess is None  # it is no sine
+    # its own zero is a convention, and in friction its mean too: what is left is a shift
+    off = min(
+        float(np.std(curve.value - truth.curve(curve.x * 2.7 / curve.period + shift)))
+        for shift in np.linspace(0, 2.7, 200)
+    )
+    assert off < 0.1 * np.std(truth.curve(curve.x))
+
+
+def test_a_sine_is_called_one():
+    sine = 0.12 * np.sin(2 * np.pi * TURNS)
+    sine[-1] = 0.0
+    case = make_case((tabulated("angle_body", "t", 2.7 * TURNS, sine, period=2.7),), length=60.0, seed=6)
+    search = search_of(case)
+    term, trial = learn_recurring(search, declared(search))[0]
+    words = unlisted.curve(term, trial).guess
+    assert words is not None
+    assert "sin(2.32" in words or "sin(2.33" in words
+
+
+def test_its_phase_in_a_new_run_is_told_by_the_past():
+    truth = wave("angle_body", 0.2, 2.7)
+    case = make_case((truth,), length=60.0, seed=7)
+    run = prepare((*case.train, *case.validate))[-1]
+    known = Model(RIG, friction=LAW, effects=[truth])
+    half, cycle = len(run.t) // 2, int(run.cycle / 0.05)
+    future = slice(half, half + cycle)
+
+    def error(settled: bool) -> float:
+        forecaster = Forecaster(known, run, 1)
+        if not settled:
+            forecaster.periodic = []
+        done = forecaster.forecast(half, run.t[future])
+        return float(np.sqrt(np.mean((done.readings - run.readings[future, :2]) ** 2)))
+
+    assert error(True) < 1.2 * NOISE
+    assert error(False) > 1.4 * NOISE  # so much hangs on the phase
+
+
+def test_nothing_is_learned_where_nothing_repeats():
+    case = make_case(seed=8)
+    search = search_of(case)
+    assert learn_recurring(search, declared(search)) == []
