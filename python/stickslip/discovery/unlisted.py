@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import scipy.interpolate
 from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Engine
@@ -300,9 +299,10 @@ def _recurring_curve(term: Term, trial: Trial) -> Curve:
     w = h.values(trial.fit.vector, 0)[f"{term.prefix}.w"]
     index = [names.index(f"{term.prefix}.value_{i}") for i in range(1, len(term.knots) - 1)]
     knots = np.linspace(0.0, 2 * np.pi / w, len(term.knots))
-    shapes = np.vstack([np.zeros(len(index)), np.eye(len(index)), np.zeros(len(index))])
+    turn = replace(term, knots=tuple(knots.tolist()))
+    shapes = np.pad(np.eye(len(index)), ((0, 0), (1, 1)))  # a knot each
     x = np.linspace(0.0, knots[-1], 101)
-    basis = scipy.interpolate.CubicSpline(knots, shapes, bc_type="periodic")(x)
+    basis = np.stack([repeating(turn, one).curve(x) for one in shapes], 1)
     value = basis @ trial.fit.vector[index]
     half = _half(basis, trial.fit.covariance[np.ix_(index, index)]) * max(trial.chi2, 1.0) ** 0.5
     return Curve(
