@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DOUBTFUL, SURPASSED
+from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, SURPASSED
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
 
@@ -125,18 +125,23 @@ def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeyp
 
 
 @pytest.mark.parametrize(
-    ("left", "recurring", "bases"),
-    [(0.9 * SURPASSED, False, []), (1.1 * SURPASSED, False, [1]), (1.1 * OUTDONE, True, [3])],
+    ("left", "named", "order"),
+    [
+        (0.9 * SURPASSED, 0.5, []),
+        (1.1 * SURPASSED, 0.5, [1]),
+        (1.1 * OUTDONE, 1.1 * MOST_LEFT, ["repeats", 3]),
+        (1.1 * OUTDONE, 0.9 * MOST_LEFT, [3, "repeats"]),
+    ],
 )
-def test_the_less_a_curve_leaves_the_fewer_pairs_are_sought(monkeypatch, left, recurring, bases):
-    """`left` is the share that a curve leaves of what the best name leaves; it does not reach the noise."""
+def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, order):
+    """`left` is the share that a curve leaves of what the best name leaves, `named` what that leaves of all."""
 
     def fitted(names, chi2):
         fit = SimpleNamespace(cost=1000 * chi2)
         return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=100.0, fit=fit)
 
-    null, best = fitted((), 200.0), fitted(("stribeck_peak",), 101.0)
-    sought, repeats = [], []
+    null, best = fitted((), 1 + 100 / named), fitted(("stribeck_peak",), 101.0)
+    sought = []
 
     def pairs(_search, trials, most):
         sought.append(most)
@@ -145,10 +150,11 @@ def test_the_less_a_curve_leaves_the_fewer_pairs_are_sought(monkeypatch, left, r
     monkeypatch.setattr(
         choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1 + 100 * left))]
     )
-    monkeypatch.setattr(choice, "learn_recurring", lambda *_: repeats.append(True) or [])
+    monkeypatch.setattr(choice, "learn_recurring", lambda *_: sought.append("repeats") or [])
     monkeypatch.setattr(choice, "decide_pairs", pairs)
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    found = choice._choose(SimpleNamespace(tried={(): null}, data=[], left=0.0), [best, null])
-    assert (sought, bool(repeats)) == (bases, recurring)
+    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    found = choice._choose(search, [best, null])
+    assert sought == order
     assert found.trial.names == ("c",)

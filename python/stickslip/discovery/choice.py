@@ -34,6 +34,7 @@ DOUBTFUL = 1.0  # sampling errors of chi-squared above 1: what leaves less has n
 SURPASSED = (
     0.05  # share of what the best single effect leaves: where a curve leaves less, no pair of names is sought
 )
+REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -68,22 +69,25 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         return Choice(null, best, None, trials)
     outdone = min((unlisted.beyond(t, best) for _, t in curves), default=1.0)
     if not curved and outdone > SURPASSED:
-        if outdone > unlisted.OUTDONE:
-            recurring = learn_recurring(search, null)
-            if recurring and _clearly(recurring[0][1], best) and explained(recurring[0][1], null):
-                return Choice(null, recurring[0][1], recurring[0][0], [*trials, *(t for _, t in recurring)])
-            curves += recurring
-        trials = decide_pairs(search, trials, most=3 if outdone > unlisted.OUTDONE else 1)
+        alone = outdone > unlisted.OUTDONE
+        unnamed = best.chi2 - 1 > MOST_LEFT * (null.chi2 - 1)
+        if alone and unnamed:
+            curves += learn_recurring(search, null)
+            if _settles(curves, best, null):
+                return _curve_of(null, curves, trials)
+        trials = decide_pairs(search, trials, most=3 if alone else 1)
         best = trials[0]
         if explained(best, null):
             return Choice(null, best, None, trials)
+        if alone and not unnamed:
+            search.extend(REPEATS)
+            curves += learn_recurring(search, null)
         if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:
             curves += unlisted.learn(search, best, 3)
     curves.sort(key=lambda one: one[1].bic)
     absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
     if curves and _clearly(curves[0][1], best):
-        trials = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
-        return Choice(null, curves[0][1], curves[0][0], trials)
+        return _curve_of(null, curves, trials)
     if best.chi2 - 1 > MOST_LEFT * (
         null.chi2 - 1
     ):  # no name and no curve explains it: say so, and guess the place
@@ -92,6 +96,18 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         search.extend(SETTLING)
         best = settled(search, best)
     return weighed(search, null, best, curves, trials)
+
+
+def _settles(curves: list[tuple[unlisted.Term, Trial]], best: Trial, null: Trial) -> bool:
+    """Does the best of the curves explain everything, clearly better than the best of the named?"""
+    least = min((t for _, t in curves), key=lambda one: one.bic, default=None)
+    return least is not None and _clearly(least, best) and explained(least, null)
+
+
+def _curve_of(null: Trial, curves: list[tuple[unlisted.Term, Trial]], trials: list[Trial]) -> Choice:
+    term, least = min(curves, key=lambda one: one[1].bic)
+    ranked = sorted([*trials, *(t for _, t in curves)], key=lambda one: one.bic)
+    return Choice(null, least, term, ranked)
 
 
 def weighed(
