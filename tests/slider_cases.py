@@ -28,6 +28,7 @@ def case_of(
     friction: str = "",
     sign: float = 1.0,
     law: CoulombFriction = LAW,
+    length: float = 8.0,
 ) -> Case:
     """Three runs simulated by the core, at 10, 20 and 30 mm/s times `sign`; `said` is what the case says instead."""
     rng = np.random.default_rng(3)
@@ -37,11 +38,11 @@ def case_of(
         f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}\nc = {rig.damping}',
         f"[friction]\n{declared}" if declared != "none" else "",
     ]
-    t = np.arange(0, 8, 1e-3)
+    t = np.arange(0, length, 1e-3)
     for mm, role, speed in zip(
         (10, 20, 30), ("train", "train", "validate"), said or ("10 mm/s", "20 mm/s", "30 mm/s"), strict=True
     ):
-        run = simulate(model, belt_speed=sign * mm * 1e-3, initial=(0, 0), t_end=8.0, t_eval=t)
+        run = simulate(model, belt_speed=sign * mm * 1e-3, initial=(0, 0), t_end=length, t_eval=t)
         x = run.state[:, 0] + NOISE * rng.standard_normal(len(t))
         np.savetxt(
             folder / f"b{mm}.csv", np.column_stack([t, 1e3 * x]), delimiter=",", header="t,x1", comments=""

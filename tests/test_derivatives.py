@@ -10,7 +10,7 @@ import extended
 import stickslip as ss
 
 TRANSITIONS = 20
-MEMBERS = 100
+MEMBERS = 25  # a quarter of those of bench/bench_exact.py
 
 
 def draw(rng):
@@ -105,18 +105,23 @@ def member(rng):
     )
 
 
-@pytest.mark.skipif(not extended.ENOUGH, reason="long double has no more than double's precision here")
-@pytest.mark.parametrize("seed", range(4))
-def test_derivatives_agree_with_differences_in_extended_precision(seed):
+def members(seed):
+    """Errors of MEMBERS random rigs, those where no derivative exists passed over."""
     rng = np.random.default_rng([20260101, seed])
     errors, drawn = [], 0
-    while len(errors) < MEMBERS // 4:
+    while len(errors) < MEMBERS:
         drawn += 1
-        assert drawn < 3 * MEMBERS
+        assert drawn < 12 * MEMBERS
         error = member(rng)
         if error is not None:
             errors.append(error)
-    print(f"greatest relative error {max(errors):.1e}, median {np.median(errors):.1e}, drawn {drawn}")
+    return errors
+
+
+@pytest.mark.skipif(not extended.ENOUGH, reason="long double has no more than double's precision here")
+def test_derivatives_agree_with_differences_in_extended_precision():
+    errors = members(0)
+    assert len(errors) == MEMBERS
     assert max(errors) < 1e-7
     assert np.median(errors) < 1e-9
 

@@ -48,10 +48,10 @@ def test_frequency_and_phase_of_a_table_differentiate(where, key):
     np.testing.assert_allclose(exact.sensitivity[-1][:, 0], slope, rtol=1e-4, atol=1e-7)
 
 
-@pytest.mark.parametrize(("where", "size"), [("angle_body", 0.15), ("contact", 0.06)])
-def test_a_wave_is_learned_with_each_run_at_its_own_phase(where, size):
-    truth = wave(where, size, 2.7)
-    case = make_case((truth,), length=60.0, seed=5)
+def test_a_wave_is_learned_with_each_run_at_its_own_phase():
+    where = "angle_body"
+    truth = wave(where, 0.15, 2.7)
+    case = make_case((truth,), length=40.0, seed=5)
     search = search_of(case)
     null = declared(search)
     assert null.chi2 > 2

@@ -269,7 +269,7 @@ def test_cases_without_an_effect_give_their_true_branches(name):
 def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default(
     tmp_path, friction, plus, words
 ):
-    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction))
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction, length=4.0))
     law = found.law
     assert (law.static, law.kinetic) == pytest.approx((STATIC, KINETIC), rel=1e-3)
     assert (law.static_plus, law.kinetic_plus) == (plus or (law.static, law.kinetic))
@@ -279,7 +279,8 @@ def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default
 
 def test_a_backward_belt_repeats_its_own_direction_where_the_other_is_not_declared(tmp_path):
     said = ("-10 mm/s", "-20 mm/s", "-30 mm/s")
-    found = ss.identify(case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0))
+    case = case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0, length=4.0)
+    found = ss.identify(case)
     assert (found.law.static_plus, found.law.kinetic_plus) == pytest.approx((STATIC, KINETIC), rel=1e-3)
     assert (found.law.static, found.law.kinetic) == (found.law.static_plus, found.law.kinetic_plus)
     assert any("T_plus's are repeated" in one for one in found.messages)

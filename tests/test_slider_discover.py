@@ -18,7 +18,7 @@ from stickslip.discovery.slider.table import measure, prepare
 from stickslip.records import Case, load_case
 from stickslip.report.write import write_report
 
-DRAWS = 30
+DRAWS = 16
 
 
 @cache
@@ -39,7 +39,7 @@ def named(planted: Planted, seed: int) -> list[str]:
 
 
 def test_process_noise_alone_is_given_no_name() -> None:
-    assert [named(NOTHING, seed) for seed in range(5)] == [[]] * 5
+    assert [named(NOTHING, seed) for seed in range(3)] == [[]] * 3
 
 
 def test_a_silent_verdict_leaves_the_declared_model() -> None:
