@@ -103,10 +103,11 @@ def test_a_rival_that_cannot_be_fitted_on_all_windows_is_left_out():
     assert list(search.tried) == [("b",)]
 
 
-def pairs_of(monkeypatch, left_by_pairs, *, alone=None):
+def pairs_of(monkeypatch, left_by_pairs, *, alone=None, reached=0.0):
     """Bases whose pairs were sought, where those on each leave this much of an excess of 99.
 
-    `alone` is the cost that an effect of the best pair then leaves alone.
+    One that promises to explain everything leaves `reached` once it is fitted closely; `alone` is the cost that an
+    effect of the best pair then leaves alone.
     """
     search = Search()
     search.tried[()] = trial((), 100 * CLEAN_COST)
@@ -117,9 +118,15 @@ def pairs_of(monkeypatch, left_by_pairs, *, alone=None):
         sought.append(base.names[0])
         return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 99) * CLEAN_COST)]
 
+    def polished(_search, trials, **_):
+        return [
+            trial(one.names, (1 + 99 * reached) * CLEAN_COST) if one.chi2 - 1 < 99 * PROMISING else one
+            for one in trials
+        ]
+
     freed = [] if alone is None else [trial(("z",), alone * CLEAN_COST)]
     monkeypatch.setattr(trace, "screen", screen)
-    monkeypatch.setattr(trace, "polished", lambda _, trials, **__: trials)
+    monkeypatch.setattr(trace, "polished", polished)
     monkeypatch.setattr(trace, "_eliminated", lambda *_: freed)
     monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
     found = decide_pairs(search, singles)
@@ -130,6 +137,12 @@ def test_pairs_that_promise_to_explain_everything_need_no_other_base(monkeypatch
     sought, search, found = pairs_of(monkeypatch, [0.99 * PROMISING])
     assert sought == "a"
     assert search.extended == [ANOTHER[0]]
+    assert found[0].names == ("a", "z")
+
+
+def test_pairs_that_do_not_keep_their_promise_leave_the_next_base_to_try(monkeypatch):
+    sought, _, found = pairs_of(monkeypatch, [0.99 * PROMISING, 0.3, 0.2], reached=0.9 * PROMISING)
+    assert sought == "abc"
     assert found[0].names == ("a", "z")
 
 

@@ -79,7 +79,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         best = trials[0]
         if explained(best, null):
             return Choice(null, best, None, trials)
-        if alone and not unnamed:
+        if alone and not unnamed and best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
             search.extend(REPEATS)
             curves += learn_recurring(search, null)
         if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:

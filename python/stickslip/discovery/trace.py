@@ -222,19 +222,20 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
     """Pairs built on the best single effects (on `most` of them at most), and what there was; best first.
 
     A single effect that explains most may only stand in for the two there are: where no pair on it promises to explain
-    the rest, pairs on the next are screened too. One that a pair has brought to its place, and that then does
-    far better alone than any before, is another to build on.
+    the rest, or none does once it is fitted closely, pairs on the next are screened too. One that a pair has brought to
+    its place, and that then does far better alone than any before, is another to build on.
     """
     null = search.tried[()]
-    found: list[Trial] = []
-    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:most]
-    for base in bases:
-        if found and _promising(found, null):
-            break
-        search.extend(ANOTHER[bool(found)])
-        found += screen(search, base)
     readings = null.fit.readings
-    pairs = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=4)
+    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:most]
+    left, pairs = list(bases), list[Trial]()
+    while left and not (pairs and explained(pairs[0], null)):
+        found: list[Trial] = []
+        while left and not (found and _promising(found, null)):
+            search.extend(ANOTHER[len(left) < len(bases)])
+            found += screen(search, left.pop(0))
+        close = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if pairs else 4)
+        pairs = sorted([*pairs, *close], key=lambda one: one.bic)
     singles = _eliminated(search, pairs[0]) if pairs else []
     freed = min(singles, key=lambda one: one.fit.cost, default=None)
     if most > 1 and freed and not explained(pairs[0], null) and freed.fit.cost < FREED * bases[0].fit.cost:
