@@ -10,6 +10,8 @@ import pytest
 from discover_cases import RIG, make_case
 from stickslip.discovery.data import prepare, without_outliers
 from stickslip.discovery.loop import _cleaned_of_what_shows, _masked, discover
+from stickslip.discovery.messages import remarks
+from stickslip.discovery.result import ErrorBlock, Residual
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import SHORT, Search
 from stickslip.discovery.trace import declared
@@ -91,3 +93,23 @@ def test_what_is_left_out_is_said(case):
     assert [one.name for one in found.effects] == [CAUSE.name]
     said = [one for one in found.messages if one.startswith("left out of the fits")]
     assert said == ["left out of the fits: 4 readings that stand out from both sides (0.052 % of all)"]
+
+
+@pytest.mark.parametrize(
+    ("chi2", "noise", "said"),
+    [
+        (0.8, {}, True),
+        (0.8, {"x1": 1e-3}, True),
+        (0.8, {"x1": 1e-3, "y1": 1e-3}, False),
+        (0.97, {}, False),
+        (1.2, {}, False),
+    ],
+)
+def test_a_noise_estimated_too_large_is_said(case, chi2, noise, said):
+    data = prepare(case.train)
+    search = Search(data, Model(case.rig, friction=case.friction), 1, lambda _: None, 60.0)
+    null = search.run(hypothesis(search.model, []), cycles=SHORT, iterations=1)
+    after = Residual(chi2, 0.01, 1.0, chi2 < 1.04, (), "")
+    error = ErrorBlock("", 1.0, 1.0, 1.0, ())
+    words = remarks(data, null, [], after, error, declared=noise)
+    assert any("the noise was estimated from the readings, and too large" in one for one in words) is said

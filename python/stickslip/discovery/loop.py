@@ -212,7 +212,7 @@ def _found(
         gate=passed,
         runs=_views(case, before, after, validate, forecasts),
         spectrum=spectrum(before.fit, after.fit),
-        messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate)),
+        messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate, case.noise)),
         seconds=time.monotonic() - began,
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from stickslip.errors import InputError
 from stickslip.rig import Rig
 
 WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud
+UNSURE, LOOSE = (
+    5.0,
+    0.93,
+)  # sampling errors below 1, and chi-squared: an estimated noise that leaves less was too large
 FAR = 2.0  # error after over its floor, the same
 ABSURD = 0.5  # of a reading's own spread left over in windows of one cycle: the declared rig is not this one
 
@@ -67,8 +71,9 @@ def remarks(
     after: Residual,
     error: ErrorBlock,
     validate: Sequence[Data] = (),
+    declared: Collection[str] = ("x1", "y1"),
 ) -> tuple[str, ...]:
-    """What to know about this case's data and verdict."""
+    """What to know about this case's data and verdict; `declared` are the channels whose noise the case gives."""
     out = []
     speeds = {round(run.belt_speed, 12) for run in data}
     if len(data) == 1:
@@ -96,6 +101,11 @@ def remarks(
         tied = [a.name for a in one.alternatives if a.tied]
         if tied:
             out.append(f"these runs do not tell {one.name} from {', '.join(tied)}")
+    if after.chi2 < min(1 - UNSURE * after.error, LOOSE) and not {"x1", "y1"} <= set(declared):
+        out.append(
+            f"the noise was estimated from the readings, and too large: chi-squared per reading is {after.chi2:.3g} "
+            "where noise alone leaves 1; what is as small does not show: declare [noise] if it is known"
+        )
     if not after.clean:
         out.append(f"something is left over: {after.sentence}")
     out += [
