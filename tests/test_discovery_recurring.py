@@ -8,10 +8,11 @@ import pytest
 from discover_cases import LAW, NOISE, RIG, make_case
 from stickslip import Model, simulate, tabulated
 from stickslip.discovery import unlisted
+from stickslip.discovery.choice import choose
 from stickslip.discovery.data import prepare
 from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.recurring import learn_recurring
-from stickslip.discovery.search import Search
+from stickslip.discovery.search import CLEAN, Search
 from stickslip.discovery.trace import declared
 
 TURNS = np.linspace(0, 1, 9)
@@ -97,6 +98,46 @@ def test_its_phase_in_a_new_run_is_told_by_the_past():
 
     assert error(True) < 1.2 * NOISE
     assert error(False) > 1.4 * NOISE  # so much hangs on the phase
+
+
+def test_whole_turns_of_a_phase_change_nothing():
+    def end(phi: float):
+        model = Model(RIG, friction=LAW, effects=[wave("block", 0.2, 2.3).replace(phi=phi)])
+        return simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=20).state[-1]
+
+    turned = 0.7 + 2 * np.pi * 1e10  # more periods than an int counts
+    assert end(turned) == pytest.approx(end(turned % (2 * np.pi)), abs=1e-9)
+
+
+def test_the_first_value_of_what_repeats_is_the_last():
+    term = wave("block", 0.2, 2.3)
+    assert "value_8" not in term.parameters
+    moved = term.replace(value_0=0.1)
+    assert (moved.values[0], moved.values[-1]) == (0.1, 0.1)
+    model, name, h = Model(RIG, friction=LAW, effects=[moved]), f"{term.name}.value_0", 1e-6
+
+    def end(off: float, **options):
+        there = model.replace({name: 0.1 + off})
+        return simulate(
+            there, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=20, rtol=1e-12, atol=1e-13, **options
+        )
+
+    slope = (end(h).state[-1] - end(-h).state[-1]) / (2 * h)
+    exact = end(0.0, sensitivity=(name,)).sensitivity[-1][:, 0]
+    np.testing.assert_allclose(exact, slope, rtol=1e-4, atol=1e-7)
+
+
+@pytest.mark.slow
+def test_a_weak_wave_within_the_sampling_error_of_chi_squared_is_found():
+    """Too little to show in chi-squared over all readings, and yet a sharp line."""
+    case = make_case((wave("angle_body", 0.012, 2.7),), length=96.0, seed=5)
+    search = search_of(case)
+    null = declared(search)
+    search.keep(null, ())
+    assert null.excess < CLEAN
+    chosen = choose(search, [null])
+    assert chosen.term is not None
+    assert (chosen.term.where, chosen.term.recurs) == ("angle_body", True)
 
 
 def test_nothing_is_learned_where_nothing_repeats():

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.box import SIMPLE
@@ -29,6 +32,13 @@ console = Console(highlight=False)
 class OneLine(click.Group):
     """Errors of ours are one line on standard error and exit status 2; a traceback is a bug."""
 
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Run the program, without an output where it was given none."""
+        for name in ("stdout", "stderr"):
+            if getattr(sys, name) is None:  # closed by who called; the next file opened would take its place
+                setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        return super().main(*args, **extra)
+
     def invoke(self, ctx: click.Context) -> object:
         """Run the command."""
         try:
@@ -39,6 +49,13 @@ class OneLine(click.Group):
             words = error.format_message().rstrip(".")
             where = error.ctx.command_path if error.ctx else "stickslip"
             click.echo(f"stickslip: {words[:1].lower()}{words[1:]} (see {where} --help)", err=True)
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                raise
+            click.echo(
+                f"stickslip: cannot write {error.filename or 'to the output'}: no space left", err=True
+            )
+            sys.exit(1)
         sys.exit(BAD_INPUT)
 
 

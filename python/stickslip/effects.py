@@ -128,9 +128,14 @@ class Tabulated:
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """The values at the knots, value_0, value_1, ...; with a period, the angular frequency w and the phase phi."""
+        """The values at the knots, value_0, value_1, ...; with a period, whose last value is the first, the angular
+        frequency w and the phase phi.
+        """
         out = {f"value_{i}": value for i, value in enumerate(self.values)}
-        return out if self.period is None else out | {"w": 2 * np.pi / self.period, "phi": self.phi}
+        if self.period is None:
+            return out
+        out.popitem()
+        return out | {"w": 2 * np.pi / self.period, "phi": self.phi}
 
     def replace(self, **parameters: float) -> Tabulated:
         """Return the term with some of its parameters changed; another w stretches the knots."""
@@ -139,11 +144,14 @@ class Tabulated:
             if name not in known:
                 raise InputError(f"'{self.name}' has no parameter '{name}'; {did_you_mean(name, known)}")
         known.update(parameters)
-        phi, w, knots, period = known.pop("phi", 0.0), known.pop("w", None), self.knots, self.period
-        if "w" in parameters and w is not None:
-            period = 2 * np.pi / number("w", w, above=0)
-            knots = (*(period * one / self.knots[-1] for one in self.knots[:-1]), period)
-        return tabulated(self.where, self.variable, knots, tuple(known.values()), period=period, phi=phi)
+        if self.period is None:
+            return tabulated(self.where, self.variable, self.knots, tuple(known.values()))
+        phi, w, knots, period = known.pop("phi"), known.pop("w"), self.knots, self.period
+        if "w" in parameters:
+            period = 2 * np.pi / number("w", w, above=1e-300)
+            knots = (*(period * (one / self.knots[-1]) for one in self.knots[:-1]), period)
+        values = (*known.values(), known["value_0"])
+        return tabulated(self.where, self.variable, knots, values, period=period, phi=phi)
 
     def curve(self, variable: ArrayLike) -> NDArray[np.float64]:
         """Return g at `variable`, any shape."""

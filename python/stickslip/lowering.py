@@ -134,6 +134,8 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                 parameters[place] = value
                 slots[f"{term.name}.value_{i}"] = (place,)
             if term.period is not None:
+                _, last = slots.popitem()  # it is the first again
+                slots[f"{term.name}.value_0"] += last
                 for key in ("w", "phi"):
                     put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
             continue

@@ -12,6 +12,7 @@ from stickslip.discovery import unlisted
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.periodic import strongest_line
 from stickslip.discovery.recurring import cost_of_line, learn_recurring
+from stickslip.discovery.rivals import PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
     MARGIN,
@@ -59,9 +60,16 @@ def choose(search: Search, trials: list[Trial]) -> Choice:
 
 def _choose(search: Search, trials: list[Trial]) -> Choice:
     null, best = search.tried[()], trials[0]
-    if explained(best, null) and (not best.names or best.excess < DOUBTFUL):
+    if explained(best, null) and best.excess < DOUBTFUL:
+        return Choice(null, best, None, trials)
+    if explained(best, null) and not best.names:  # a line is far sharper than chi-squared over all
+        curves = learn_recurring(search, null)
+        if _settles(curves, best, null):
+            return _curve_of(null, curves, trials)
         return Choice(null, best, None, trials)
     curves = unlisted.learn(search, null, beat=best)
+    if explained(best, null) and set(best.names) <= set(PERIODIC):
+        curves = sorted([*curves, *learn_recurring(search, null)], key=lambda one: one[1].bic)
     curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]

@@ -16,7 +16,11 @@ from stickslip.records import Recording
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
-GLITCH_SIGMAS = 8.0
+GLITCH_SIGMAS, GLITCH_TURNS = 8.0, 3
+SAME, CHANCE = (
+    5,
+    1e-3,
+)  # readings that are one and the same, at least; and how often noise may make so many in a run
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
@@ -117,11 +121,47 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     t = run.t - run.t[0]
     for c in range(readings.shape[1]):
         _bridge(t, readings[:, c], weight[:, c])
-        weight[_glitches(readings[:, c], noise[c]), c] = 0.0
-        _bridge(t, readings[:, c], weight[:, c])
+        weight[held(readings[:, c], noise[c]), c] = 0.0
+        for _ in range(GLITCH_TURNS):  # one taken out shows the smaller beside it
+            found = _glitches(readings[:, c], noise[c]) & (weight[:, c] > 0)
+            weight[found, c] = 0.0
+            _bridge(t, readings[:, c], weight[:, c])
+            if not found.any():
+                break
     v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
     slips, cycle = _slips(t, v, run.belt_speed)
     return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle)
+
+
+def held(values: Floats, noise: float) -> NDArray[np.bool_]:
+    """Readings that repeat the one before, in a row too long for noise: a channel that was held, not measured."""
+    out = np.zeros(len(values), dtype=bool)
+    alike = (
+        float(rounding(values[:, None])[0]) / noise
+    )  # of two neighbours at most, as the grid is beside the noise
+    if not alike < 0.5:
+        return out
+    least = max(SAME, 2 + math.ceil(math.log(CHANCE / len(values)) / math.log(max(alike, 1e-9))))
+    same = np.concatenate([[False], np.diff(values) == 0, [False]])
+    first, last = (np.flatnonzero(np.diff(same.astype(np.int8)) == step) for step in (1, -1))
+    for a, b in zip(first, last, strict=True):
+        if b - a + 1 >= least:
+            out[a + 1 : b + 1] = True
+    return out
+
+
+def held_words(runs: Sequence[Recording], data: Sequence[Data]) -> tuple[str, ...]:
+    """What was found held, channel by channel."""
+    out = []
+    for run, own in zip(runs, data, strict=True):
+        for channel, noise in zip(own.channels, own.noise, strict=True):
+            mask = held(np.asarray(getattr(run, channel), dtype=np.float64), float(noise))
+            if mask.any():
+                out.append(
+                    f"{run.name}: {channel} repeats one reading over {int(mask.sum())} samples, first at t = "
+                    f"{own.t[np.flatnonzero(mask)[0]]:.4g} (model units): held, not measured, and left out"
+                )
+    return tuple(out)
 
 
 def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
@@ -132,7 +172,7 @@ def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
 
 
 def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Single samples that stand out against the cubic through four neighbours, by more than these bend."""
+    """Samples, singly or in twos, that stand out against the cubic through four neighbours, by more than these bend."""
     out = np.zeros(len(values), dtype=bool)
     padded = np.pad(values, 2, mode="edge")
     around = np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]])
@@ -144,6 +184,10 @@ def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
     )  # the noise may be declared too small; 1.39 of it is in `off`
     far = off > GLITCH_SIGMAS * size + bend
     out[2:-2] = far[2:-2]
+    # two side by side hide each other: from those beyond, where these show little motion
+    flanks = np.stack([values[:-6], values[1:-5], values[5:-1], values[6:]])
+    middle = (-4 * flanks[0] + 9 * flanks[1] + 9 * flanks[2] - 4 * flanks[3]) / 10.0
+    out[3:-3] |= np.abs(values[3:-3] - middle) > 1.7 * GLITCH_SIGMAS * size + 2 * np.ptp(flanks, axis=0)
     return out
 
 

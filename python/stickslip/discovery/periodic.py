@@ -130,10 +130,9 @@ def _line_at(base: _Base, where: str, w0: float) -> _Line:
     period = 2 * np.pi / w0
     zero = np.zeros(len(turns))
     term = tabulated(where, "t", period * turns, zero, period=period)
-    waves = np.stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)], 1)
-    return _response(
-        base, [term], [f"{term.name}.value_{i}" for i in range(len(turns))], zero, {term.name: waves}
-    )[term.name]
+    waves = np.stack([np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)], 1)[:-1]
+    names = [f"{term.name}.value_{i}" for i in range(len(waves))]
+    return _response(base, [term], names, zero[:-1], {term.name: waves})[term.name]
 
 
 class _Projector:

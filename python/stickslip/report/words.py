@@ -240,7 +240,7 @@ def caveats(found: Found) -> list[str]:
         open_ended = [n for n, one in effect.parameters.items() if one.low is None or one.high is None]
         if open_ended:
             out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
-        if effect.curve is not None:
+        if effect.curve is not None and effect.curve.period is None:
             low, high = float(effect.curve.x.min()), float(effect.curve.x.max())
             out.append(
                 f"The learned curve holds for {effect.curve.variable} from {low:.3g} to {high:.3g} (model units); "

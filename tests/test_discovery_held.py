@@ -1,0 +1,60 @@
+"""Channels that were held, and validate runs that were trained on: said or refused, never used."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import found_by_hand
+import stickslip as ss
+from discover_cases import NOISE, make_case
+from stickslip.discovery.data import held, held_words, prepare
+
+RNG = np.random.default_rng(4)
+
+
+def test_noise_repeats_itself_only_as_its_grid_makes_it():
+    white = NOISE * RNG.standard_normal(20_000)
+    assert not held(white, NOISE).any()
+    assert not held(np.round(white, 4), NOISE).any()  # printed to a tenth of the noise
+    assert not held(np.round(white, 3), NOISE).any()  # to all of it: nothing can be said
+
+
+def test_a_channel_held_is_without_weight_and_said():
+    case = make_case(length=30.0, speeds=(0.06, 0.1))
+    run = case.runs[0]
+    x1 = run.x1.copy()
+    x1[200:240] = x1[200]
+    runs = (replace(run, x1=x1), case.runs[1])
+    data = prepare(runs)
+    out = set(np.flatnonzero(data[0].weight[:, 0] == 0).tolist())
+    assert set(range(201, 240)) <= out <= set(range(199, 242))
+    (words,) = held_words(runs, data)
+    assert words.startswith("run_0: x1 repeats one reading over 39 samples, first at t = 10.05")
+    assert held_words(case.runs, prepare(case.runs)) == ()
+
+
+def test_outliers_side_by_side_are_all_left_out_before_any_fit():
+    case = make_case(length=30.0, speeds=(0.06, 0.1))
+    run = case.runs[0]
+    y1 = run.y1.copy()
+    y1[[200, 201, 300, 302]] += [0.2, 0.13, -0.2, -0.19]
+    weight = prepare((replace(run, y1=y1), case.runs[1]))[0].weight
+    assert (weight[[200, 201, 300, 302], 1] == 0).all()
+    assert (weight[:, 1] == 0).sum() <= 6
+
+
+def test_a_copy_of_a_train_run_is_not_validated_on(tmp_path: Path):
+    path = found_by_hand.write_case(tmp_path, si=True)
+    folder = path if path.is_dir() else path.parent
+    case = ss.load_case(path)
+    text = (folder / "rig.toml").read_text(encoding="utf-8")
+    first, last = case.train[0], case.validate[0]
+    files = [line.split('"')[1] for line in text.splitlines() if line.startswith("file")]
+    (folder / files[-1]).write_bytes((folder / files[0]).read_bytes())
+    assert first.role != last.role
+    with pytest.raises(ss.InputError, match=r"holds the readings of \[\[run\]\] 1, a train run"):
+        ss.load_case(path)
