@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-import pytest
 
-import found_by_hand
-import stickslip as ss
 from discover_cases import NOISE, make_case
-from stickslip.discovery.data import held, held_words, prepare
+from stickslip.discovery.data import copied_words, held, held_words, prepare
 
 RNG = np.random.default_rng(4)
 
@@ -47,14 +43,9 @@ def test_outliers_side_by_side_are_all_left_out_before_any_fit():
     assert (weight[:, 1] == 0).sum() <= 6
 
 
-def test_a_copy_of_a_train_run_is_not_validated_on(tmp_path: Path):
-    path = found_by_hand.write_case(tmp_path, si=True)
-    folder = path if path.is_dir() else path.parent
-    case = ss.load_case(path)
-    text = (folder / "rig.toml").read_text(encoding="utf-8")
-    first, last = case.train[0], case.validate[0]
-    files = [line.split('"')[1] for line in text.splitlines() if line.startswith("file")]
-    (folder / files[-1]).write_bytes((folder / files[0]).read_bytes())
-    assert first.role != last.role
-    with pytest.raises(ss.InputError, match=r"holds the readings of \[\[run\]\] 1, a train run"):
-        ss.load_case(path)
+def test_a_copy_of_a_train_run_is_no_test_and_said():
+    case = make_case(length=30.0, speeds=(0.06, 0.1))
+    copy = replace(case.runs[0], name="other", role="validate")
+    assert copied_words(case.runs) == ()
+    (words,) = copied_words((*case.runs, copy))
+    assert words.startswith("other holds the readings of run_0, a train run: the error on it is no test")

@@ -176,7 +176,7 @@ def test_windows_and_overrides(tmp_path: Path) -> None:
 def test_a_case_knows_its_model(tmp_path: Path) -> None:
     s = signals()
     for name in ("a.csv", "b.csv"):
-        write(tmp_path, name, **(s | {"x1": s["x1"] + (name == "b.csv")}))
+        write(tmp_path, name, **s)
     runs = "\n".join(f'[[run]]\nfile = "{n}.csv"\nrole = "{role}"\nbelt_speed = 0.1' for n, role in
                      (("a", "train"), ("b", "validate")))  # fmt: skip
     case = load_case(write_case(tmp_path, "[noise]\nx1 = 0.02\n[friction]\nT_s_plus = 3.5\n" + runs).parent)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from stickslip.arguments import explained
@@ -176,7 +175,6 @@ def load_case(path: str | os.PathLike[str]) -> Case:
     runs = tuple(
         _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
     )
-    _check_copies(document, declared.run, runs)
     title = declared.title or document.path.resolve().parent.name
     undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
     return Case(title, rig, friction, noise, runs, channels, document.path, undeclared)
@@ -216,17 +214,6 @@ def _check_runs(document: Document, runs: list[_Run]) -> None:
             else:
                 which += "; give each run once, or windows with from and to that do not overlap"
             raise document.error(which, "run", i, "file", value=run.file)
-
-
-def _check_copies(document: Document, declared: Sequence[_Run], runs: Sequence[Recording]) -> None:
-    """Refuse what is validated on readings that are trained on, under whatever name."""
-    for i, run in enumerate(runs):
-        for j, other in enumerate(runs):
-            if run.role != "validate" or other.role != "train" or len(run.t) != len(other.t):
-                continue
-            if run.x1.any() and np.array_equal(run.x1, other.x1, equal_nan=True):
-                words = f"holds the readings of [[run]] {j + 1}, a train run; what is validated must not be trained on"
-                raise document.error(words, "run", i, "file", value=declared[i].file)
 
 
 def _overlap(a: _Run, b: _Run) -> bool:

@@ -164,6 +164,19 @@ def held_words(runs: Sequence[Recording], data: Sequence[Data]) -> tuple[str, ..
     return tuple(out)
 
 
+def copied_words(runs: Sequence[Recording]) -> tuple[str, ...]:
+    """What is validated on readings that are trained on, under whatever name."""
+    out = []
+    for run in (one for one in runs if one.role == "validate"):
+        for other in (one for one in runs if one.role == "train"):
+            if run.x1.any() and np.array_equal(run.x1, other.x1, equal_nan=True):
+                out.append(
+                    f"{run.name} holds the readings of {other.name}, a train run: the error on it is no test, validate "
+                    "on another record"
+                )
+    return tuple(out)
+
+
 def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
     """Put neighbours' values where a reading has no weight, for the smoothers alone."""
     bad = weight == 0

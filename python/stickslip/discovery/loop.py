@@ -17,7 +17,7 @@ from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
-from stickslip.discovery.data import Data, held_words, prepare
+from stickslip.discovery.data import Data, copied_words, held_words, prepare
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
@@ -122,9 +122,9 @@ def _discover(
 ) -> Found:
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
-    frozen = held_words(recordings, data)
+    found = (*copied_words(recordings), *held_words(recordings, data))
     data, notes = plausible(case, data)
-    notes = (*frozen, *notes)
+    notes = (*found, *notes)
     as_read = data
     count = len(case.train)
     model = Model(case.rig, friction=case.friction)
