@@ -230,3 +230,14 @@ def test_the_white_part_of_a_residual_is_told_from_a_misfit() -> None:
         [white[::20] + 20 * np.sin(2 * t[::20])] * 3
     )  # a misfit that the sampling hardly resolves
     assert not sure
+
+
+def test_no_process_is_started_for_a_case_that_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def started(_: int) -> None:
+        raise AssertionError("processes were started")
+
+    monkeypatch.setattr("stickslip.discovery.loop.Workers", started)
+    with pytest.raises(InputError, match=r"it would be right"):
+        discover(declared(folder, "x1", "m"), threads=2)

@@ -103,16 +103,28 @@ def discover(
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
-        workers = Workers(count)
+        data, notes = _checked(case)
+        workers = Workers(count)  # not for a case that is refused
         try:
-            return _discover(case, tell, count, seed, budget, began, workers)
+            return _discover(case, data, notes, tell, count, seed, budget, began, workers)
         except BaseException:
             workers.stop()
             raise
 
 
+def _checked(case: Case) -> tuple[list[Data], tuple[str, ...]]:
+    """The runs with what was found amiss in them, said; or a refusal."""
+    recordings = (*case.train, *case.validate)
+    data = prepare(recordings)
+    found = (*copied_words(recordings), *held_words(recordings, data))
+    data, notes = plausible(case, data)
+    return data, (*found, *notes)
+
+
 def _discover(
     case: Case,
+    data: list[Data],
+    notes: tuple[str, ...],
     tell: Callable[[str], None],
     threads: int,
     seed: int,
@@ -120,11 +132,6 @@ def _discover(
     began: float,
     workers: Workers,
 ) -> Found:
-    recordings = (*case.train, *case.validate)
-    data = prepare(recordings)
-    found = (*copied_words(recordings), *held_words(recordings, data))
-    data, notes = plausible(case, data)
-    notes = (*found, *notes)
     as_read = data
     count = len(case.train)
     model = Model(case.rig, friction=case.friction)
