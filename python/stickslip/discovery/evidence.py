@@ -57,6 +57,8 @@ def evidence(
     """Evidence for `name` in the chosen trial, against the trial without it."""
     rest = tuple(sorted(n for n in trial.names if n != name))
     without = search.tried.get(rest, null)
+    if without.fit.cost > null.fit.cost:  # ended worse than the law that is nested in it
+        without = null
     gain, bic = without.fit.cost - trial.fit.cost, without.bic - trial.bic
     done = {t.names for t in tried}
     swapped = [  # another effect in the place of this one, beside the same others
