@@ -346,9 +346,13 @@ def test_the_program_works_where_the_caller_closed_its_outputs(monkeypatch: pyte
     with pytest.raises(SystemExit) as ended:
         main(["--version"])
     assert ended.value.code == 0
+    for stream in (sys.stdout, sys.stderr):  # what libraries flush
+        stream.flush()
     with pytest.raises(SystemExit) as ended:
         main(["discover", "nowhere"])
     assert ended.value.code == 2
+    for stream in (sys.stdout, sys.stderr):
+        stream.close()
 
 
 def test_a_full_disk_is_said_in_one_line(

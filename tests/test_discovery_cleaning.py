@@ -111,5 +111,5 @@ def test_a_noise_estimated_too_large_is_said(case, chi2, noise, said):
     null = search.run(hypothesis(search.model, []), cycles=SHORT, iterations=1)
     after = Residual(chi2, 0.01, 1.0, chi2 < 1.04, (), "")
     error = ErrorBlock("", 1.0, 1.0, 1.0, ())
-    words = remarks(data, null, [], after, error, declared=noise)
+    words = remarks(data, null, [], after, error, (), noise)
     assert any("the noise was estimated from the readings, and too large" in one for one in words) is said

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from discover_cases import RIG, make_case
@@ -67,3 +69,17 @@ def test_the_best_wrong_effect_is_not_flattered_by_its_part(search, base):
     wrong = min(one.mean for one in rivals[1:]) * base.fit.readings
     assert proof.control == pytest.approx(max(base.fit.cost - wrong, 0.0))
     assert proof.control < proof.delta_chi2
+
+
+def test_an_effect_of_a_pair_gains_no_more_than_both_on_the_declared_law():
+    """Its partner alone, refitted, may end worse than the declared law that is nested in it."""
+
+    def fitted(names, cost):
+        fit = SimpleNamespace(cost=cost, readings=1000)
+        return SimpleNamespace(names=names, fit=fit, bic=cost, cost_of=lambda _: cost)
+
+    null, alone, both = fitted((), 5000.0), fitted(("b",), 8000.0), fitted(("a", "b"), 1000.0)
+    search = SimpleNamespace(tried={("b",): alone}, screened=[])
+    assert evidence(search, null, both, "a", [], 20.0, 0.5).delta_chi2 == 4000.0
+    alone.fit.cost = 3000.0
+    assert evidence(search, null, both, "a", [], 20.0, 0.5).delta_chi2 == 2000.0

@@ -28,9 +28,17 @@ def test_a_channel_held_is_without_weight_and_said():
     data = prepare(runs)
     out = set(np.flatnonzero(data[0].weight[:, 0] == 0).tolist())
     assert set(range(201, 240)) <= out <= set(range(199, 242))
-    (words,) = held_words(runs, data)
+    (words,) = held_words(data)
     assert words.startswith("run_0: x1 repeats one reading over 39 samples, first at t = 10.05")
-    assert held_words(case.runs, prepare(case.runs)) == ()
+    assert held_words(prepare(case.runs)) == ()
+
+
+def test_a_clipped_channel_is_not_called_held():
+    case = make_case(length=30.0, speeds=(0.06, 0.1))
+    run = case.runs[0]
+    data = prepare((replace(run, x1=np.minimum(run.x1, np.quantile(run.x1, 0.9))), case.runs[1]))
+    assert (data[0].weight[:, 0] == 0).sum() > 30
+    assert held_words(data) == ()
 
 
 def test_outliers_side_by_side_are_all_left_out_before_any_fit():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, NOISE, RIG, make_case
-from stickslip import Model, simulate, tabulated
+from stickslip import Model, reference, simulate, tabulated
 from stickslip.discovery import unlisted
 from stickslip.discovery.choice import choose
 from stickslip.discovery.data import prepare
@@ -98,6 +98,17 @@ def test_its_phase_in_a_new_run_is_told_by_the_past():
 
     assert error(True) < 1.2 * NOISE
     assert error(False) > 1.4 * NOISE  # so much hangs on the phase
+
+
+@pytest.mark.parametrize("where", ["block", "angle_body", "contact"])
+@pytest.mark.parametrize("phi", [-2.5, 0.7, 9.0])
+def test_core_and_reference_read_the_same_phase(where, phi):
+    model = Model(RIG, friction=LAW, effects=[wave(where, 0.2, 2.3).replace(phi=phi)])
+    told = reference.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=15, tol=1e-12)
+    ours = simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=15, rtol=1e-12, atol=1e-12)
+    assert len(told.transitions.t) >= 3
+    assert ours.transitions.t == pytest.approx(told.transitions.t, abs=1e-8)
+    assert ours.state[-1] == pytest.approx(told.state[-1][:4], abs=1e-8)
 
 
 def test_whole_turns_of_a_phase_change_nothing():

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, SURPASSED
+from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, STANDS_IN, SURPASSED
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
 
@@ -131,6 +131,7 @@ def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeyp
         (1.1 * SURPASSED, 0.5, [1]),
         (1.1 * OUTDONE, 1.1 * MOST_LEFT, ["repeats", 3]),
         (1.1 * OUTDONE, 0.9 * MOST_LEFT, [3, "repeats"]),
+        (1.1 * OUTDONE, 0.9 * STANDS_IN, [3]),
     ],
 )
 def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, order):
@@ -158,3 +159,22 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
     found = choice._choose(search, [best, null])
     assert sought == order
     assert found.trial.names == ("c",)
+
+
+@pytest.mark.parametrize(("name", "chosen"), [("harmonic_forcing", "c"), ("stribeck_peak", "stribeck_peak")])
+def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsewhere(
+    monkeypatch, name, chosen
+):
+    def fitted(names, bic, chi2, excess):
+        fit = SimpleNamespace(cost=bic)
+        return SimpleNamespace(names=names, bic=bic, chi2=chi2, excess=excess, fit=fit)
+
+    null, best = fitted((), 9000.0, 2.0, 900.0), fitted((name,), 1000.0, 1.02, 1.4)
+    monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [])
+    monkeypatch.setattr(
+        choice, "learn_recurring", lambda *_: [(TERMS["x1"], fitted(("c",), 500.0, 0.99, 0.0))]
+    )
+    monkeypatch.setattr(choice, "beside", lambda *_: [best])
+    monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    assert choice._choose(SimpleNamespace(tried={(): null}, data=[]), [best]).trial.names == (chosen,)

@@ -240,7 +240,7 @@ def _turned(run: Measured, model: Model, windows: list[tuple[Window, int]], simu
             total += float(np.nansum((out.state[:, 0] - window.readings[:, 0]) ** 2))
         return total
 
-    for one in [e for e in model.effects if isinstance(e, Effect) and "phi" in e.parameters]:
+    for one in [e for e in model.effects if "phi" in e.parameters]:
         centre, width = one.parameters["phi"], 2 * np.pi
         for tried in (PHASES, 5, 5, 5):
             angles = centre + width * (np.arange(tried) - tried // 2) / tried

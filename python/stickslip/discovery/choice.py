@@ -32,9 +32,7 @@ LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what th
 SHARE_LEFT = 0.003
 DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
 DOUBTFUL = 1.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
-SURPASSED = (
-    0.05  # share of what the best single effect leaves: where a curve leaves less, no pair of names is sought
-)
+SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
@@ -70,7 +68,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     curves = unlisted.learn(search, null, beat=best)
     if explained(best, null) and set(best.names) <= set(PERIODIC):
         curves = sorted([*curves, *learn_recurring(search, null)], key=lambda one: one[1].bic)
-    curved = bool(curves) and _clearly(curves[0][1], best) and explained(curves[0][1], null)
+    curved = _settles(curves, best, null)
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]
     if explained(best, null) and not (curved and _clearly(curves[0][1], best)):

@@ -16,11 +16,10 @@ from stickslip.records import Recording
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
-GLITCH_SIGMAS, GLITCH_TURNS = 8.0, 3
-SAME, CHANCE = (
-    5,
-    1e-3,
-)  # readings that are one and the same, at least; and how often noise may make so many in a run
+GLITCH_SIGMAS = 8.0
+GLITCH_TURNS = 3  # one taken out shows the smaller beside it
+SAME = 5  # readings in a row that are one and the same, at least, to be no noise
+CHANCE = 1e-3  # how often noise may make so many in a run
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
@@ -39,6 +38,7 @@ class Data:
     v : (n,) smoothed velocity of x1.
     slips : (k,) samples of fastest slip, one a cycle: far from any transition.
     cycle : time from slip to slip; a natural period where there are none.
+    held : (n, c) readings that only repeat the one before.
     """
 
     name: str
@@ -51,6 +51,7 @@ class Data:
     v: Floats
     slips: NDArray[np.int64]
     cycle: float
+    held: NDArray[np.bool_]
     _states: dict[tuple[int, bool], Floats] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -119,10 +120,13 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     for c in range(readings.shape[1]):  # a reading at the end of its range says only that it is beyond
         weight[signals.find_clipping(readings[:, c]).mask, c] = 0.0
     t = run.t - run.t[0]
+    same = np.column_stack([held(one, size) for one, size in zip(readings.T, noise, strict=True)]) & (
+        weight > 0
+    )
+    weight[same] = 0.0
     for c in range(readings.shape[1]):
         _bridge(t, readings[:, c], weight[:, c])
-        weight[held(readings[:, c], noise[c]), c] = 0.0
-        for _ in range(GLITCH_TURNS):  # one taken out shows the smaller beside it
+        for _ in range(GLITCH_TURNS):
             found = _glitches(readings[:, c], noise[c]) & (weight[:, c] > 0)
             weight[found, c] = 0.0
             _bridge(t, readings[:, c], weight[:, c])
@@ -130,15 +134,13 @@ def _prepare(run: Recording, noise: Floats) -> Data:
                 break
     v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
     slips, cycle = _slips(t, v, run.belt_speed)
-    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle)
+    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same)
 
 
 def held(values: Floats, noise: float) -> NDArray[np.bool_]:
     """Readings that repeat the one before, in a row too long for noise: a channel that was held, not measured."""
     out = np.zeros(len(values), dtype=bool)
-    alike = (
-        float(rounding(values[:, None])[0]) / noise
-    )  # of two neighbours at most, as the grid is beside the noise
+    alike = float(rounding(values[:, None])[0]) / noise  # at most the chance of two neighbours
     if not alike < 0.5:
         return out
     least = max(SAME, 2 + math.ceil(math.log(CHANCE / len(values)) / math.log(max(alike, 1e-9))))
@@ -150,18 +152,15 @@ def held(values: Floats, noise: float) -> NDArray[np.bool_]:
     return out
 
 
-def held_words(runs: Sequence[Recording], data: Sequence[Data]) -> tuple[str, ...]:
+def held_words(data: Sequence[Data]) -> tuple[str, ...]:
     """What was found held, channel by channel."""
-    out = []
-    for run, own in zip(runs, data, strict=True):
-        for channel, noise in zip(own.channels, own.noise, strict=True):
-            mask = held(np.asarray(getattr(run, channel), dtype=np.float64), float(noise))
-            if mask.any():
-                out.append(
-                    f"{run.name}: {channel} repeats one reading over {int(mask.sum())} samples, first at t = "
-                    f"{own.t[np.flatnonzero(mask)[0]]:.4g} (model units): held, not measured, and left out"
-                )
-    return tuple(out)
+    return tuple(
+        f"{run.name}: {channel} repeats one reading over {int(mask.sum())} samples, first at t = "
+        f"{run.t[np.argmax(mask)]:.4g} (model units): held, not measured, and left out"
+        for run in data
+        for channel, mask in zip(run.channels, run.held.T, strict=True)
+        if mask.any()
+    )
 
 
 def copied_words(runs: Sequence[Recording]) -> tuple[str, ...]:
@@ -198,10 +197,15 @@ def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
     far = off > GLITCH_SIGMAS * size + bend
     out[2:-2] = far[2:-2]
     # two side by side hide each other: from those beyond, where these show little motion
-    flanks = np.stack([values[:-6], values[1:-5], values[5:-1], values[6:]])
+    flanks = _flanks(values)
     middle = (-4 * flanks[0] + 9 * flanks[1] + 9 * flanks[2] - 4 * flanks[3]) / 10.0
     out[3:-3] |= np.abs(values[3:-3] - middle) > 1.7 * GLITCH_SIGMAS * size + 2 * np.ptp(flanks, axis=0)
     return out
+
+
+def _flanks(values: Floats) -> Floats:
+    """The second and third neighbours on both sides of every value but the outer three, (4, n - 6, ...)."""
+    return np.stack([values[:-6], values[1:-5], values[5:-1], values[6:]])
 
 
 def _velocity(t: Floats, x: Floats, noise: float, belt_speed: float) -> Floats:
@@ -270,7 +274,7 @@ def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[
         odd = np.zeros(r.shape, dtype=bool)
         middle, spread = 0.5 * (r[:-2] + r[2:]), np.abs(r[2:] - r[:-2])
         odd[1:-1] = np.abs(r[1:-1] - middle) > OUTLIER_SIGMAS + spread
-        flanks = np.stack([r[:-6], r[1:-5], r[5:-1], r[6:]])
+        flanks = _flanks(r)
         odd[3:-3] |= np.abs(r[3:-3] - flanks.mean(axis=0)) > OUTLIER_SIGMAS + 2 * np.ptp(flanks, axis=0)
         odd[:, odd.mean(axis=0) > MOST_OUTLIERS] = False
         out.append(replace(run, weight=np.where(odd, 0.0, run.weight)))

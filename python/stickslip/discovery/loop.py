@@ -116,7 +116,7 @@ def _checked(case: Case) -> tuple[list[Data], tuple[str, ...]]:
     """The runs with what was found amiss in them, said; or a refusal."""
     recordings = (*case.train, *case.validate)
     data = prepare(recordings)
-    found = (*copied_words(recordings), *held_words(recordings, data))
+    found = (*copied_words(recordings), *held_words(data))
     data, notes = plausible(case, data)
     return data, (*found, *notes)
 
@@ -338,11 +338,13 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             formula = f"{learned.term}: a curve in {variable}{again}" + (
                 f", {learned.guess}" if learned.guess else ""
             )
+            own = {key: one for key, one in of_effect(after.fit, name).items() if key == "w"}
             out.append(
                 FoundEffect(
-                    "unlisted", where, (variable,), {}, proof, (), formula, learned, phases(after.fit, name)
+                    "unlisted", where, (variable,), own, proof, (), formula, learned,
+                    phases(after.fit, name),
                 )
-            )
+            )  # fmt: skip
             continue
         kind = CATALOGUE[name]
         numbers = of_effect(after.fit, name)

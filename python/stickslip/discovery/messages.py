@@ -14,10 +14,8 @@ from stickslip.errors import InputError
 from stickslip.rig import Rig
 
 WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud
-UNSURE, LOOSE = (
-    5.0,
-    0.93,
-)  # sampling errors below 1, and chi-squared: an estimated noise that leaves less was too large
+UNSURE = 5.0  # sampling errors below 1 of a chi-squared that says an estimated noise was too large
+LOOSE = 0.93  # and the chi-squared below which it is said
 FAR = 2.0  # error after over its floor, the same
 ABSURD = 0.5  # of a reading's own spread left over in windows of one cycle: the declared rig is not this one
 
@@ -70,8 +68,8 @@ def remarks(
     effects: Sequence[FoundEffect],
     after: Residual,
     error: ErrorBlock,
-    validate: Sequence[Data] = (),
-    declared: Collection[str] = ("x1", "y1"),
+    validate: Sequence[Data],
+    declared: Collection[str],
 ) -> tuple[str, ...]:
     """What to know about this case's data and verdict; `declared` are the channels whose noise the case gives."""
     out = []

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.periodic import Line, strongest_line
+from stickslip.discovery.periodic import TABLE_KNOTS, Line, strongest_line
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.trace import MARGIN
@@ -20,7 +20,7 @@ from stickslip.effects import Tabulated
 
 Floats = NDArray[np.float64]
 PLACES = ("block", "angle_body", "contact")
-KNOTS, FINE = 8, 16  # a turn; a spline through the fewer is a sine to half a percent
+FINE = 2 * TABLE_KNOTS
 NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises less is not tried
 
 
@@ -47,7 +47,7 @@ def _line(_: Search, where: str, *, base: Trial) -> Line:
 def _learned(search: Search, one: tuple[str, Line], *, base: Trial) -> tuple[Term, Trial] | None:
     """The sine first, on more knots if that leaves something."""
     where, line = one
-    turns = np.linspace(0.0, 1.0, KNOTS + 1)
+    turns = np.linspace(0.0, 1.0, TABLE_KNOTS + 1)
     size = min(float(np.median(np.hypot(*line.amplitudes.T))), 0.5 * SPREAD[where])
     phases = tuple(float(np.arctan2(b, a)) for a, b in line.amplitudes)
     term, trial = _fitted(search, base, where, line.w, size * np.sin(2 * np.pi * turns), phases)
@@ -59,9 +59,8 @@ def _learned(search: Search, one: tuple[str, Line], *, base: Trial) -> tuple[Ter
     found = trial.hypothesis
     curve = found.model.effects[-1]
     assert isinstance(curve, Tabulated)
-    period = 2 * np.pi / curve.parameters["w"]
-    finer = np.linspace(0.0, 1.0, FINE + 1)
-    values = curve.replace(phi=0.0).curve(finer * period)
+    assert curve.period is not None
+    values = curve.replace(phi=0.0).curve(np.linspace(0.0, curve.period, FINE + 1))
     phases = found.phases[f"{term.prefix}.phi"]
     fine, more = _fitted(search, base, where, curve.parameters["w"], values, phases)
     if more is not None:

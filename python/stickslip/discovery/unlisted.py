@@ -26,14 +26,10 @@ PROMISING = (
     0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
 )
 STALLED = 12.0  # and so much for the one that promised most
-FURTHER, REACH = (
-    3,
-    0.05,
-)  # fits of a curve on finer knots at most; the share by which its motion must reach further
+FURTHER = 3  # fits of a curve on finer knots at most
+REACH = 0.05  # share by which the motion must reach further for another
 RESOLVED = 0.8  # of the excess of a coarse curve: what finer knots must leave less than, to be fitted closely
-OUTDONE = (
-    0.15  # share of what names leave: a curve that leaves less is on the track of something that has no name
-)
+OUTDONE = 0.15  # share of what names leave: a curve that leaves less is on the track of what has no name
 FINER = 15.0  # processor seconds for finer knots of such a curve, at least
 SLOW = 0.15  # share of the fastest slip within which the knots of a curve in v_w are nearly even
 TERMS = {
@@ -243,22 +239,22 @@ def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:
     """The same curve on more knots, started afresh, if that is better; again while it moves the motion further out."""
-    best, found = coarse, None
+    best = coarse
     for _ in range(FURTHER):
-        visited = ranges(best[1])[best[0].variable]
-        fine = Term(best[0].where, best[0].variable, knots_for(visited, FINE, best[0].variable))
-        if found is not None and (found[1].excess < CLEAN or _reach(fine) < (1 + REACH) * _reach(found[0])):
+        term, trial = best
+        fine = Term(term.where, term.variable, knots_for(ranges(trial)[term.variable], FINE, term.variable))
+        if best is not coarse and (trial.excess < CLEAN or _reach(fine) < (1 + REACH) * _reach(term)):
             break
         added = with_term(search, base, fine, iterations=25, rounds=2)
         if added is None:
             break
         # else it is not for knots that the coarse one fits badly
-        if added.bic < best[1].bic or added.chi2 - 1 < RESOLVED * (best[1].chi2 - 1):
+        if added.bic < trial.bic or added.chi2 - 1 < RESOLVED * (trial.chi2 - 1):
             added = search.polish(added, turns=1)
-        if added.bic > best[1].bic:
+        if added.bic > trial.bic:
             break
-        best = found = fine, added
-    return found
+        best = fine, added
+    return None if best is coarse else best
 
 
 def _reach(term: Term) -> float:
@@ -271,43 +267,31 @@ def repeating(term: Term, values: Floats) -> Tabulated:
 
 
 def curve(term: Term, trial: Trial) -> Curve:
-    """The learned curve with its band."""
+    """The learned curve with its band; of one that recurs a turn, from where it is 0."""
+    fit, count, less = trial.fit, len(term.knots), ""
+    names = [u.name for u in fit.engine.hypothesis.shared]
+    free = range(1, count - 1) if term.recurs else range(count)
+    index = [names.index(f"{term.prefix}.value_{i}") for i in free]
+    covariance = fit.covariance[np.ix_(index, index)]
     if term.recurs:
-        return _recurring_curve(term, trial)
-    h = trial.fit.engine.hypothesis
-    names = [u.name for u in h.shared]
-    index = [names.index(f"{term.prefix}.value_{i}") for i in range(len(term.knots))]
-    values, covariance = trial.fit.vector[index], trial.fit.covariance[np.ix_(index, index)]
-    x = np.linspace(term.knots[1], term.knots[-2], 101)  # what was visited
-    basis = Learned("x1", "x1", term.knots).basis(x)
-    half, less = _half(basis, covariance), ""
-    centred = basis - basis.mean(axis=0)
-    if half.mean() > LOOSE * _half(centred, covariance).mean():
-        basis, half, less = centred, _half(centred, covariance), ", less its mean"
-    middle = basis @ values
-    half *= max(trial.chi2, 1.0) ** 0.5
+        period = 2 * np.pi / fit.engine.hypothesis.values(fit.vector, 0)[f"{term.prefix}.w"]
+        term = replace(term, knots=tuple(np.linspace(0.0, period, count).tolist()))
+        x = np.linspace(0.0, period, 101)
+        each_one = np.pad(np.eye(count - 2), ((0, 0), (1, 1)))
+        basis = np.stack([repeating(term, one).curve(x) for one in each_one], 1)
+    else:
+        x = np.linspace(term.knots[1], term.knots[-2], 101)  # what was visited
+        basis = Learned("x1", "x1", term.knots).basis(x)
+        centred = basis - basis.mean(axis=0)
+        if _half(basis, covariance).mean() > LOOSE * _half(centred, covariance).mean():
+            basis, less = centred, ", less its mean"
+    middle = basis @ fit.vector[index]
+    half = _half(basis, covariance) * max(trial.chi2, 1.0) ** 0.5
+    within = np.maximum(half, 1e-12)
+    words = _sine(x, middle, within) if term.recurs else guess(x, middle, within, term.variable)
     return Curve(
         term.where, term.variable, _what(term) + less, x, middle, middle - half, middle + half,
-        np.array(term.knots), guess(x, middle, np.maximum(half, 1e-12), term.variable),
-    )  # fmt: skip
-
-
-def _recurring_curve(term: Term, trial: Trial) -> Curve:
-    """One turn of a curve that recurs, from where it is 0."""
-    h = trial.fit.engine.hypothesis
-    names = [u.name for u in h.shared]
-    w = h.values(trial.fit.vector, 0)[f"{term.prefix}.w"]
-    index = [names.index(f"{term.prefix}.value_{i}") for i in range(1, len(term.knots) - 1)]
-    knots = np.linspace(0.0, 2 * np.pi / w, len(term.knots))
-    turn = replace(term, knots=tuple(knots.tolist()))
-    shapes = np.pad(np.eye(len(index)), ((0, 0), (1, 1)))  # a knot each
-    x = np.linspace(0.0, knots[-1], 101)
-    basis = np.stack([repeating(turn, one).curve(x) for one in shapes], 1)
-    value = basis @ trial.fit.vector[index]
-    half = _half(basis, trial.fit.covariance[np.ix_(index, index)]) * max(trial.chi2, 1.0) ** 0.5
-    return Curve(
-        term.where, term.variable, _what(term), x, value, value - half, value + half, knots,
-        _sine(x, value, np.maximum(half, 1e-12), w), float(knots[-1]),
+        np.array(term.knots), words, term.knots[-1] if term.recurs else None,
     )  # fmt: skip
 
 
@@ -325,8 +309,9 @@ def _half(basis: Floats, covariance: Floats) -> Floats:
     return np.asarray(1.96 * np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, covariance, basis), 0.0)))
 
 
-def _sine(t: Floats, value: Floats, half: Floats, w: float) -> str | None:
-    """The curve as a sine that stays within the band, or None."""
+def _sine(t: Floats, value: Floats, half: Floats) -> str | None:
+    """One turn of a curve as a sine that stays within the band, or None."""
+    w = 2 * np.pi / t[-1]
     A = np.stack([np.sin(w * t), np.cos(w * t), np.ones_like(t)], 1)
     c, *_ = np.linalg.lstsq(A, value, rcond=None)
     off = np.abs(A @ c - value)

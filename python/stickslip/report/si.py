@@ -38,6 +38,7 @@ EFFECTS: Mapping[str, Dimension] = {
     "constant_load.f": FORCE,
     "harmonic_forcing.a": FORCE,
     "harmonic_forcing.w": RATE,
+    "unlisted.w": RATE,  # of a learned curve that repeats
     "pivot_dry_friction.f": FORCE,
     "pivot_dry_friction.v_c": SPEED,
     "normal_force_feedback.beta2": STIFFNESS,
