@@ -250,6 +250,10 @@ def test_identify_then_compare(folder, tmp_path):
         (["simulate", "{model}", "--belt-speed", 0.1, "--t-end", 1], "missing option '--out'"),
         (["identfy", "{case}", "--out", "{out}"], "no such command 'identfy'"),
         (["compare", "{model}", "{case}", "--run", "c", "--out", "{out}"], "unknown run 'c'"),
+        (["identify", "{case}", "--out", ""], "invalid value for '--out': is empty"),
+        (["discover", " ", "--out", "{out}"], "invalid value for 'CASE': is empty"),
+        (["sweep", "{case}", "--out", ""], "invalid value for '--out': is empty"),
+        (["forecast", "", "{run}", "--belt-speed", 1, "--horizon", 1, "--out", "{out}"], "'MODEL': is empty"),
     ],
 )
 def test_bad_input_is_one_line_exit_2_and_nothing_written(folder, tmp_path, arguments, said):

@@ -19,6 +19,7 @@ from rich.table import Table
 
 import stickslip
 from stickslip import cli_discover, cli_simulate, cli_sweep
+from stickslip.cli_path import Named
 from stickslip.compare import Comparison
 from stickslip.config import write_text
 from stickslip.errors import InputError, StickslipError
@@ -89,13 +90,11 @@ belt_option = click.option(
     show_default=True,
     help="Take v_b as set, or as the block rides in its sticks.",
 )
-out_option = click.option(
-    "--out", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder for the results."
-)
+out_option = click.option("--out", type=Named(file_okay=False), required=True, help="Folder for the results.")
 
 
 @main.command(short_help="The friction law, from the recordings of a case.")
-@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("case", type=Named())
 @out_option
 @belt_option
 def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
@@ -119,8 +118,8 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
 
 
 @main.command(short_help="A model against a recording: one table, two figures.")
-@click.argument("model", type=click.Path(path_type=Path))
-@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("model", type=Named())
+@click.argument("case", type=Named())
 @out_option
 @belt_option
 @click.option(
@@ -153,7 +152,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
 @main.command(short_help="All of it on a real recording, then a story of discovery.")
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=Named(file_okay=False),
     default=Path("demo"),
     show_default=True,
     help="Folder for the results.",

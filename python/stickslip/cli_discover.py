@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from stickslip.catalogue import CATALOGUE
+from stickslip.cli_path import Named
 from stickslip.discovery.result import Found
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import whole
@@ -30,8 +31,8 @@ console = Console(highlight=False)
 
 
 @click.command(short_help="What the declared model lacks: an effect, and how sure.")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results.")
+@click.argument("case", type=Named())
+@click.option("--out", type=Named(), required=True, help="Folder for the results.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap's random numbers.")
 def discover(case: Path, out: Path, seed: int) -> None:
     """Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
@@ -112,17 +113,15 @@ def errors_table(found: Found) -> Table:
 
 
 @click.command(short_help="The readings that follow a recording.")
-@click.argument("model", type=click.Path(path_type=Path))
-@click.argument("run", type=click.Path(path_type=Path))
+@click.argument("model", type=Named())
+@click.argument("run", type=Named())
 @click.option(
     "--belt-speed",
     required=True,
     help="v_b of RUN and of what follows it, in the belt channel's unit, or with one: '12 mm/s'.",
 )
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
-@click.option(
-    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
-)
+@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
 def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 

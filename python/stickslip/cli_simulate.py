@@ -11,6 +11,7 @@ import click
 import numpy as np
 from rich.console import Console
 
+from stickslip.cli_path import Named
 from stickslip.errors import InputError, ModelWarning
 from stickslip.files import whole
 from stickslip.identify import natural_period
@@ -28,7 +29,7 @@ LONGEST = 1000  # natural periods in the figure
 
 
 @click.command(short_help="One run of a model, as CSV and a figure.")
-@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("model", type=Named())
 @click.option(
     "--belt-speed",
     required=True,
@@ -41,9 +42,7 @@ LONGEST = 1000  # natural periods in the figure
     default=None,
     help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent.",
 )
-@click.option(
-    "--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write."
-)
+@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
 def simulate(
     model: Path,

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 from rich.console import Console
 
+from stickslip.cli_path import Named
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_effect, read_friction, read_rig
 from stickslip.errors import InputError
@@ -66,10 +67,8 @@ class SweepFile(BaseModel):
 
 
 @click.command(short_help="A model over a grid of its numbers, into a Zarr store.")
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="Zarr store to write or go on with."
-)
+@click.argument("file", type=Named())
+@click.option("--out", type=Named(), required=True, help="Zarr store to write or go on with.")
 @click.option("--threads", type=int, default=None, help="All that there are if absent.")
 def sweep(file: Path, out: Path, threads: int | None) -> None:
     """Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.

@@ -1,0 +1,27 @@
+"""The type of the command line's paths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+class Named(click.Path):
+    """A path with a name: an empty one, as an unset shell variable leaves it, would be the working folder."""
+
+    def __init__(self, **limits: Any) -> None:
+        super().__init__(path_type=Path, **limits)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path.
+
+        Raises
+        ------
+        click.BadParameter
+            Of an empty one.
+        """
+        if not str(value).strip():
+            self.fail("is empty; give a path", param, ctx)
+        return super().convert(value, param, ctx)
