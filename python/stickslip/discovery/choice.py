@@ -12,6 +12,7 @@ from stickslip.discovery import unlisted
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.periodic import strongest_line
 from stickslip.discovery.recurring import cost_of_line, learn_recurring
+from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
@@ -40,7 +41,8 @@ BETTER = 0.5  # share of the excess that a learned curve may leave of what the b
 @dataclass
 class Choice:
     """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
-    neither a name nor a curve explains, and the error on windows held out over what it was.
+    neither a name nor a curve explains, the error on windows held out over what it was, and the law with numbers of the
+    rig that do as well.
     """
 
     null: Trial
@@ -49,11 +51,25 @@ class Choice:
     trials: list[Trial]
     place: tuple[str, tuple[str, ...]] | None = None
     held: float = 1.0
+    tied: tuple[Trial, ...] = ()
 
 
 def choose(search: Search, trials: list[Trial]) -> Choice:
     """The choice for the runs of a search and the trials of single effects, held against windows left out."""
-    return _held(_choose(search, trials))
+    return _held(_with_rig(search, _choose(search, trials)))
+
+
+def _with_rig(search: Search, choice: Choice) -> Choice:
+    """The choice, or a number of the declared rig that is wrong where that explains more with less."""
+    chosen = choice.trial
+    if not chosen.names and choice.place is None:
+        return choice
+    if chosen.names in KINDS:
+        return choice
+    wrong = [one for one in freed(search, chosen, closely=True) if explained(one, choice.null)]
+    if wrong and wrong[0].bic < chosen.bic - MARGIN:
+        return Choice(choice.null, wrong[0], None, [*wrong, *choice.trials])
+    return replace(choice, tied=tuple(one for one in wrong if one.bic < chosen.bic + MARGIN))
 
 
 def _choose(search: Search, trials: list[Trial]) -> Choice:
@@ -65,6 +81,10 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         if _settles(curves, best, null):
             return _curve_of(null, curves, trials)
         return Choice(null, best, None, trials)
+    if not explained(best, null):
+        wrong = freed(search, best)
+        if wrong and explained(wrong[0], null):  # one number: no pair and no curve does that with less
+            return Choice(null, wrong[0], None, [*wrong, *trials])
     curves = unlisted.learn(search, null, beat=best)
     if explained(best, null) and set(best.names) <= set(PERIODIC):
         curves = sorted([*curves, *learn_recurring(search, null)], key=lambda one: one[1].bic)

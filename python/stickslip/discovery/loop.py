@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
 from stickslip.discovery import evidence as ev
-from stickslip.discovery import unlisted
+from stickslip.discovery import rig_numbers, unlisted
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, copied_words, held_words, prepare
@@ -38,6 +38,7 @@ from stickslip.discovery.result import (
 from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import MARGIN, decide_single, declared
+from stickslip.discovery.unknowns import of_law
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.driven import loop as driven
@@ -204,6 +205,8 @@ def _found(
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)
+    if doubt := rig_numbers.remark(case.rig, choice.tied):
+        notes = (*notes, doubt)
     was, now = describe(before.fit), describe(after.fit)
     return Found(
         title=case.title,
@@ -238,7 +241,7 @@ def _views(
 
 
 def _verdict(choice: Choice) -> Verdict:
-    if choice.term is not None or choice.place is not None:
+    if choice.term is not None or choice.place is not None or choice.trial.names in rig_numbers.KINDS:
         return Verdict.unlisted_effect
     return Verdict.effect_found if choice.trial.names else Verdict.no_effect
 
@@ -305,7 +308,7 @@ def _model(case: Case, trial: Trial) -> Model:
 
 
 def _law(trial: Trial) -> dict[str, Interval]:
-    return {k: v for k, v in intervals(trial.fit).items() if "." not in k}
+    return {k: v for k, v in intervals(trial.fit).items() if of_law(k)}
 
 
 def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
@@ -326,6 +329,16 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
     if not choice.trial.names:
         return ()
     tried = list(search.tried.values())
+    if choice.trial.names in rig_numbers.KINDS:
+        name = choice.trial.names[0]
+        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
+        where, variables = rig_numbers.KINDS[choice.trial.names]
+        wrong = rig_numbers.numbers(after)
+        formula = rig_numbers.formula(search.model.rig, wrong)
+        others = ev.alternatives(
+            choice.trial, [t for t in choice.trials if t.names in rig_numbers.KINDS], name
+        )
+        return (FoundEffect("unlisted", where, variables, wrong, proof, others, formula),)
     out = []
     for name in choice.trial.names:
         proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
@@ -371,7 +384,7 @@ def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
             continue
         seen.add(key)
         values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
-        numbers = {k: v for k, v in values.items() if "." in k and not unlisted.is_tabulated(k)}
+        numbers = {k: v for k, v in values.items() if not of_law(k) and not unlisted.is_tabulated(k)}
         out.append(Rival(t.names, t.chi2, t.bic_of(readings) - least, numbers, None, key == chosen))
     return tuple(out)
 

@@ -17,7 +17,7 @@ from stickslip.discovery.readings import Learned, as_terms
 from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.rivals import Start
 from stickslip.discovery.solve import Fit, Point, conclude, fit
-from stickslip.discovery.unknowns import Hypothesis
+from stickslip.discovery.unknowns import Hypothesis, of_law
 from stickslip.discovery.window import Window
 from stickslip.discovery.windows import cut, with_hidden
 from stickslip.discovery.workers import Task, Workers
@@ -65,7 +65,7 @@ class Trial:
     def extra(self) -> int:
         """Numbers added to the law's."""
         h = self.fit.engine.hypothesis
-        return len(self.fit.vector) - sum("." not in u.name for u in h.unknowns)
+        return len(self.fit.vector) - sum(of_law(u.name) for u in h.unknowns)
 
     @property
     def bic(self) -> float:
@@ -279,7 +279,7 @@ class Search:
         """The trial with its law back at the declared start: another way into the minimum."""
         vector = trial.fit.vector.copy()
         for i, u in enumerate(trial.fit.engine.hypothesis.shared):
-            if "." not in u.name:
+            if of_law(u.name):
                 vector[i] = u.coordinate(self.model.parameters[u.name])
         return Trial(trial.names, replace(trial.fit, vector=vector))
 

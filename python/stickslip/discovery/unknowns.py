@@ -19,6 +19,7 @@ SLIPPING = {  # numbers of slipping friction, and the static limits that they ca
     "kinetic": "static",
     "kinetic_plus": "static_plus",
 }
+RIG = ("alpha1", "alpha2", "beta3", "eta1", "eta12")  # numbers of (2.1) that may be declared wrong
 TURN = 1.5  # radians
 MAX_LOG = 2.0  # a positive number of the law moves by at most e^2 from its declared start
 
@@ -133,6 +134,11 @@ class Hypothesis:
         return replace(
             self, model=self.model.replace(numbers), unknowns=moved, phases={**self.phases, **phases}
         )
+
+
+def of_law(name: str) -> bool:
+    """Is this a number of the friction law, rather than of an effect or of the rig?"""
+    return "." not in name and name not in RIG
 
 
 def law_unknowns(model: Model, declared: Model) -> tuple[Unknown, ...]:

@@ -63,6 +63,7 @@ PLACE: Mapping[str, str] = {
     "y1 channel": "in the y1 channel",
 }
 
+RIG = frozenset({"alpha1", "alpha2", "beta3", "eta1", "eta12"})  # numbers of (2.1)
 FEW = 3  # effects that a sentence can hold without numbers
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -102,6 +103,8 @@ def headline(found: Found) -> str:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
         effect = next((e for e in found.effects if e.name == "unlisted"), found.effects[0])
+        if not RIG.isdisjoint(effect.parameters):
+            return f"A declared number of the rig is wrong: {effect.formula}."
         on = joined([v for v in effect.depends_on if v != "memory"])
         variables = f", as a function of {on}" if on else ""
         memory = " with a memory" if "memory" in effect.depends_on else ""
@@ -164,6 +167,8 @@ def _of_the_name(effect: FoundEffect) -> str:
     equal = ties(effect)
     curve = effect.name == "unlisted"
     who = "Where it acts and on what" if curve else f"The name {effect.name}"
+    if not RIG.isdisjoint(effect.parameters):
+        who = f"That it is {joined(list(effect.parameters))}"
     if equal:
         odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
         exact = " The tie is exact: no run of this kind can break it." if any(a.exact for a in equal) else ""

@@ -1,0 +1,107 @@
+"""Is a number of the declared rig wrong? Fitted beside the law it is one number; a curve in its place is many."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+from stickslip.discovery.intervals import intervals
+from stickslip.discovery.result import Interval
+from stickslip.discovery.rivals import hypothesis
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.unknowns import RIG, Unknown
+from stickslip.discovery.workers import each
+from stickslip.rig import AnyRig, Rig
+
+FACTOR = 3.0  # by which a declared number may be wrong
+WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
+KINDS: Mapping[
+    tuple[str, ...], tuple[str, tuple[str, ...]]
+] = {  # what is wrong together, where, and on what it acts
+    ("alpha1",): ("block", ("x1",)),
+    ("alpha2",): ("angle_body", ("y1",)),
+    ("beta3",): ("angle_body", ("y1",)),
+    ("eta12",): ("angle_body", ("y2",)),
+    ("eta1", "eta12"): ("angle_body", ("x2", "y2")),  # c1 is in both
+}
+
+
+def is_of_rig(name: str) -> bool:
+    """Is this the name of a number of the rig?"""
+    return name in RIG
+
+
+def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
+    """The declared law with numbers of the rig free, from where `chosen` has the law and the windows; best first.
+
+    Their names are those of the numbers. `closely`: the best is fitted in earnest if it does better than `chosen`.
+    """
+    rig = search.model.rig
+    assert isinstance(rig, Rig)
+    kinds = [names for names in KINDS if all(getattr(rig, name) > 0 for name in names)]
+    say = lambda names: f"trying another {' and '.join(names)} of the rig"  # noqa: E731
+    tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
+    found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
+    found.sort(key=lambda one: one.bic)
+    if closely and found and found[0].excess > CLEAN and found[0].bic < chosen.bic:
+        found[0] = replace(search.polish(found[0], turns=1), names=found[0].names)
+    return found
+
+
+def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | None:
+    h = hypothesis(chosen.hypothesis.model, [], search.model)
+    assert isinstance(search.model.rig, Rig)
+    own = [unknown(search.model.rig, name, len(names) > 1) for name in names]
+    return search.run(
+        replace(h, unknowns=(*h.unknowns, *own)),
+        cycles=SHORT, windows_of=chosen, tolerance=1e-4, worst=WORSE * chosen.fit.cost, anyway=True,
+    )  # fmt: skip
+
+
+def unknown(rig: Rig, name: str, together: bool = False) -> Unknown:
+    """A number of the rig as one to estimate, within what a rig may have while the others are as declared."""
+    value = float(getattr(rig, name))
+    least = {"alpha1": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
+    most = rig.eta12 if name == "eta1" else math.inf
+    middle = math.sqrt(rig.eta1 * rig.eta12)  # two that move together: eta1 stays below it, eta12 above
+    if together:
+        least, most = (middle, math.inf) if name == "eta12" else (0.0, middle)
+    bounds = max(least, value / FACTOR), min(most, value * FACTOR)
+    return Unknown(name, value, True, math.log(value), 1.0, bounds=bounds)
+
+
+def numbers(trial: Trial) -> Mapping[str, Interval]:
+    """The numbers of the rig that a trial has free, with their intervals."""
+    return {name: one for name, one in intervals(trial.fit).items() if is_of_rig(name)}
+
+
+def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
+    """What is declared, what is found, and what that says of the SI constants."""
+    assert isinstance(rig, Rig)
+    words = [
+        f"{name} is {one.value:.4g} rather than {getattr(rig, name):.4g}{_constant(rig, name, one.value)}"
+        for name, one in found.items()
+    ]
+    return " and ".join(words)
+
+
+def _constant(rig: Rig, name: str, value: float) -> str:
+    """The SI constant behind a number, as a share of what is declared."""
+    least = {"alpha1": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
+    declared = getattr(rig, name) - least
+    which = {"alpha2": "J/r^2", "beta3": "k3", "eta1": "c1", "eta12": "c2"}.get(name)
+    if which is None or declared <= 0 or rig.scales is None:
+        return ""
+    return f" ({which} {(value - least) / declared:.3g} times the declared)"
+
+
+def remark(rig: AnyRig, tied: Sequence[Trial]) -> str | None:
+    """What to say of wrong numbers of the rig that the readings do not tell from what was found."""
+    if not tied:
+        return None
+    return (
+        "a wrong number of the declared rig would explain the readings as well: "
+        f"{'; or '.join(formula(rig, numbers(one)) for one in tied)}: check it"
+    )

@@ -1,0 +1,95 @@
+"""A wrong number of the declared rig is found as such: one number, where a curve in its place would be many."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import stickslip as ss
+from discover_cases import RIG, make_case
+from stickslip.discovery import rig_numbers
+from stickslip.discovery.data import prepare
+from stickslip.discovery.result import Interval, Verdict
+from stickslip.discovery.search import Search
+from stickslip.discovery.trace import declared, explained
+from stickslip.model import Model
+from stickslip.records import Case
+from stickslip.report.words import headline, sureness
+
+SPEEDS = (0.06, 0.13, -0.09, 0.1)
+
+
+def declared_wrong(length: float = 40.0, seed: int = 1, **wrong: float) -> Case:
+    """A case whose rig is declared with these numbers; its runs are those of RIG."""
+    case = make_case(length=length, speeds=SPEEDS, seed=seed)
+    rig = replace(RIG, **wrong)
+    return replace(case, rig=rig, runs=tuple(replace(run, rig=rig) for run in case.runs))
+
+
+def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
+    found = ss.discover(declared_wrong(alpha2=8.8))
+    assert found.verdict is Verdict.unlisted_effect
+    (effect,) = found.effects
+    assert (effect.name, effect.where, effect.depends_on) == ("unlisted", "angle_body", ("y1",))
+    number = effect.parameters["alpha2"]
+    assert number.low is not None
+    assert number.high is not None
+    assert number.low < RIG.alpha2 < number.high < 1.01 * number.low
+    assert effect.evidence.control < effect.evidence.delta_chi2
+    assert found.residual_after.clean
+    assert found.residual_before.chi2 > 10
+    assert found.error.after < 0.1 * found.error.before
+    assert headline(found).startswith("A declared number of the rig is wrong: alpha2 is 8 rather than 8.8")
+    assert any(line.startswith("That it is alpha2 stands") for line in sureness(found))
+    assert "alpha2" not in found.law
+    found.model.save(tmp_path / "after.toml")
+    assert ss.load_model(tmp_path / "after.toml").rig.alpha2 == pytest.approx(number.value)
+    assert ("alpha2",) in {one.names for one in found.ranking if one.chosen}
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"alpha1": 17.6}, {"beta3": 4.1}, {"eta12": 0.22}, {"eta1": 0.08, "eta12": 0.18}]
+)
+def test_each_number_is_found_beside_the_law(wrong: dict[str, float]) -> None:
+    case = declared_wrong(seed=4, **wrong)
+    data = prepare(case.train)
+    search = Search(data, Model(case.rig, friction=case.friction), 2, lambda _: None, 60.0)
+    null = declared(search)
+    assert null is not None
+    assert not explained(null, null)
+    best = rig_numbers.freed(search, null)[0]
+    assert explained(best, null)
+    assert set(wrong) <= set(best.names)
+    for name, one in rig_numbers.numbers(best).items():
+        assert one.low is not None
+        assert one.high is not None
+        slack = one.high - one.low  # 95 % of four numbers here: none may be far outside
+        assert one.low - slack < getattr(RIG, name) < one.high + slack
+    assert best.extra == len(best.names)  # they are counted, unlike the law's
+
+
+def test_what_is_said_of_a_number_is_in_the_constants_of_an_si_rig() -> None:
+    rig = ss.Rig.from_si(m=2.5, J=6e-4, r=0.05, k1=600, k2=100, k3=200, c1=1.0, c2=1.5, length=0.01)
+    twice = {
+        "alpha2": Interval(2 * rig.alpha2, None, None),
+        "beta3": Interval(1 + 2 * (rig.beta3 - 1), None, None),
+    }
+    said = rig_numbers.formula(rig, twice)
+    assert "(J/r^2 2 times the declared)" in said
+    assert "(k3 2 times the declared)" in said
+
+
+def test_one_that_does_as_well_is_said() -> None:
+    case = declared_wrong(beta3=4.1)
+    search = Search(prepare(case.train), Model(case.rig, friction=case.friction), 2, lambda _: None, 60.0)
+    null = declared(search)
+    assert null is not None
+    best = rig_numbers.freed(search, null)[0]
+    assert rig_numbers.remark(case.rig, ()) is None
+    said = rig_numbers.remark(case.rig, (best,))
+    assert said is not None
+    assert said.startswith(
+        "a wrong number of the declared rig would explain the readings as well: beta3 is 4"
+    )
