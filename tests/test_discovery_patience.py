@@ -15,10 +15,13 @@ from stickslip.discovery.trace import (
     FARTHEST,
     FREED,
     HOPELESS,
+    LIKELY,
     MARGIN,
     PROMISING,
+    SAME,
     closely,
     decide_pairs,
+    likely_pairs,
 )
 from stickslip.discovery.unlisted import KNOTS, RESOLVED, Term, _finer, knots_for
 
@@ -40,7 +43,7 @@ class Search:
     def __init__(self, left=1e6, budget=1e6):
         self.left, self.budget, self.at_once = left, budget, 1
         self.model, self.data = None, []
-        self.tried, self.fitted, self.extended, self.options = {}, [], [], []
+        self.tried, self.fitted, self.extended, self.options, self.pairs = {}, [], [], [], {}
 
     def progress(self, _):
         pass
@@ -204,3 +207,31 @@ def test_partners_that_explained_most_alone_are_tried_first():
     assert order[:2] == ["static_aging", "belt_seam"]
     assert sorted(order) == sorted(trace.CATALOGUE)
     assert trace._promising_first(SimpleNamespace(screened=[])) == list(trace.CATALOGUE)
+
+
+def test_likely_pairs_are_fitted_closely_only_if_one_all_but_reaches_the_noise(monkeypatch):
+    fitted = []
+
+    def polished(_search, trials):
+        fitted.append(trials[0].names)
+        return [trial(trials[0].names, CLEAN_COST)]
+
+    monkeypatch.setattr(trace, "polished", polished)
+    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    for left, names in ((0.9 * LIKELY, [("a", "z"), ("a",)]), (1.1 * LIKELY, [])):
+        search = Search()
+        search.tried[()] = trial((), 100 * CLEAN_COST)
+        base = trial(("a",), 30 * CLEAN_COST)
+        crude = trial(("a", "z"), (1 + 29 * left) * CLEAN_COST)
+        monkeypatch.setattr(trace, "screen", lambda *_, crude=crude: [crude])
+        assert [one.names for one in likely_pairs(search, [base])] == names
+    assert fitted == [("a", "z")]
+
+
+def test_pairs_on_a_base_are_sought_once_unless_it_fits_far_better(monkeypatch):
+    search, sought = Search(), []
+    monkeypatch.setattr(trace, "screen", lambda _search, base: sought.append(base.fit.cost) or [])
+    for share in (1.0, 1.01 * SAME, 0.99 * SAME):
+        trace._pairs_on(search, trial(("a",), 1000 * share))
+    assert sought == [1000, 990 * SAME]

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, STANDS_IN, SURPASSED
+from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
 
@@ -87,6 +87,13 @@ def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, m
     assert [term.variable for term, _ in curves] == ["y1", "x1", "x2"]
 
 
+def quiet(monkeypatch, pairs=(), beyond=1.0):
+    """No number of the rig is wrong; crude curves leave `beyond` of what the best name leaves."""
+    monkeypatch.setattr(choice, "freed", lambda *_, **__: [])
+    monkeypatch.setattr(choice.unlisted, "crude", lambda *_: SimpleNamespace(beyond=lambda _: beyond))
+    monkeypatch.setattr(choice, "likely_pairs", lambda *_: list(pairs))
+
+
 def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
     """Names chosen where the best named leaves `excess` and a curve has this BIC; and was one learned at all?"""
     null = SimpleNamespace(names=(), chi2=2.0, bic=9000.0, excess=900.0)
@@ -106,6 +113,7 @@ def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
         learned.append(True)
         return [(TERMS["x1"], curve)]
 
+    quiet(monkeypatch)
     monkeypatch.setattr(choice.unlisted, "learn", learn)
     monkeypatch.setattr(choice, "beside", lambda *_: [again])
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
@@ -122,6 +130,46 @@ def test_a_name_that_leaves_a_little_is_held_against_curves(monkeypatch):
 
 def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeypatch):
     assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0, beside_bic=495.0) == (("stribeck_peak",), True)
+
+
+@pytest.mark.parametrize(
+    ("beyond", "names"), [(0.9 * ON_TRACK, ("c",)), (1.1 * ON_TRACK, ("sensor_lag", "stribeck_peak"))]
+)
+def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch, beyond, names):
+    def fitted(names, chi2, excess=100.0):
+        fit = SimpleNamespace(cost=1000 * chi2)
+        return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
+
+    null, best = fitted((), 201.0), fitted(("stribeck_peak",), 101.0)
+    quiet(monkeypatch, [fitted(("sensor_lag", "stribeck_peak"), 1.0, 0.0), best], beyond)
+    monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 0.99, 0.0))])
+    monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    assert choice._choose(search, [best, null]).trial.names == names
+
+
+@pytest.mark.parametrize(
+    ("ahead", "excess", "name", "tied"),
+    [
+        (1.1 * MARGIN, 0.0, "alpha2", []),
+        (1.1 * MARGIN, 900.0, "tabulated", []),
+        (-0.9 * MARGIN, 0.0, "tabulated", [("alpha2",)]),
+        (-1.1 * MARGIN, 0.0, "tabulated", []),
+    ],
+)
+def test_a_wrong_number_of_the_rig_is_chosen_where_it_explains_more_with_less(
+    monkeypatch, ahead, excess, name, tied
+):
+    """`ahead` is by how much it is better than a curve, `excess` what it leaves."""
+    null = SimpleNamespace(names=(), chi2=2.0, bic=9000.0, excess=900.0)
+    curve = SimpleNamespace(names=("tabulated",), chi2=1.0, bic=500.0, excess=0.0)
+    wrong = SimpleNamespace(names=("alpha2",), chi2=1 + excess, bic=500.0 - ahead, excess=excess)
+    monkeypatch.setattr(choice, "freed", lambda *_, **__: [wrong])
+    made = choice._with_rig(SimpleNamespace(), choice.Choice(null, curve, TERMS["x1"], [curve]))
+    assert made.trial.names == (name,)
+    assert (made.term is None) == (name == "alpha2")
+    assert [one.names for one in made.tied] == tied
 
 
 @pytest.mark.parametrize(
@@ -148,6 +196,7 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
         sought.append(most)
         return trials
 
+    quiet(monkeypatch)
     monkeypatch.setattr(
         choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1 + 100 * left))]
     )
@@ -169,6 +218,7 @@ def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsew
         fit = SimpleNamespace(cost=bic)
         return SimpleNamespace(names=names, bic=bic, chi2=chi2, excess=excess, fit=fit)
 
+    quiet(monkeypatch)
     null, best = fitted((), 9000.0, 2.0, 900.0), fitted((name,), 1000.0, 1.02, 1.4)
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [])
     monkeypatch.setattr(

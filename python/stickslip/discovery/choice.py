@@ -21,6 +21,7 @@ from stickslip.discovery.trace import (
     decide_pairs,
     deepened,
     explained,
+    likely_pairs,
     settled,
 )
 from stickslip.effects import CATALOGUE
@@ -33,6 +34,9 @@ LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what th
 SHARE_LEFT = 0.003
 DISTINCT = 0.1  # of the excess of the next best names: names that leave less stand all the same
 DOUBTFUL = 1.0  # sampling errors of chi-squared above 1: what leaves less has no rival among curves
+ON_TRACK = (
+    0.3  # share of what the best name leaves: where a crude curve leaves less, curves come before pairs
+)
 SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
@@ -85,7 +89,14 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         wrong = freed(search, best)
         if wrong and explained(wrong[0], null):  # one number: no pair and no curve does that with less
             return Choice(null, wrong[0], None, [*wrong, *trials])
-    curves = unlisted.learn(search, null, beat=best)
+    crude = unlisted.crude(search, null)
+    if not explained(best, null) and best.names and crude.beyond(best) > ON_TRACK:
+        pairs = likely_pairs(search, trials)
+        if pairs and len(pairs[0].names) > 1:
+            return Choice(null, pairs[0], None, pairs)
+        trials = pairs or trials
+        best = trials[0]
+    curves = unlisted.learn(search, null, beat=best, known=crude)
     if explained(best, null) and set(best.names) <= set(PERIODIC):
         curves = sorted([*curves, *learn_recurring(search, null)], key=lambda one: one[1].bic)
     curved = _settles(curves, best, null)

@@ -104,6 +104,9 @@ class Search:
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
+    pairs: dict[tuple[str, ...], tuple[float, list[Trial]]] = field(
+        default_factory=dict
+    )  # by base, with its cost
     ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for
     workers: Workers = field(default_factory=lambda: Workers(1))
     spent: float = 0.0  # processor seconds of other processes

@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 BEYOND = 3.0  # and the same for the second of all
 PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
+LIKELY = 0.1  # of the excess of their base: crude pairs that leave less are fitted closely before any curve
+SAME = 0.95  # of the cost that a base had: one that leaves less has other pairs
 FREED = 0.5  # of the cost of the best effect: one that then leaves less alone is another to build pairs on
 ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
@@ -218,6 +220,31 @@ def decide_single(search: Search) -> list[Trial]:
     return sorted([null, *singles], key=lambda one: one.bic)
 
 
+def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
+    """The trials with pairs on the best single effect, if one that is crudely fitted all but reaches the noise and one
+    that is closely fitted does; best first. Else none.
+    """
+    null = search.tried[()]
+    base = next(one for one in trials if one.names)
+    found = _pairs_on(search, base)
+    if not found or min(one.chi2 for one in found) - 1 > LIKELY * (base.chi2 - 1):
+        return []
+    pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
+    if not pairs or not explained(pairs[0], null):
+        return []
+    singles = _eliminated(search, pairs[0])
+    pairs = [one for one in pairs if _both_needed(search, one)]
+    return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+
+
+def _pairs_on(search: Search, base: Trial) -> list[Trial]:
+    """Pairs on a single effect, crudely fitted; those that are known, unless the effect itself fits far better now."""
+    known = search.pairs.get(base.names)
+    if known is None or base.fit.cost < SAME * known[0]:
+        known = search.pairs[base.names] = base.fit.cost, screen(search, base)
+    return known[1]
+
+
 def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list[Trial]:
     """Pairs built on the best single effects (on `most` of them at most), and what there was; best first.
 
@@ -233,7 +260,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
         found: list[Trial] = []
         while left and not (found and _promising(found, null)):
             search.extend(ANOTHER[len(left) < len(bases)])
-            found += screen(search, left.pop(0))
+            found += _pairs_on(search, left.pop(0))
         close = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if pairs else 4)
         pairs = sorted([*pairs, *close], key=lambda one: one.bic)
     singles = _eliminated(search, pairs[0]) if pairs else []
@@ -331,6 +358,7 @@ __all__ = [
     "declared",
     "deepened",
     "explained",
+    "likely_pairs",
     "polished",
     "screen",
     "settled",

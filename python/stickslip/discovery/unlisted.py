@@ -157,11 +157,20 @@ def gain(base: Trial, term: Term) -> float:
     return float(g @ np.linalg.lstsq(A, g, rcond=1e-12)[0] - law)
 
 
-def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None) -> list[tuple[Term, Trial]]:
-    """Curves added to `base`: screened by their scores, the best `most` fitted, the best two closely; best first.
+@dataclass(frozen=True)
+class Crude:
+    """Curves crudely fitted, best first, and the one that promised most."""
 
-    One that does no better than `beat` is not fitted closely.
-    """
+    found: list[tuple[Term, Trial]]
+    promised: Term
+
+    def beyond(self, named: Trial) -> float:
+        """Share that the best of them leaves of what the best of the named leaves over."""
+        return beyond(self.found[0][1], named) if self.found else 1.0
+
+
+def crude(search: Search, base: Trial, most: int = 6) -> Crude:
+    """Curves added to `base`: screened by their scores, the best `most` fitted."""
     say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
     scores = each(search, partial(_scored, base=base), terms(base), say)
     promised = sorted(((task.result(), term) for term, task in scores), key=lambda one: -one[0])
@@ -174,10 +183,20 @@ def learn(search: Search, base: Trial, most: int = 6, beat: Trial | None = None)
         trial = task.result()
         if trial is not None:
             found.append((term, trial))
-    found.sort(key=lambda one: one[1].bic)
-    close = []
+    return Crude(sorted(found, key=lambda one: one[1].bic), promised[0][1])
+
+
+def learn(
+    search: Search, base: Trial, most: int = 6, beat: Trial | None = None, known: Crude | None = None
+) -> list[tuple[Term, Trial]]:
+    """Curves added to `base`, the best two of the crude ones fitted closely; best first.
+
+    One that does no better than `beat` is not fitted closely.
+    """
+    known = crude(search, base, most) if known is None else known
+    found, close = known.found, []
     tell = lambda one: f"learning closely: {one[0].where} against {one[0].variable}"  # noqa: E731
-    for (term, *_), polished in each(search, _closely, _worth(found, promised[0][1], beat), tell):
+    for (term, *_), polished in each(search, _closely, _worth(found, known.promised, beat), tell):
         close.append((term, polished.result()))
         if close[-1][1].excess < CLEAN:
             break
