@@ -14,6 +14,7 @@ from stickslip.discovery.data import prepare
 from stickslip.discovery.result import Interval, Verdict
 from stickslip.discovery.search import Search
 from stickslip.discovery.trace import declared, explained
+from stickslip.effects import tabulated
 from stickslip.model import Model
 from stickslip.records import Case
 from stickslip.report.words import headline, sureness
@@ -21,9 +22,10 @@ from stickslip.report.words import headline, sureness
 SPEEDS = (0.06, 0.13, -0.09, 0.1)
 
 
-def declared_wrong(length: float = 40.0, seed: int = 1, **wrong: float) -> Case:
-    """A case whose rig is declared with these numbers; its runs are those of RIG."""
-    case = make_case(length=length, speeds=SPEEDS, seed=seed)
+def declared_wrong(seed: int = 1, softer: float = 0.0, **wrong: float) -> Case:
+    """A case whose rig is declared with these numbers; its runs are those of RIG, its spring `softer` by so much."""
+    line = tabulated("block", "x1", [-4.0, 4.0], [-4.0 * softer, 4.0 * softer])
+    case = make_case((line,) if softer else (), length=40.0, speeds=SPEEDS, seed=seed)
     rig = replace(RIG, **wrong)
     return replace(case, rig=rig, runs=tuple(replace(run, rig=rig) for run in case.runs))
 
@@ -70,15 +72,45 @@ def test_each_number_is_found_beside_the_law(wrong: dict[str, float]) -> None:
     assert best.extra == len(best.names)  # they are counted, unlike the law's
 
 
+@pytest.mark.parametrize(
+    ("alpha1", "stiffness", "names"),
+    [(16.0, 15.2, ("block stiffness",)), (15.2, 15.2, ("block inertia",)), (15.0, 15.5, ("block inertia",))],
+)
+def test_mass_and_spring_of_the_block_are_found_apart(
+    alpha1: float, stiffness: float, names: tuple[str, ...]
+) -> None:
+    """alpha1 stands before x1'' and before x1: the one is of the mass, the other of the spring."""
+    case = declared_wrong(seed=3, softer=16.0 - stiffness, alpha1=alpha1)
+    search = Search(prepare(case.train), Model(case.rig, friction=case.friction), 2, lambda _: None, 60.0)
+    null = declared(search)
+    assert null is not None
+    best = rig_numbers.freed(search, null)[0]
+    assert explained(best, null)
+    assert best.names == names
+    found = rig_numbers.numbers(best)
+    true = {"inertia": 16.0, "stiffness": stiffness}
+    assert set(found) == (set(true) if names == ("block inertia",) else {"stiffness"})
+    for name, one in found.items():
+        assert one.low is not None
+        assert one.high is not None
+        slack = one.high - one.low
+        assert slack < 0.05 * one.value
+        assert one.low - slack < true[name] < one.high + slack
+
+
 def test_what_is_said_of_a_number_is_in_the_constants_of_an_si_rig() -> None:
     rig = ss.Rig.from_si(m=2.5, J=6e-4, r=0.05, k1=600, k2=100, k3=200, c1=1.0, c2=1.5, length=0.01)
     twice = {
         "alpha2": Interval(2 * rig.alpha2, None, None),
         "beta3": Interval(1 + 2 * (rig.beta3 - 1), None, None),
+        "inertia": Interval(0.5 * rig.alpha1, None, None),
+        "stiffness": Interval(1 + 0.5 * (rig.alpha1 - 1), None, None),
     }
     said = rig_numbers.formula(rig, twice)
     assert "(J/r^2 2 times the declared)" in said
     assert "(k3 2 times the declared)" in said
+    assert "(m 0.5 times the declared)" in said
+    assert "(k1 0.5 times the declared)" in said
 
 
 def test_one_that_does_as_well_is_said() -> None:

@@ -7,16 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from stickslip.discovery.intervals import intervals
+import numpy as np
+
+from stickslip.discovery.intervals import Z, intervals
 from stickslip.discovery.result import Interval
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.solve import Fit
 from stickslip.discovery.unknowns import RIG, Unknown
 from stickslip.discovery.workers import each
+from stickslip.effects import Tabulated, tabulated
 from stickslip.rig import AnyRig, Rig
 
 FACTOR = 3.0  # by which a declared number may be wrong
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
+REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
+STEEP = 20.0  # width of the weak Gaussian on the ends of that line
+INERTIA, STIFFNESS = "block inertia", "block stiffness"
 KINDS: Mapping[
     tuple[str, ...], tuple[str, tuple[str, ...]]
 ] = {  # what is wrong together, where, and on what it acts
@@ -25,12 +32,9 @@ KINDS: Mapping[
     ("beta3",): ("angle_body", ("y1",)),
     ("eta12",): ("angle_body", ("y2",)),
     ("eta1", "eta12"): ("angle_body", ("x2", "y2")),  # c1 is in both
+    (STIFFNESS,): ("block", ("x1",)),  # alpha1 x1 alone: a line in x1 beside it
+    (INERTIA,): ("block", ("x1",)),  # alpha1 x1'' alone: another alpha1, and such a line
 }
-
-
-def is_of_rig(name: str) -> bool:
-    """Is this the name of a number of the rig?"""
-    return name in RIG
 
 
 def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
@@ -40,7 +44,7 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     """
     rig = search.model.rig
     assert isinstance(rig, Rig)
-    kinds = [names for names in KINDS if all(getattr(rig, name) > 0 for name in names)]
+    kinds = [names for names in KINDS if all(getattr(rig, name, 1.0) > 0 for name in names)]
     say = lambda names: f"trying another {' and '.join(names)} of the rig"  # noqa: E731
     tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
     found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
@@ -52,8 +56,16 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
 
 def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | None:
     h = hypothesis(chosen.hypothesis.model, [], search.model)
-    assert isinstance(search.model.rig, Rig)
-    own = [unknown(search.model.rig, name, len(names) > 1) for name in names]
+    rig = search.model.rig
+    assert isinstance(rig, Rig)
+    own = [unknown(rig, name, len(names) > 1) for name in names if name in RIG]
+    if INERTIA in names:
+        own.append(unknown(rig, "alpha1"))
+    if not own or INERTIA in names:
+        far = REACH * max(float(np.max(np.abs(run.readings[:, 0]))) for run in search.data)
+        line = tabulated("block", "x1", [-far, far], [0.0, 0.0])
+        h = replace(h, model=h.model.with_effects([line]))
+        own += [Unknown(f"{line.name}.value_{i}", 0.0, False, 0.0, STEEP) for i in range(2)]
     return search.run(
         replace(h, unknowns=(*h.unknowns, *own)),
         cycles=SHORT, windows_of=chosen, tolerance=1e-4, worst=WORSE * chosen.fit.cost, anyway=True,
@@ -73,28 +85,66 @@ def unknown(rig: Rig, name: str, together: bool = False) -> Unknown:
 
 
 def numbers(trial: Trial) -> Mapping[str, Interval]:
-    """The numbers of the rig that a trial has free, with their intervals."""
-    return {name: one for name, one in intervals(trial.fit).items() if is_of_rig(name)}
+    """The numbers of the rig that a trial has free, with their intervals.
+
+    Where the block's x1'' and x1 have no longer the same number, `inertia` and `stiffness` stand for alpha1.
+    """
+    fit, model = trial.fit, trial.hypothesis.model
+    lines = [term for term in model.effects if isinstance(term, Tabulated)]
+    if not lines:
+        return {name: one for name, one in intervals(fit).items() if name in RIG}
+    line, rig = lines[0], model.rig
+    assert isinstance(rig, Rig)
+    span = line.knots[-1] - line.knots[0]
+    slopes = {f"{line.name}.value_0": 1 / span, f"{line.name}.value_1": -1 / span, "alpha1": rig.alpha1}
+    stiffness = rig.alpha1 - (line.values[-1] - line.values[0]) / span
+    out = {"stiffness": _interval(fit, stiffness, slopes)}
+    if "alpha1" in {u.name for u in fit.engine.hypothesis.shared}:
+        out = {"inertia": _interval(fit, rig.alpha1, {"alpha1": rig.alpha1}), **out}
+    return out
+
+
+def _interval(fit: Fit, value: float, slopes: Mapping[str, float]) -> Interval:
+    """95 % interval of what changes by these slopes with the fitted coordinates."""
+    g = np.array([slopes.get(u.name, 0.0) for u in fit.engine.hypothesis.shared])
+    variance = float(g @ fit.covariance[: len(g), : len(g)] @ g) * max(fit.per_reading, 1.0)
+    half = Z * math.sqrt(max(variance, 0.0))
+    return Interval(value, value - half, value + half)
 
 
 def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
     """What is declared, what is found, and what that says of the SI constants."""
     assert isinstance(rig, Rig)
     words = [
-        f"{name} is {one.value:.4g} rather than {getattr(rig, name):.4g}{_constant(rig, name, one.value)}"
+        f"{_WORDS.get(name, name)} is {one.value:.4g} rather than {_declared(rig, name):.4g}"
+        f"{_constant(rig, name, one.value)}"
         for name, one in found.items()
     ]
     return " and ".join(words)
 
 
+_WORDS = {"inertia": "alpha1 before x1''", "stiffness": "alpha1 before x1"}
+_CONSTANTS = {  # of SI, and where it is 0
+    "alpha2": "J/r^2",
+    "beta3": "k3",
+    "eta1": "c1",
+    "eta12": "c2",
+    "inertia": "m",
+    "stiffness": "k1",
+}
+
+
+def _declared(rig: Rig, name: str) -> float:
+    return float(getattr(rig, "alpha1" if name in _WORDS else name))
+
+
 def _constant(rig: Rig, name: str, value: float) -> str:
     """The SI constant behind a number, as a share of what is declared."""
-    least = {"alpha1": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
-    declared = getattr(rig, name) - least
-    which = {"alpha2": "J/r^2", "beta3": "k3", "eta1": "c1", "eta12": "c2"}.get(name)
-    if which is None or declared <= 0 or rig.scales is None:
+    least = {"stiffness": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
+    declared = _declared(rig, name) - least
+    if name not in _CONSTANTS or declared <= 0 or rig.scales is None:
         return ""
-    return f" ({which} {(value - least) / declared:.3g} times the declared)"
+    return f" ({_CONSTANTS[name]} {(value - least) / declared:.3g} times the declared)"
 
 
 def remark(rig: AnyRig, tied: Sequence[Trial]) -> str | None:

@@ -63,7 +63,7 @@ PLACE: Mapping[str, str] = {
     "y1 channel": "in the y1 channel",
 }
 
-RIG = frozenset({"alpha1", "alpha2", "beta3", "eta1", "eta12"})  # numbers of (2.1)
+RIG = frozenset({"alpha1", "alpha2", "beta3", "eta1", "eta12", "inertia", "stiffness"})  # numbers of (2.1)
 FEW = 3  # effects that a sentence can hold without numbers
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
