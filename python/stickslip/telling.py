@@ -43,6 +43,8 @@ def stage(what: str) -> str:
     if what.startswith("trying "):
         base, plus, _ = what.removeprefix("trying ").rpartition(" + ")
         return f"trying {base} + each other effect" if plus else "trying each effect"
+    if what.startswith("freeing "):
+        return "freeing each number of the rig"
     head, curve, _ = what.partition(" a curve: ")
     return f"{head} curves" if curve else what
 

@@ -45,7 +45,7 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     rig = search.model.rig
     assert isinstance(rig, Rig)
     kinds = [names for names in KINDS if all(getattr(rig, name, 1.0) > 0 for name in names)]
-    say = lambda names: f"trying another {' and '.join(names)} of the rig"  # noqa: E731
+    say = lambda names: f"freeing {' and '.join(names)} of the rig"  # noqa: E731
     tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
     found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
     found.sort(key=lambda one: one.bic)

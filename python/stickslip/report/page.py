@@ -92,7 +92,8 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         alarms=words.alarms(found),
         clean=words.clean_sentence(found),
         caveats=words.caveats(found),
-        plain=words.plain,
+        kind=words.kind,
+        of_rig=words.of_rig,
         place=words.PLACE,
         excursion=excursion(found, axes_of(case)),
         figures={name: inline(path, name) for name, path in drawings.items()},
@@ -158,7 +159,7 @@ def numbers(rival: Rival) -> str:
     """A rival's numbers: by their own names where it is one effect; phases, which differ by run, are left out."""
     single = len(rival.names) == 1
     return ", ".join(
-        f"{name.partition('.')[2] if single else name} = {number(value, 3)}"
+        f"{name.rpartition('.')[2] if single else name} = {number(value, 3)}"
         for name, value in rival.parameters.items()
         if not name.endswith(".phi")
     )
