@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -10,6 +11,7 @@ from stickslip.discovery import trace, unlisted
 from stickslip.discovery.trace import (
     ALONE,
     ANOTHER,
+    BESIDE,
     BEYOND,
     FAR,
     FARTHEST,
@@ -165,9 +167,17 @@ def test_an_effect_that_a_pair_has_brought_to_its_place_is_another_base(monkeypa
     assert pairs_of(monkeypatch, [0.0], alone=0.9 * 30 * FREED)[0] == "a"
 
 
-@pytest.mark.parametrize(("crude", "fits"), [(HOPELESS * 0.99, 2), (HOPELESS * 1.01, 1)])
+@pytest.mark.parametrize(
+    ("crude", "worst"),
+    [
+        (BESIDE * 0.99, [math.inf]),
+        (BESIDE * 1.01, [ALONE * (1000.0 + MARGIN)]),
+        (HOPELESS * 0.99, [ALONE * (1000.0 + MARGIN)]),
+        (HOPELESS * 1.01, []),
+    ],
+)
 def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the_end(
-    monkeypatch, crude, fits
+    monkeypatch, crude, worst
 ):
     search = Search()
 
@@ -180,9 +190,37 @@ def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the
     monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
     found = trace._eliminated(search, trial(("a", "b"), 1000.0))
     assert [one.names for one in found] == [("a",)]
-    assert len(search.options) == fits
     assert all(one["anyway"] for one in search.options)
-    assert [one["worst"] for one in search.options[1:]] == [ALONE * (1000.0 + MARGIN)] * (fits - 1)
+    assert [one["worst"] for one in search.options[1:]] == worst
+
+
+@pytest.mark.parametrize(("ahead", "names"), [(0.9 * MARGIN, ("a",)), (1.1 * MARGIN, ("a", "b"))])
+def test_a_pair_that_has_settled_is_slimmed_to_what_does_as_well_alone(monkeypatch, ahead, names):
+    pair = trial(("a", "b"), 1000.0, bic=1000.0)
+    alone = [trial(("a",), 1010.0, bic=1000.0 + ahead), trial(("b",), 1500.0, bic=1500.0)]
+    monkeypatch.setattr(trace, "_eliminated", lambda *_: alone)
+    assert trace.slimmed(None, pair).names == names
+    assert trace.slimmed(None, alone[1]).names == ("b",)  # there is nothing to leave out
+
+
+@pytest.mark.parametrize(
+    ("chi2", "left", "expected"),
+    [
+        (60.0, 0.4, ["contact_compliance"]),  # much is left, though one explains more than half
+        (60.0, 0.004, []),  # one all but reaches the noise
+        (1.4, 0.4, []),  # little is missing
+        (60.0, 0.6, ["sensor_lag", "contact_compliance"]),  # all are stuck
+    ],
+)
+def test_a_contact_of_another_kind_is_also_tried_from_the_declared_law(chi2, left, expected):
+    base = SimpleNamespace(chi2=chi2, excess=100.0, fit=SimpleNamespace(cost=1000.0))
+    best = {
+        "sensor_lag": SimpleNamespace(chi2=1 + left * (chi2 - 1), fit=SimpleNamespace(cost=1000.0)),
+        "contact_compliance": SimpleNamespace(chi2=chi2, fit=SimpleNamespace(cost=1000.0)),
+    }
+    tried = [("sensor_lag", None), ("contact_compliance", None)]
+    search = SimpleNamespace(extend=lambda _: None)
+    assert [name for name, _ in trace._anew(search, base, tried, best)] == expected
 
 
 @pytest.mark.parametrize(("share", "bic", "polished"), [(0.99, 2000, 1), (1.01, 2000, 0), (1.01, 1300, 1)])

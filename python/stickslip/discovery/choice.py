@@ -23,6 +23,7 @@ from stickslip.discovery.trace import (
     explained,
     likely_pairs,
     settled,
+    slimmed,
 )
 from stickslip.effects import CATALOGUE
 
@@ -131,7 +132,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         return Choice(null, null, None, trials, place_of(null, best))
     if best.chi2 - 1 < ALMOST * (null.chi2 - 1):
         search.extend(SETTLING)
-        best = settled(search, best)
+        best = slimmed(search, settled(search, best))
     return weighed(search, null, best, curves, trials)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -27,10 +27,12 @@ FREED = 0.5  # of the cost of the best effect: one that then leaves less alone i
 ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
 FARTHEST = 12.0  # of the cost of the best: a rival fitted crudely beyond is not fitted closely
 ALONE = 1.05  # of the cost of a pair: one of its effects that alone leaves more is not fitted to the end
+BESIDE = 1.3  # of the cost of a pair: one of its effects that alone leaves less after a few steps is fitted to the end
 AFRESH = 10.0  # processor seconds for these, at least
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
 PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
 NEARLY = 1.5  # chi-squared per reading that is near the noise
+OTHER = frozenset({"contact_compliance"})  # a contact of another kind: a law fitted without it leads astray
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 HOPELESS = (
     2.0  # of the cost of a pair: an effect of it that alone leaves more after a few steps will not come near
@@ -82,14 +84,28 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     for one, task in each(search, partial(_screened, base=part), starts(), say):
         tried.append(one)
         take(one[0], task.result())
-    if _stuck(base, best.values()):
-        search.extend(AFRESH)
-        cost = {name: trial.fit.cost / part.fit.cost for name, trial in best.items()}
-        stalled = [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
-        for one, task in each(search, partial(_screened, base=part, afresh=True), stalled, say):
-            take(one[0], task.result())
+    for one, task in each(
+        search, partial(_screened, base=part, afresh=True), _anew(search, part, tried, best), say
+    ):
+        take(one[0], task.result())
     search.screened += best.values()
     return sorted(best.values(), key=lambda one: one.bic)
+
+
+def _anew(
+    search: Search, base: Trial, tried: Sequence[tuple[str, Start]], best: Mapping[str, Trial]
+) -> list[tuple[str, Start]]:
+    """What is to be tried from the declared law as well: all that stalled, where every one did; and another contact."""
+    cost = {name: trial.fit.cost / base.fit.cost for name, trial in best.items()}
+    if _stuck(base, best.values()):
+        search.extend(AFRESH)
+        return [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
+    if base.excess < CLEAN or base.chi2 < NEARLY:
+        return []
+    least = min((one.chi2 for one in best.values()), default=base.chi2)
+    if least < NEARLY:
+        return []
+    return [one for one in tried if one[0] in OTHER]
 
 
 def _promising_first(search: Search) -> list[str]:
@@ -107,12 +123,11 @@ def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
 def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
     """An effect added to the base, from the base's law or `afresh` from the declared one."""
     model = search.model if afresh else base.hypothesis.model
+    # most stop far earlier than 24 steps; one that is still falling must not be ranked yet
     return search.run(
         hypothesis(model, [*starts_of(base), one[1]], search.model),
         cycles=SHORT,
-        iterations=12
-        if afresh
-        else 24,  # most stop far earlier; one that is still falling must not be ranked yet
+        iterations=12 if afresh and one[0] not in OTHER else 24,
         tolerance=1e-2,
         rounds=1,
         windows_of=base,
@@ -298,7 +313,8 @@ def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
     crude = search.run(h, cycles=SHORT, windows_of=pair, tolerance=1e-2, iterations=4, rounds=0, anyway=True)
     if crude is None or crude.fit.cost > HOPELESS * pair.fit.cost:
         return crude
-    worst = ALONE * (pair.fit.cost + MARGIN)
+    near = crude.fit.cost < BESIDE * pair.fit.cost  # it may do as well, however slowly it comes there
+    worst = math.inf if near else ALONE * (pair.fit.cost + MARGIN)
     return search.run(
         crude.hypothesis, cycles=SHORT, windows_of=crude, tolerance=2e-5, worst=worst, anyway=True
     )
@@ -321,6 +337,13 @@ def settled(search: Search, trial: Trial) -> Trial:
                 best = again
     search.keep(best, tuple(sorted(best.names)))
     return best
+
+
+def slimmed(search: Search, trial: Trial) -> Trial:
+    """A pair, or the one of its effects that does as well alone, refitted from where the pair is."""
+    singles = _eliminated(search, trial) if len(trial.names) > 1 else []
+    least = min(singles, key=lambda one: one.bic, default=trial)
+    return least if least.bic < trial.bic + MARGIN else trial
 
 
 def explained(trial: Trial, null: Trial) -> bool:
@@ -362,5 +385,6 @@ __all__ = [
     "polished",
     "screen",
     "settled",
+    "slimmed",
     "starts_of",
 ]
