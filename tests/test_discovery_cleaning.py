@@ -9,7 +9,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.discovery.data import prepare, without_outliers
-from stickslip.discovery.loop import _cleaned_of_what_shows, _masked, discover
+from stickslip.discovery.loop import _cleaned, _cleaned_of_what_shows, _masked, discover
 from stickslip.discovery.messages import remarks
 from stickslip.discovery.result import ErrorBlock, Residual
 from stickslip.discovery.rivals import Start, hypothesis
@@ -113,3 +113,16 @@ def test_a_noise_estimated_too_large_is_said(case, chi2, noise, said):
     error = ErrorBlock("", 1.0, 1.0, 1.0, ())
     words = remarks(data, null, [], after, error, (), noise)
     assert any("the noise was estimated from the readings, and too large" in one for one in words) is said
+
+
+def test_on_cleaned_readings_the_law_is_fitted_on_from_where_it_was(case):
+    data = prepare(case.train)
+    data[0].readings[300, 0] += 25 * data[0].noise[0]
+    search = Search(data, Model(RIG, friction=PaperFriction()), 1, lambda _: None, 1e6)
+    out, _, known = _cleaned(case, data, search)
+    assert _masked(data, out) == 1
+    search = replace(search, data=out)
+    afresh, on = declared(search), declared(search, known)
+    assert on.fit.cost == pytest.approx(afresh.fit.cost, rel=1e-4)
+    assert on.fit.readings == afresh.fit.readings
+    assert on.fit.iterations < afresh.fit.iterations

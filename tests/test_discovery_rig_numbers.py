@@ -103,12 +103,16 @@ def test_what_is_said_of_a_number_is_in_the_constants_of_an_si_rig() -> None:
     twice = {
         "alpha2": Interval(2 * rig.alpha2, None, None),
         "beta3": Interval(1 + 2 * (rig.beta3 - 1), None, None),
+        "eta1": Interval(1.5 * rig.eta1, None, None),
+        "eta12": Interval(rig.eta12 + 0.5 * rig.eta1, None, None),
         "inertia": Interval(0.5 * rig.alpha1, None, None),
         "stiffness": Interval(1 + 0.5 * (rig.alpha1 - 1), None, None),
     }
     said = rig_numbers.formula(rig, twice)
     assert "(J/r^2 2 times the declared)" in said
     assert "(k3 2 times the declared)" in said
+    assert "(c1 1.5 times the declared)" in said
+    assert "(c2 1 times the declared)" in said
     assert "(m 0.5 times the declared)" in said
     assert "(k1 0.5 times the declared)" in said
 

@@ -138,15 +138,16 @@ def _discover(
     model = Model(case.rig, friction=case.friction)
     search = Search(data[:count], model, threads, tell, budget)
     tell("fitting the declared law")
-    data, corrected = _cleaned(case, data, search)
+    data, corrected, known = _cleaned(case, data, search)
     search = Search(data[:count], model, threads, tell, budget, workers=workers)
-    trials = decide_single(search)
+    trials = decide_single(search, known)
     freed, more = _cleaned_of_what_shows(case, data, trials[0])
     if trials[0].excess > CLEAN and _masked(data, freed) > MANY:
         tell("single readings stand out from what is left: once more without them")
         data, corrected = freed, (*corrected, *more)
+        known = search.tried[()]
         search = Search(data[:count], model, threads, tell, budget, workers=workers)
-        trials = decide_single(search)
+        trials = decide_single(search, known)
     choice = choose(search, trials)
     if choice.trial.names:
         data, more = _cleaned_of_what_shows(case, data, choice.trial)
@@ -161,15 +162,19 @@ def _discover(
     return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
 
 
-def _cleaned(case: Case, data: list[Data], search: Search) -> tuple[list[Data], tuple[str, ...]]:
-    """The runs cleaned by the declared law's fit; a second time if there was much, for a fit without it shows more."""
+def _cleaned(
+    case: Case, data: list[Data], search: Search
+) -> tuple[list[Data], tuple[str, ...], Trial | None]:
+    """The runs cleaned by the declared law's fit, and that; a second time if there was much, for a fit without it shows
+    more.
+    """
     first = declared(search)
     out, said = cleaned(data, None if first is None else first.fit, case.noise)
     if _masked(data, out) > MANY:
-        again = declared(replace(search, data=out[: len(search.data)]))
-        out, more = cleaned(out, None if again is None else again.fit, case.noise)
+        first = declared(replace(search, data=out[: len(search.data)]))
+        out, more = cleaned(out, None if first is None else first.fit, case.noise)
         said = said or more
-    return out, said
+    return out, said, first
 
 
 def _cleaned_of_what_shows(case: Case, data: list[Data], found: Trial) -> tuple[list[Data], tuple[str, ...]]:

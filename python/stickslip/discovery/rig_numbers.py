@@ -117,7 +117,7 @@ def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
     assert isinstance(rig, Rig)
     words = [
         f"{_WORDS.get(name, name)} is {one.value:.4g} rather than {_declared(rig, name):.4g}"
-        f"{_constant(rig, name, one.value)}"
+        f"{_constant(rig, name, found)}"
         for name, one in found.items()
     ]
     return " and ".join(words)
@@ -138,13 +138,15 @@ def _declared(rig: Rig, name: str) -> float:
     return float(getattr(rig, "alpha1" if name in _WORDS else name))
 
 
-def _constant(rig: Rig, name: str, value: float) -> str:
+def _constant(rig: Rig, name: str, found: Mapping[str, Interval]) -> str:
     """The SI constant behind a number, as a share of what is declared."""
     least = {"stiffness": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
     declared = _declared(rig, name) - least
     if name not in _CONSTANTS or declared <= 0 or rig.scales is None:
         return ""
-    return f" ({_CONSTANTS[name]} {(value - least) / declared:.3g} times the declared)"
+    if name == "eta12" and "eta1" in found:  # eta12 - eta1 is of c2
+        least = found["eta1"].value
+    return f" ({_CONSTANTS[name]} {(found[name].value - least) / declared:.3g} times the declared)"
 
 
 def remark(rig: AnyRig, tied: Sequence[Trial]) -> str | None:

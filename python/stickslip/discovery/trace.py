@@ -40,8 +40,10 @@ HOPELESS = (
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
-def declared(search: Search) -> Trial | None:
-    """The declared law alone, on short windows."""
+def declared(search: Search, known: Trial | None = None) -> Trial | None:
+    """The declared law alone, on short windows; from where it is `known` to end on readings cleaned less."""
+    if known is not None:
+        return search.run(known.hypothesis, cycles=SHORT, windows_of=known, vector=known.fit.vector)
     return search.run(hypothesis(search.model, []), cycles=SHORT)
 
 
@@ -217,9 +219,9 @@ def _beside(search: Search, i: int, *, trials: Sequence[Trial], curve: Trial) ->
     return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, anyway=True)
 
 
-def decide_single(search: Search) -> list[Trial]:
-    """The declared law and single effects, closely fitted; best first."""
-    null = declared(search)
+def decide_single(search: Search, known: Trial | None = None) -> list[Trial]:
+    """The declared law, from where it is `known` to end, and single effects, closely fitted; best first."""
+    null = declared(search, known)
     if null is None:
         raise StickslipError(
             "the declared model cannot be simulated from the readings: check the rig's numbers"
