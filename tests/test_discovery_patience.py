@@ -20,6 +20,7 @@ from stickslip.discovery.trace import (
     LIKELY,
     MARGIN,
     PROMISING,
+    RIVAL,
     SAME,
     closely,
     decide_pairs,
@@ -265,6 +266,27 @@ def test_likely_pairs_are_fitted_closely_only_if_one_all_but_reaches_the_noise(m
         monkeypatch.setattr(trace, "screen", lambda *_, crude=crude: [crude])
         assert [one.names for one in likely_pairs(search, [base])] == names
     assert fitted == [("a", "z")]
+
+
+@pytest.mark.parametrize(("next_best", "sought"), [(0.99 * RIVAL, "ab"), (1.01 * RIVAL, "a")])
+def test_likely_pairs_are_sought_on_the_next_effect_where_that_does_nearly_as_well(
+    monkeypatch, next_best, sought
+):
+    search, bases = Search(), []
+    search.tried[()] = trial((), 100 * CLEAN_COST)
+
+    def screen(_search, base):
+        bases.append(base.names[0])
+        return [trial((*base.names, "z"), CLEAN_COST * (1 if base.names == ("b",) else 20))]
+
+    monkeypatch.setattr(trace, "screen", screen)
+    monkeypatch.setattr(trace, "polished", lambda _search, trials: trials)
+    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    singles = [trial(("a",), 30 * CLEAN_COST), trial(("b",), 30 * next_best * CLEAN_COST)]
+    found = likely_pairs(search, singles)
+    assert "".join(bases) == sought
+    assert [one.names for one in found[:1]] == ([("b", "z")] if sought == "ab" else [])
 
 
 def test_pairs_on_a_base_are_sought_once_unless_it_fits_far_better(monkeypatch):

@@ -22,6 +22,7 @@ FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
 BEYOND = 3.0  # and the same for the second of all
 PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
 LIKELY = 0.1  # of the excess of their base: crude pairs that leave less are fitted closely before any curve
+RIVAL = 2.0  # of the cost of the best effect: pairs on the next are as likely where it leaves less
 SAME = 0.95  # of the cost that a base had: one that leaves less has other pairs
 FREED = 0.5  # of the cost of the best effect: one that then leaves less alone is another to build pairs on
 ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
@@ -238,20 +239,25 @@ def decide_single(search: Search, known: Trial | None = None) -> list[Trial]:
 
 
 def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
-    """The trials with pairs on the best single effect, if one that is crudely fitted all but reaches the noise and one
-    that is closely fitted does; best first. Else none.
+    """The trials with pairs on the best single effect, or on the next that does nearly as well, if one that is crudely
+    fitted all but reaches the noise and one that is closely fitted does; best first. Else none.
     """
     null = search.tried[()]
-    base = next(one for one in trials if one.names)
-    found = _pairs_on(search, base)
-    if not found or min(one.chi2 for one in found) - 1 > LIKELY * (base.chi2 - 1):
-        return []
-    pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
-    if not pairs or not explained(pairs[0], null):
-        return []
-    singles = _eliminated(search, pairs[0])
-    pairs = [one for one in pairs if _both_needed(search, one)]
-    return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+    bases = [one for one in trials if len(one.names) == 1][:2]
+    for base in bases:
+        if base.fit.cost > RIVAL * bases[0].fit.cost:
+            break
+        search.extend(ANOTHER[base is not bases[0]])
+        found = _pairs_on(search, base)
+        if not found or min(one.chi2 for one in found) - 1 > LIKELY * (base.chi2 - 1):
+            continue
+        pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
+        if not pairs or not explained(pairs[0], null):
+            continue
+        singles = _eliminated(search, pairs[0])
+        pairs = [one for one in pairs if _both_needed(search, one)]
+        return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+    return []
 
 
 def _pairs_on(search: Search, base: Trial) -> list[Trial]:
