@@ -7,25 +7,21 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import trace, unlisted
-from stickslip.discovery.trace import (
+from stickslip.discovery import pairs, trace, unlisted
+from stickslip.discovery.pairs import (
     ALONE,
     ANOTHER,
     BESIDE,
-    BEYOND,
-    FAR,
-    FARTHEST,
     FREED,
     HOPELESS,
     LIKELY,
-    MARGIN,
     PROMISING,
     RIVAL,
     SAME,
-    closely,
     decide_pairs,
     likely_pairs,
 )
+from stickslip.discovery.trace import BEYOND, FAR, FARTHEST, MARGIN, closely
 from stickslip.discovery.unlisted import KNOTS, RESOLVED, Term, _finer, knots_for
 
 CLEAN_COST = 1000.0
@@ -131,10 +127,10 @@ def pairs_of(monkeypatch, left_by_pairs, *, alone=None, reached=0.0):
         ]
 
     freed = [] if alone is None else [trial(("z",), alone * CLEAN_COST)]
-    monkeypatch.setattr(trace, "screen", screen)
-    monkeypatch.setattr(trace, "polished", polished)
-    monkeypatch.setattr(trace, "_eliminated", lambda *_: freed)
-    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    monkeypatch.setattr(pairs, "screen", screen)
+    monkeypatch.setattr(pairs, "polished", polished)
+    monkeypatch.setattr(pairs, "_eliminated", lambda *_: freed)
+    monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
     found = decide_pairs(search, singles)
     return "".join(sought), search, found
 
@@ -187,9 +183,9 @@ def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the
         return trial(("a",), crude * 1000.0)
 
     search.run = run
-    monkeypatch.setattr(trace, "starts_of", lambda _: [SimpleNamespace(term=SimpleNamespace(name="a"))])
-    monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
-    found = trace._eliminated(search, trial(("a", "b"), 1000.0))
+    monkeypatch.setattr(pairs, "starts_of", lambda _: [SimpleNamespace(term=SimpleNamespace(name="a"))])
+    monkeypatch.setattr(pairs, "hypothesis", lambda *_: None)
+    found = pairs._eliminated(search, trial(("a", "b"), 1000.0))
     assert [one.names for one in found] == [("a",)]
     assert all(one["anyway"] for one in search.options)
     assert [one["worst"] for one in search.options[1:]] == worst
@@ -199,9 +195,9 @@ def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the
 def test_a_pair_that_has_settled_is_slimmed_to_what_does_as_well_alone(monkeypatch, ahead, names):
     pair = trial(("a", "b"), 1000.0, bic=1000.0)
     alone = [trial(("a",), 1010.0, bic=1000.0 + ahead), trial(("b",), 1500.0, bic=1500.0)]
-    monkeypatch.setattr(trace, "_eliminated", lambda *_: alone)
-    assert trace.slimmed(None, pair).names == names
-    assert trace.slimmed(None, alone[1]).names == ("b",)  # there is nothing to leave out
+    monkeypatch.setattr(pairs, "_eliminated", lambda *_: alone)
+    assert pairs.slimmed(None, pair).names == names
+    assert pairs.slimmed(None, alone[1]).names == ("b",)  # there is nothing to leave out
 
 
 @pytest.mark.parametrize(
@@ -255,15 +251,15 @@ def test_likely_pairs_are_fitted_closely_only_if_one_all_but_reaches_the_noise(m
         fitted.append(trials[0].names)
         return [trial(trials[0].names, CLEAN_COST)]
 
-    monkeypatch.setattr(trace, "polished", polished)
-    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
-    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    monkeypatch.setattr(pairs, "polished", polished)
+    monkeypatch.setattr(pairs, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
     for left, names in ((0.9 * LIKELY, [("a", "z"), ("a",)]), (1.1 * LIKELY, [])):
         search = Search()
         search.tried[()] = trial((), 100 * CLEAN_COST)
         base = trial(("a",), 30 * CLEAN_COST)
         crude = trial(("a", "z"), (1 + 29 * left) * CLEAN_COST)
-        monkeypatch.setattr(trace, "screen", lambda *_, crude=crude: [crude])
+        monkeypatch.setattr(pairs, "screen", lambda *_, crude=crude: [crude])
         assert [one.names for one in likely_pairs(search, [base])] == names
     assert fitted == [("a", "z")]
 
@@ -279,10 +275,10 @@ def test_likely_pairs_are_sought_on_the_next_effect_where_that_does_nearly_as_we
         bases.append(base.names[0])
         return [trial((*base.names, "z"), CLEAN_COST * (1 if base.names == ("b",) else 20))]
 
-    monkeypatch.setattr(trace, "screen", screen)
-    monkeypatch.setattr(trace, "polished", lambda _search, trials: trials)
-    monkeypatch.setattr(trace, "_eliminated", lambda *_: [])
-    monkeypatch.setattr(trace, "explained", lambda one, _: one.chi2 < 1.01)
+    monkeypatch.setattr(pairs, "screen", screen)
+    monkeypatch.setattr(pairs, "polished", lambda _search, trials: trials)
+    monkeypatch.setattr(pairs, "_eliminated", lambda *_: [])
+    monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
     singles = [trial(("a",), 30 * CLEAN_COST), trial(("b",), 30 * next_best * CLEAN_COST)]
     found = likely_pairs(search, singles)
     assert "".join(bases) == sought
@@ -291,7 +287,7 @@ def test_likely_pairs_are_sought_on_the_next_effect_where_that_does_nearly_as_we
 
 def test_pairs_on_a_base_are_sought_once_unless_it_fits_far_better(monkeypatch):
     search, sought = Search(), []
-    monkeypatch.setattr(trace, "screen", lambda _search, base: sought.append(base.fit.cost) or [])
+    monkeypatch.setattr(pairs, "screen", lambda _search, base: sought.append(base.fit.cost) or [])
     for share in (1.0, 1.01 * SAME, 0.99 * SAME):
-        trace._pairs_on(search, trial(("a",), 1000 * share))
+        pairs._pairs_on(search, trial(("a",), 1000 * share))
     assert sought == [1000, 990 * SAME]

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.messages import absurd
+from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
 from stickslip.discovery.periodic import strongest_line
 from stickslip.discovery.recurring import cost_of_line, learn_recurring
 from stickslip.discovery.rig_numbers import KINDS, freed
@@ -18,12 +19,9 @@ from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
     MARGIN,
     beside,
-    decide_pairs,
     deepened,
     explained,
-    likely_pairs,
     settled,
-    slimmed,
 )
 from stickslip.effects import CATALOGUE
 
