@@ -195,9 +195,10 @@ def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the
 def test_a_pair_that_has_settled_is_slimmed_to_what_does_as_well_alone(monkeypatch, ahead, names):
     pair = trial(("a", "b"), 1000.0, bic=1000.0)
     alone = [trial(("a",), 1010.0, bic=1000.0 + ahead), trial(("b",), 1500.0, bic=1500.0)]
+    search = SimpleNamespace(tried={one.names: one for one in alone})
     monkeypatch.setattr(pairs, "_eliminated", lambda *_: alone)
-    assert pairs.slimmed(None, pair).names == names
-    assert pairs.slimmed(None, alone[1]).names == ("b",)  # there is nothing to leave out
+    assert pairs.slimmed(search, pair).names == names
+    assert pairs.slimmed(search, alone[1]).names == ("b",)  # there is nothing to leave out
 
 
 @pytest.mark.parametrize(
@@ -291,3 +292,17 @@ def test_pairs_on_a_base_are_sought_once_unless_it_fits_far_better(monkeypatch):
     for share in (1.0, 1.01 * SAME, 0.99 * SAME):
         pairs._pairs_on(search, trial(("a",), 1000 * share))
     assert sought == [1000, 990 * SAME]
+
+
+def test_a_contact_of_another_kind_has_the_steps_that_it_needs_from_the_declared_law(monkeypatch):
+    """It still falls after 12, and a start that ends in a poor minimum would be ranked before it."""
+    steps = {}
+    monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
+    monkeypatch.setattr(trace, "starts_of", lambda _: [])
+    base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=1.0))
+    for name in ("contact_compliance", "sensor_lag"):
+        search = SimpleNamespace(
+            model=None, run=lambda _, name=name, **o: steps.update({name: o["iterations"]})
+        )
+        trace._screened(search, (name, None), base=base, afresh=True)
+    assert steps == {"contact_compliance": 24, "sensor_lag": 12}

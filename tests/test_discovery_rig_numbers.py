@@ -9,15 +9,17 @@ import pytest
 
 import stickslip as ss
 from discover_cases import RIG, make_case
-from stickslip.discovery import rig_numbers
+from stickslip.discovery import choice, rig_numbers
 from stickslip.discovery.data import prepare
 from stickslip.discovery.result import Interval, Verdict
-from stickslip.discovery.search import Search
+from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared, explained
 from stickslip.effects import tabulated
 from stickslip.model import Model
 from stickslip.records import Case
-from stickslip.report.words import headline, sureness
+from stickslip.report.page import numbers
+from stickslip.report.words import headline, kind, sureness
+from stickslip.telling import stage
 
 SPEEDS = (0.06, 0.13, -0.09, 0.1)
 
@@ -43,6 +45,9 @@ def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
     assert found.residual_after.clean
     assert found.residual_before.chi2 > 10
     assert found.error.after < 0.1 * found.error.before
+    assert effect.of_rig
+    assert kind(effect) == "a declared number of the rig that is wrong"
+    assert [numbers(one) for one in found.ranking if one.chosen] == ["alpha2 = 8"]
     assert headline(found).startswith("A declared number of the rig is wrong: alpha2 is 8 rather than 8.8")
     assert any(line.startswith("That it is alpha2 stands") for line in sureness(found))
     assert "alpha2" not in found.law
@@ -129,3 +134,22 @@ def test_one_that_does_as_well_is_said() -> None:
     assert said.startswith(
         "a wrong number of the declared rig would explain the readings as well: beta3 is 4"
     )
+
+
+def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A name that is found while a number of the rig does as well is not believed without a word."""
+    lag = ss.effect("block_viscous_damping", c=0.6)
+    case = make_case((lag,), length=30.0, speeds=SPEEDS)
+    monkeypatch.setattr(choice, "_with_rig", lambda search, made: replace(made, tied=(_freed_beta3(search),)))
+    found = ss.discover(case, threads=1)
+    assert [one.name for one in found.effects] == ["block_viscous_damping"]
+    assert any("beta3 is 4 rather than 4: check it" in one for one in found.messages)
+
+
+def _freed_beta3(search: Search) -> Trial:
+    null = search.tried[()]
+    return next(one for one in rig_numbers.freed(search, null) if one.names == ("beta3",))
+
+
+def test_freeing_the_rigs_numbers_is_one_stage_of_the_log() -> None:
+    assert stage("freeing alpha2 of the rig") == stage("freeing block inertia of the rig")

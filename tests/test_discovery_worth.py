@@ -8,6 +8,7 @@ import pytest
 
 from stickslip.discovery import choice, unlisted
 from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
+from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
 
@@ -147,6 +148,23 @@ def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch,
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
     search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
     assert choice._choose(search, [best, null]).trial.names == names
+
+
+@pytest.mark.parametrize(("left", "named"), [(0.9 * CLEAN, "alpha2"), (1.1 * CLEAN, "c")])
+def test_a_wrong_number_within_the_noise_ends_the_search(monkeypatch, left, named):
+    def fitted(names, chi2, excess):
+        fit = SimpleNamespace(cost=1000 * chi2)
+        return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
+
+    null, best = fitted((), 201.0, 900.0), fitted(("stribeck_peak",), 101.0, 900.0)
+    curve = [(TERMS["x1"], fitted(("c",), 0.99, 0.0))]
+    quiet(monkeypatch)
+    monkeypatch.setattr(choice, "freed", lambda *_, **__: [fitted(("alpha2",), 1.01, left)])
+    monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: curve)
+    monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    assert choice._choose(search, [best, null]).trial.names == (named,)
 
 
 @pytest.mark.parametrize(

@@ -65,9 +65,7 @@ def choose(search: Search, trials: list[Trial]) -> Choice:
 def _with_rig(search: Search, choice: Choice) -> Choice:
     """The choice, or a number of the declared rig that is wrong where that explains more with less."""
     chosen = choice.trial
-    if not chosen.names and choice.place is None:
-        return choice
-    if chosen.names in KINDS:
+    if chosen.names in KINDS or not (chosen.names or choice.place):
         return choice
     wrong = [one for one in freed(search, chosen, closely=True) if explained(one, choice.null)]
     if wrong and wrong[0].bic < chosen.bic - MARGIN:
@@ -86,7 +84,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         return Choice(null, best, None, trials)
     if not explained(best, null):
         wrong = freed(search, best)
-        if wrong and explained(wrong[0], null):  # one number: no pair and no curve does that with less
+        if wrong and wrong[0].excess < CLEAN:  # one number: no pair and no curve does that with less
             return Choice(null, wrong[0], None, [*wrong, *trials])
     crude = unlisted.crude(search, null)
     if not explained(best, null) and best.names and crude.beyond(best) > ON_TRACK:

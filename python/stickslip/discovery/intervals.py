@@ -21,7 +21,7 @@ def intervals(fit: Fit) -> Mapping[str, Interval]:
     h = fit.engine.hypothesis
     _, precision = h.prior(len(fit.engine.data))
     covariance = fit.covariance
-    scale = math.sqrt(max(fit.per_reading, 1.0))
+    scale = _widened(fit)
     out = {}
     for i, u in enumerate(h.shared):
         value = u.value(float(fit.vector[i]))
@@ -33,6 +33,18 @@ def intervals(fit: Fit) -> Mapping[str, Interval]:
         low, high = u.value(float(fit.vector[i]) - half), u.value(float(fit.vector[i]) + half)
         out[u.name] = Interval(value, low, high)
     return out
+
+
+def combined(fit: Fit, value: float, slopes: Mapping[str, float]) -> Interval:
+    """Interval of a value that changes by these slopes with the fitted coordinates of the shared unknowns."""
+    g = np.array([slopes.get(u.name, 0.0) for u in fit.engine.hypothesis.shared])
+    variance = float(g @ fit.covariance[: len(g), : len(g)] @ g)
+    half = Z * math.sqrt(max(variance, 0.0)) * _widened(fit)
+    return Interval(value, value - half, value + half)
+
+
+def _widened(fit: Fit) -> float:
+    return math.sqrt(max(fit.per_reading, 1.0))
 
 
 def phases(fit: Fit, name: str) -> Mapping[str, float]:

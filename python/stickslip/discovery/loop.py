@@ -335,15 +335,7 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
         return ()
     tried = list(search.tried.values())
     if choice.trial.names in rig_numbers.KINDS:
-        name = choice.trial.names[0]
-        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
-        where, variables = rig_numbers.KINDS[choice.trial.names]
-        wrong = rig_numbers.numbers(after)
-        formula = rig_numbers.formula(search.model.rig, wrong)
-        others = ev.alternatives(
-            choice.trial, [t for t in choice.trials if t.names in rig_numbers.KINDS], name
-        )
-        return (FoundEffect("unlisted", where, variables, wrong, proof, others, formula),)
+        return (_wrong_number(search, choice, after, threshold),)
     out = []
     for name in choice.trial.names:
         proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
@@ -373,6 +365,18 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             )
         )  # fmt: skip
     return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.delta_chi2)))
+
+
+def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float) -> FoundEffect:
+    tried, name = list(search.tried.values()), choice.trial.names[0]
+    kind, found = rig_numbers.KINDS[choice.trial.names], rig_numbers.numbers(after)
+    proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
+    rivals = [t for t in choice.trials if t.names in rig_numbers.KINDS]
+    others = ev.alternatives(choice.trial, rivals, name)
+    words = rig_numbers.formula(search.model.rig, found)
+    return FoundEffect(
+        "unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True
+    )  # fmt: skip
 
 
 def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:

@@ -40,10 +40,16 @@ def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
         pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
         if not pairs or not explained(pairs[0], null):
             continue
-        singles = _eliminated(search, pairs[0])
-        pairs = [one for one in pairs if _both_needed(search, one)]
-        return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+        return _together(search, trials, _eliminated(search, pairs[0]), pairs)
     return []
+
+
+def _together(
+    search: Search, trials: Sequence[Trial], singles: Sequence[Trial], pairs: Sequence[Trial]
+) -> list[Trial]:
+    """All of them but pairs that one of their effects can do without; best first."""
+    needed = [one for one in pairs if _both_needed(search, one)]
+    return sorted([*trials, *singles, *needed], key=lambda one: one.bic)
 
 
 def _pairs_on(search: Search, base: Trial) -> list[Trial]:
@@ -80,8 +86,7 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
         if more and more[0].bic < pairs[0].bic:
             singles += _eliminated(search, more[0])
         pairs = sorted([*pairs, *more], key=lambda one: one.bic)
-    pairs = [one for one in pairs if _both_needed(search, one)]
-    return sorted([*trials, *singles, *pairs], key=lambda one: one.bic)
+    return _together(search, trials, singles, pairs)
 
 
 def _promising(pairs: Sequence[Trial], null: Trial) -> bool:
@@ -117,8 +122,7 @@ def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
 def slimmed(search: Search, trial: Trial) -> Trial:
     """A pair, or the one of its effects that does as well alone, refitted from where the pair is."""
     singles = _eliminated(search, trial) if len(trial.names) > 1 else []
-    least = min(singles, key=lambda one: one.bic, default=trial)
-    return least if least.bic < trial.bic + MARGIN else trial
+    return trial if _both_needed(search, trial) else min(singles, key=lambda one: one.bic, default=trial)
 
 
 def _both_needed(search: Search, pair: Trial) -> bool:

@@ -117,6 +117,7 @@ class FoundEffect:
     formula: str
     curve: Curve | None = None
     phases: Mapping[str, float] = field(default_factory=dict)  # run name -> phi, for effects that have one
+    of_rig: bool = False  # a declared number of the rig that is wrong, not something beside it
 
 
 @dataclass(frozen=True)

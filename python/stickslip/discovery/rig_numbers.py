@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from stickslip.discovery.intervals import Z, intervals
+from stickslip.discovery.intervals import combined, intervals
 from stickslip.discovery.result import Interval
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
-from stickslip.discovery.solve import Fit
 from stickslip.discovery.unknowns import RIG, Unknown
 from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
@@ -23,17 +22,26 @@ FACTOR = 3.0  # by which a declared number may be wrong
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
 REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
 STEEP = 20.0  # width of the weak Gaussian on the ends of that line
-INERTIA, STIFFNESS = "block inertia", "block stiffness"
-KINDS: Mapping[
-    tuple[str, ...], tuple[str, tuple[str, ...]]
-] = {  # what is wrong together, where, and on what it acts
-    ("alpha1",): ("block", ("x1",)),
-    ("alpha2",): ("angle_body", ("y1",)),
-    ("beta3",): ("angle_body", ("y1",)),
-    ("eta12",): ("angle_body", ("y2",)),
-    ("eta1", "eta12"): ("angle_body", ("x2", "y2")),  # c1 is in both
-    (STIFFNESS,): ("block", ("x1",)),  # alpha1 x1 alone: a line in x1 beside it
-    (INERTIA,): ("block", ("x1",)),  # alpha1 x1'' alone: another alpha1, and such a line
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What may be wrong together: the numbers that are freed, with a line in x1 on the block or not; where, on what."""
+
+    free: tuple[str, ...]
+    where: str
+    depends_on: tuple[str, ...]
+    line: bool = False
+
+
+KINDS: Mapping[tuple[str, ...], Kind] = {  # by what the trials of them are called
+    ("alpha1",): Kind(("alpha1",), "block", ("x1",)),
+    ("alpha2",): Kind(("alpha2",), "angle_body", ("y1",)),
+    ("beta3",): Kind(("beta3",), "angle_body", ("y1",)),
+    ("eta12",): Kind(("eta12",), "angle_body", ("y2",)),
+    ("eta1", "eta12"): Kind(("eta1", "eta12"), "angle_body", ("x2", "y2")),  # c1 is in both
+    ("block stiffness",): Kind((), "block", ("x1",), line=True),  # alpha1 x1 alone
+    ("block inertia",): Kind(("alpha1",), "block", ("x1",), line=True),  # alpha1 x1'' too, and not alike
 }
 
 
@@ -44,7 +52,7 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     """
     rig = search.model.rig
     assert isinstance(rig, Rig)
-    kinds = [names for names in KINDS if all(getattr(rig, name, 1.0) > 0 for name in names)]
+    kinds = [names for names, kind in KINDS.items() if all(getattr(rig, name) > 0 for name in kind.free)]
     say = lambda names: f"freeing {' and '.join(names)} of the rig"  # noqa: E731
     tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
     found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
@@ -58,10 +66,9 @@ def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | 
     h = hypothesis(chosen.hypothesis.model, [], search.model)
     rig = search.model.rig
     assert isinstance(rig, Rig)
-    own = [unknown(rig, name, len(names) > 1) for name in names if name in RIG]
-    if INERTIA in names:
-        own.append(unknown(rig, "alpha1"))
-    if not own or INERTIA in names:
+    kind = KINDS[names]
+    own = [unknown(rig, name, len(kind.free) > 1) for name in kind.free]
+    if kind.line:
         far = REACH * max(float(np.max(np.abs(run.readings[:, 0]))) for run in search.data)
         line = tabulated("block", "x1", [-far, far], [0.0, 0.0])
         h = replace(h, model=h.model.with_effects([line]))
@@ -98,18 +105,10 @@ def numbers(trial: Trial) -> Mapping[str, Interval]:
     span = line.knots[-1] - line.knots[0]
     slopes = {f"{line.name}.value_0": 1 / span, f"{line.name}.value_1": -1 / span, "alpha1": rig.alpha1}
     stiffness = rig.alpha1 - (line.values[-1] - line.values[0]) / span
-    out = {"stiffness": _interval(fit, stiffness, slopes)}
+    out = {"stiffness": combined(fit, stiffness, slopes)}
     if "alpha1" in {u.name for u in fit.engine.hypothesis.shared}:
-        out = {"inertia": _interval(fit, rig.alpha1, {"alpha1": rig.alpha1}), **out}
+        out = {"inertia": combined(fit, rig.alpha1, {"alpha1": rig.alpha1}), **out}
     return out
-
-
-def _interval(fit: Fit, value: float, slopes: Mapping[str, float]) -> Interval:
-    """95 % interval of what changes by these slopes with the fitted coordinates."""
-    g = np.array([slopes.get(u.name, 0.0) for u in fit.engine.hypothesis.shared])
-    variance = float(g @ fit.covariance[: len(g), : len(g)] @ g) * max(fit.per_reading, 1.0)
-    half = Z * math.sqrt(max(variance, 0.0))
-    return Interval(value, value - half, value + half)
 
 
 def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:

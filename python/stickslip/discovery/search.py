@@ -104,9 +104,8 @@ class Search:
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
-    pairs: dict[tuple[str, ...], tuple[float, list[Trial]]] = field(
-        default_factory=dict
-    )  # by base, with its cost
+    # crude pairs by the name of their base, with the cost that it had
+    pairs: dict[tuple[str, ...], tuple[float, list[Trial]]] = field(default_factory=dict)
     ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for
     workers: Workers = field(default_factory=lambda: Workers(1))
     spent: float = 0.0  # processor seconds of other processes

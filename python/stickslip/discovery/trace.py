@@ -92,12 +92,9 @@ def _anew(
     if _stuck(base, best.values()):
         search.extend(AFRESH)
         return [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
-    if base.excess < CLEAN or base.chi2 < NEARLY:
-        return []
     least = min((one.chi2 for one in best.values()), default=base.chi2)
-    if least < NEARLY:
-        return []
-    return [one for one in tried if one[0] in OTHER]
+    plain = base.excess > CLEAN and min(least, base.chi2) > NEARLY
+    return [one for one in tried if plain and one[0] in OTHER]
 
 
 def _promising_first(search: Search) -> list[str]:

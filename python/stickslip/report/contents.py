@@ -50,7 +50,7 @@ def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
     out["alternatives"] = [
         {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
     ]
-    out["words"] = words.plain(one.name)
+    out["words"] = words.kind(one)
     scales = scales_of(rig)
     if one.curve is not None and scales is not None and one.curve.variable in VARIABLES:
         dimension = VARIABLES[one.curve.variable]

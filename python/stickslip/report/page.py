@@ -93,7 +93,6 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         clean=words.clean_sentence(found),
         caveats=words.caveats(found),
         kind=words.kind,
-        of_rig=words.of_rig,
         place=words.PLACE,
         excursion=excursion(found, axes_of(case)),
         figures={name: inline(path, name) for name, path in drawings.items()},

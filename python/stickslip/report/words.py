@@ -63,7 +63,6 @@ PLACE: Mapping[str, str] = {
     "y1 channel": "in the y1 channel",
 }
 
-RIG = frozenset({"alpha1", "alpha2", "beta3", "eta1", "eta12", "inertia", "stiffness"})  # numbers of (2.1)
 FEW = 3  # effects that a sentence can hold without numbers
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -74,14 +73,9 @@ def plain(name: str) -> str:
     return PLAIN.get(name, name.replace("_", " "))
 
 
-def of_rig(effect: FoundEffect) -> bool:
-    """Is this a wrong number of the declared rig, rather than something beside it?"""
-    return not RIG.isdisjoint(effect.parameters)
-
-
 def kind(effect: FoundEffect) -> str:
     """What is found, in plain words."""
-    return "a declared number of the rig that is wrong" if of_rig(effect) else plain(effect.name)
+    return "a declared number of the rig that is wrong" if effect.of_rig else plain(effect.name)
 
 
 def joined(words: Sequence[str]) -> str:
@@ -113,7 +107,7 @@ def headline(found: Found) -> str:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
         effect = next((e for e in found.effects if e.name == "unlisted"), found.effects[0])
-        if of_rig(effect):
+        if effect.of_rig:
             return f"A declared number of the rig is wrong: {effect.formula}."
         on = joined([v for v in effect.depends_on if v != "memory"])
         variables = f", as a function of {on}" if on else ""
@@ -177,7 +171,7 @@ def _of_the_name(effect: FoundEffect) -> str:
     equal = ties(effect)
     curve = effect.name == "unlisted"
     who = "Where it acts and on what" if curve else f"The name {effect.name}"
-    if of_rig(effect):
+    if effect.of_rig:
         who = f"That it is {joined(list(effect.parameters))}"
     if equal:
         odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
