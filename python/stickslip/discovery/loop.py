@@ -374,9 +374,7 @@ def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float
     rivals = [t for t in choice.trials if t.names in rig_numbers.KINDS]
     others = ev.alternatives(choice.trial, rivals, name)
     words = rig_numbers.formula(search.model.rig, found)
-    return FoundEffect(
-        "unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True
-    )  # fmt: skip
+    return FoundEffect("unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True)
 
 
 def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
