@@ -125,7 +125,9 @@ class Model:
         InputError
             Unknown (with the nearest known name) or ambiguous.
         """
-        known = self.parameters
+        return self._named(name, self.parameters)
+
+    def _named(self, name: str, known: Mapping[str, float]) -> str:
         if name in known:
             return name
         if name.startswith("effect."):
@@ -163,8 +165,9 @@ class Model:
         law: dict[str, float] = {}
         effects: dict[str, dict[str, float]] = {}
         ours = {one.name for one in dataclasses.fields(self.rig)}
+        known, optional = self.parameters, self._optional()
         for given, value in {**(values or {}), **named}.items():
-            name = given if given in self._optional() else self.parameter_name(given)
+            name = given if given in optional else self._named(given, known)
             if "." in name:
                 owner, _, parameter = name.partition(".")
                 effects.setdefault(owner, {})[parameter] = value

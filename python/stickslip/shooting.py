@@ -131,12 +131,20 @@ class _Problem:
         self.simulate = simulator
         self.exact = "sensitivity" in inspect.signature(simulator).parameters
         self.state_names: tuple[str, ...] = tuple(model.rig.state_names)
+        self._latest: tuple[bytes, Model] = b"", model
+
+    def model_at(self, shared: Array, local: Mapping[str, float]) -> Model:
+        """The model with these numbers; that of the shared ones is kept, for all windows have the same."""
+        if self._latest[0] != shared.tobytes():
+            values = dict(zip(self.names, shared.tolist(), strict=True))
+            self._latest = shared.tobytes(), self.model.replace(values)
+        model = self._latest[1]
+        return model.replace(local) if local else model
 
     def run(self, shared: Array, window: Window, sensitivity: tuple[str, ...] = ()) -> Run:
         """Simulate one window."""
-        model = self.model.replace(**dict(zip(self.names, shared.tolist(), strict=True)), **window.local)
         run = self.simulate(
-            model,
+            self.model_at(shared, window.local),
             belt_speed=window.belt_speed,
             initial=tuple(window.initial),
             t_end=float(window.t[-1]),
