@@ -13,6 +13,7 @@ from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.readings import as_terms, curves_of, reading_velocity
+from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
 from stickslip.forecast import forecast
 from stickslip.model import Model, load_model
@@ -74,9 +75,19 @@ def test_the_file_forecasts_what_the_loop_does(model: Model, tmp_path) -> None:
 
 def test_it_is_what_the_error_after_counts(model: Model) -> None:
     case = bent()
-    block, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, 2)
+    block, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, Workers(1))
     assert block.after < 0.5 * block.before
     assert block.after < 1.3 * block.floor
+    assert block.before != block.floor
+    aside, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, Workers(2))
+    assert aside == block  # whoever makes the forecasts
+
+
+def test_a_model_that_stays_as_it_is_has_one_error(model: Model) -> None:
+    case = bent()
+    block, kept = error_block(model, model, prepare(case.validate), case.validate, Workers(1))
+    assert block.before == block.after
+    assert all(was is now for was, now in kept.values())
 
 
 def test_the_rate_of_a_bent_reading() -> None:

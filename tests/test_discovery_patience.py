@@ -191,6 +191,15 @@ def test_an_effect_that_alone_leaves_far_more_than_the_pair_is_not_fitted_to_the
     assert [one["worst"] for one in search.options[1:]] == worst
 
 
+def test_names_beside_a_curve_are_given_up_where_they_stall_far_above_it(monkeypatch):
+    search = Search()
+    monkeypatch.setattr(trace, "starts_of", lambda _: [])
+    monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
+    trials = [trial(("a",), 9000.0), trial(("a", "b"), 9100.0), trial(("b",), 9200.0)]
+    assert trace.beside(search, trials, trial(("curve",), 1000.0)) == trials
+    assert [one["worst"] for one in search.options] == [trace.OUTDONE * 1000.0] * 2  # singles alone
+
+
 @pytest.mark.parametrize(("ahead", "names"), [(0.9 * MARGIN, ("a",)), (1.1 * MARGIN, ("a", "b"))])
 def test_a_pair_that_has_settled_is_slimmed_to_what_does_as_well_alone(monkeypatch, ahead, names):
     pair = trial(("a", "b"), 1000.0, bic=1000.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
@@ -13,6 +14,7 @@ from stickslip.discovery.data import Data, read_again, velocity_width
 from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
 from stickslip.discovery.readings import curves_of, reading_velocity
 from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.discovery.workers import Workers
 from stickslip.errors import StickslipError
 from stickslip.model import Model
 from stickslip.records import Recording
@@ -37,9 +39,9 @@ class Measured:
     samples: NDArray[np.int64]
 
 
-def measure(model: Model, run: Data, threads: int) -> Measured:
+def measure(model: Model, run: Data) -> Measured:
     """Forecast a run one and two cycles ahead and compare with its readings."""
-    forecaster = Forecaster(model, run, threads, curves_of(model))
+    forecaster = Forecaster(model, run, 1, curves_of(model))
     try:
         prediction, samples = stitched(forecaster, 1.0)
     except StickslipError:
@@ -131,24 +133,37 @@ def error_block(
     after: Model,
     runs: Sequence[Data],
     recordings: Sequence[Recording],
-    threads: int,
+    workers: Workers,
     seed: int = 0,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
-    """`error` of the report on the validate runs, and the forecasts it rests on."""
+    """`error` of the report on the validate runs, and the forecasts it rests on, each made by one of the workers."""
+    asked = WHO if before != after else WHO[1:]
+    tasks = [(who, run) for run in runs for who in asked]
+    one = partial(_forecast, before=before, after=after, seed=seed)
+    done = iter(workers.map(one, tasks))
     table, kept = [], {}
-    same = before == after
     for run, recording in zip(runs, recordings, strict=True):
-        was = measure(before, run, threads)
-        now = was if same else measure(after, run, threads)
-        try:
-            own = free_run(Forecaster(after, run, threads, curves_of(after)), seed)
-            floor = measure(after, read_again(run, own.readings), threads)
-        except StickslipError:
-            floor = now
+        found = {who: next(done) for who in asked}
+        now = found["after"]
+        was, floor = found.get("before", now), found["floor"]
+        assert was is not None
+        assert now is not None
         kept[run.name] = (was, now)
-        table.append(_row(run, recording, (was, now, floor)))
+        table.append(_row(run, recording, (was, now, floor or now)))
     mean = {who: float(np.mean([row.one_cycle[who] for row in table])) for who in WHO}
     return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(table)), kept
+
+
+def _forecast(task: tuple[str, Data], *, before: Model, after: Model, seed: int) -> Measured | None:
+    """One of `WHO` on a run; None where the model after cannot make readings of its own."""
+    who, run = task
+    if who != "floor":
+        return measure(before if who == "before" else after, run)
+    try:
+        own = free_run(Forecaster(after, run, 1, curves_of(after)), seed)
+        return measure(after, read_again(run, own.readings))
+    except StickslipError:
+        return None
 
 
 def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:

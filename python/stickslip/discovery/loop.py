@@ -6,10 +6,8 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
@@ -19,6 +17,7 @@ from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, copied_words, held_words, prepare
 from stickslip.discovery.errors import Measured, error_block
+from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.messages import remarks
@@ -35,7 +34,7 @@ from stickslip.discovery.result import (
     RunView,
     Verdict,
 )
-from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import MARGIN, decide_single, declared
 from stickslip.discovery.unknowns import of_law
@@ -48,11 +47,8 @@ from stickslip.model import Model
 from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
-Floats = NDArray[np.float64]
 MOST_CORES = 8  # what a search can keep busy
-FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
 MANY = 5  # readings taken out, from which the fits before are worth repeating
-WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 
 
@@ -198,13 +194,13 @@ def _found(
     began: float,
     notes: tuple[str, ...] = (),
 ) -> Found:
-    task = search.submit(_final, choice.null)
-    after = None if choice.trial is choice.null else _final(search, choice.trial)
+    task = search.submit(final, choice.null)
+    after = None if choice.trial is choice.null else final(search, choice.trial)
     before = task.result()
     after = before if after is None else after
     before_model, after_model = _model(case, before), _model(case, after)
     tell("forecasting the validate runs")
-    error, forecasts = error_block(before_model, after_model, validate, case.validate, search.threads, seed)
+    error, forecasts = error_block(before_model, after_model, validate, case.validate, search.workers, seed)
     singles = [t for t in search.tried.values() if len(t.names) == 1]
     drop = max((choice.null.fit.cost - t.fit.cost for t in singles), default=0.0)
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
@@ -249,55 +245,6 @@ def _verdict(choice: Choice) -> Verdict:
     if choice.term is not None or choice.place is not None or choice.trial.names in rig_numbers.KINDS:
         return Verdict.unlisted_effect
     return Verdict.effect_found if choice.trial.names else Verdict.no_effect
-
-
-def _final(search: Search, trial: Trial) -> Trial:
-    """The trial on long windows, which say more, where these are fitted as well as the short ones.
-
-    Of one within the noise the records are taken from their beginning: a start says much, where it is understood.
-    """
-    near = trial.excess < FAR_OFF * CLEAN  # beyond, a few digits more of the numbers mean nothing
-
-    def fitted(vector: Floats, **options: Any) -> Trial | None:
-        return search.run(
-            trial.hypothesis, tolerance=1e-9 if near else 1e-5, rounds=3 if near else 1,
-            vector=vector, anyway=True, learned=trial.fit.engine.learned, **options,
-        )  # fmt: skip
-
-    short, vector = trial, _in_order(trial)
-    again = fitted(vector, cycles=SHORT, windows_of=trial)
-    named_anew = not np.array_equal(vector, trial.fit.vector)
-    if again is not None and (named_anew or again.fit.cost < trial.fit.cost):
-        short = again
-    vector, enough = short.fit.vector, max(short.excess, 0.0) + 0.8
-    for whole in (True, False) if short.excess < CLEAN else (False,):
-        first = fitted(vector, cycles=LONG, states_of=short, whole=whole)
-        if first is None:
-            continue
-        best = search.trimmed(first)
-        if short.excess < 5 * CLEAN and not any(map(unlisted.is_tabulated, trial.names)):
-            # the narrow valleys of (4.1) end a fit early: from other sides too
-            worst = WORSE * best.fit.cost
-            law = search.with_declared_law(short).fit.vector
-            others = [
-                fitted(vector, cycles=LONG, worst=worst, whole=whole),
-                fitted(law, cycles=LONG, states_of=short, worst=worst, whole=whole),
-            ]
-            tried = [search.trimmed(one) for one in others if one is not None and one.fit.cost < worst]
-            best = min([best, *tried], key=lambda one: one.fit.cost)
-        if best.excess < enough:
-            return best
-    return short
-
-
-def _in_order(trial: Trial) -> Floats:
-    """The vector with the faster of the two exponentials of (4.1) first: their order is a convention."""
-    vector = trial.fit.vector.copy()
-    at = {u.name: i for i, u in enumerate(trial.fit.engine.hypothesis.shared)}
-    if {"A1", "A2", "t1", "t2"} <= set(at) and vector[at["t1"]] > vector[at["t2"]]:
-        for one, other in (("A1", "A2"), ("t1", "t2")):
-            vector[[at[one], at[other]]] = vector[[at[other], at[one]]]
-    return vector
 
 
 def _model(case: Case, trial: Trial) -> Model:

@@ -27,6 +27,7 @@ PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
 NEARLY = 1.5  # chi-squared per reading that is near the noise
 OTHER = frozenset({"contact_compliance"})  # a contact of another kind: a law fitted without it leads astray
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
+OUTDONE = 1.5  # of the cost of a curve within the noise: a name that stalls beyond is not what it stands for
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -203,7 +204,8 @@ def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4)
 
 def _beside(search: Search, i: int, *, trials: Sequence[Trial], curve: Trial) -> Trial | None:
     h = hypothesis(curve.hypothesis.model, starts_of(trials[i]), search.model)
-    return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, anyway=True)
+    worst = OUTDONE * curve.fit.cost
+    return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, worst=worst, anyway=True)
 
 
 def decide_single(search: Search, known: Trial | None = None) -> list[Trial]:
