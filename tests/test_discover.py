@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from discover_cases import LAW, RIG, make_case
 from stickslip.discover import Verdict, discover
+from stickslip.discovery.loop import _ranking
 from stickslip.discovery.unlisted import guess
 from stickslip.effects import effect
 from stickslip.errors import InputError
@@ -48,6 +50,39 @@ def test_a_sensor_effect_is_named_with_its_size(crossed):
     assert crossed.error.after < 0.3 * crossed.error.before
     assert found.evidence.delta_chi2 > 10 * found.evidence.threshold
     assert found.evidence.control < found.evidence.delta_chi2
+
+
+def test_the_ranking_begins_with_the_best_and_knows_what_was_chosen(clean, crossed):
+    for found, names in ((clean, ()), (crossed, ("sensor_crosstalk",))):
+        assert [one.bic for one in found.ranking] == sorted(one.bic for one in found.ranking)
+        assert found.ranking[0].bic == 0
+        assert [one.names for one in found.ranking if one.chosen] == [names]
+    assert crossed.ranking[0].parameters["sensor_crosstalk.c"] == pytest.approx(0.15, abs=0.01)
+
+
+def test_what_was_given_up_leaves_no_more_than_what_is_left_without_it():
+    """A pair holds each of its effects alone, and all hold the declared law: a crude fit above these did not move."""
+
+    def trial(names, cost, numbers):
+        values = SimpleNamespace(values=lambda *_: {"A1": 3.0, **numbers})
+        fit = SimpleNamespace(
+            readings=1000, cost=cost, engine=SimpleNamespace(hypothesis=values), vector=None
+        )
+        bic = cost + 7.0 * len(numbers)
+        return SimpleNamespace(
+            names=names, chi2=cost / 1000, bic=bic, fit=fit, cost_of=lambda _: cost, bic_of=lambda _: bic
+        )
+
+    null, a = trial((), 5000.0, {}), trial(("a",), 2000.0, {"a.k": 1.0})
+    b, both = trial(("b",), 6000.0, {"b.k": 9.0}), trial(("b", "a"), 2500.0, {"a.k": 2.0, "b.k": 8.0})
+    better = trial(("a",), 1990.0, {"a.k": 4.0})  # crude, on half of the windows
+    search = SimpleNamespace(tried={(): null, ("a",): a}, screened=[b, both, better])
+    rows = {one.names: one for one in _ranking(search, SimpleNamespace(null=null, trial=a, trials=[a]))}
+    assert list(rows) == [("a",), ("b", "a"), (), ("b",)]
+    assert [one.bic for one in rows.values()] == [0.0, 7.0, 2993.0, 3000.0]
+    assert [one.chi2 for one in rows.values()] == [2.0, 2.0, 5.0, 5.0]
+    assert [dict(one.parameters) for one in rows.values()] == [{"a.k": 1.0}, {}, {}, {}]
+    assert [one.chosen for one in rows.values()] == [True, False, False, False]
 
 
 def test_the_report_is_json(crossed):

@@ -8,13 +8,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from discover_cases import make_case
-from stickslip.discovery.choice import place_of, stood_in_for, weighed
+from discover_cases import RIG, SPEEDS, make_case
+from stickslip.discovery import choice as choices
+from stickslip.discovery.choice import stood_in_for, weighed
 from stickslip.discovery.data import prepare
+from stickslip.discovery.place import REPEATS, Promises, place_of, promises
 from stickslip.discovery.search import CLEAN, Search
-from stickslip.discovery.trace import declared
+from stickslip.discovery.trace import MARGIN, declared
 from stickslip.discovery.unlisted import Term
 from stickslip.effects import tabulated
+from stickslip.friction import PaperFriction
 from stickslip.model import Model
 
 
@@ -55,7 +58,9 @@ def test_names_far_ahead_of_all_others_stand():
 
 @pytest.mark.parametrize(("left", "kept"), [(15.0, True), (40.0, False)])
 @pytest.mark.parametrize("curved", [False, True])
-def test_what_stands_in_and_leaves_much_is_not_in_the_model(left, kept, curved):
+@pytest.mark.parametrize("wandering", [None, "contact"])
+def test_what_stands_in_and_leaves_much_is_not_in_the_model(monkeypatch, left, kept, curved, wandering):
+    monkeypatch.setattr(choices, "promises", lambda *_: SimpleNamespace(wandering=wandering))
     search = SimpleNamespace(tried={("belt_seam",): trial(60.0, 100.0)})
     null, names, curve = trial(100.0, names=()), trial(left), trial(left - 1, names=("tabulated_block_x1",))
     term = Term("block", "x1", (0.0, 1.0))
@@ -63,6 +68,8 @@ def test_what_stands_in_and_leaves_much_is_not_in_the_model(left, kept, curved):
     assert choice.trial is ((curve if curved else names) if kept else null)
     assert choice.term is (term if curved and kept else None)
     place = ("block", ("x1",)) if curved else ("contact", ("x1", "t"))
+    if wandering and not kept:  # names that leave so much say little of the place
+        place = ("contact", ("t",))
     assert choice.place == (None if curved and kept else place)
 
 
@@ -80,7 +87,41 @@ def test_a_line_of_its_own_phase_in_each_run_is_placed(where):
     )
     null = declared(search)
     assert null.chi2 > 1.1
-    assert place_of(null, null) == (where, ("t",))
+    assert place_of(search, null, null) == (where, ("t",))
+
+
+@pytest.mark.parametrize("where", ["block", "contact"])
+def test_what_differs_from_window_to_window_is_placed(where):
+    """A force or a friction that wanders: no curve over a run's time has enough knots for it, and no line shows."""
+    knots, rng = np.linspace(0.0, 96.0, 24), np.random.default_rng(8)
+    size = 0.2 if where == "block" else 0.06
+    runs = []
+    for i, speed in enumerate(SPEEDS):
+        walk = size * np.convolve(rng.standard_normal(len(knots)), [0.4, 0.8, 1.0, 0.8, 0.4], "same")
+        runs += make_case((tabulated(where, "t", knots, walk),), seed=i, speeds=(speed,), length=96.0).runs
+    search = Search(prepare(runs), Model(RIG, friction=PaperFriction()), 2, lambda _: None, 100.0)
+    null = declared(search)
+    assert null.chi2 > 2
+    assert promises(search, null).wandering == where
+    assert place_of(search, null, null) == (where, ("t",))
+
+
+@pytest.mark.parametrize(
+    ("curve", "line", "window", "wandering"),
+    [
+        (10 * MARGIN, 0.0, 20 * MARGIN, "contact"),
+        (21 * MARGIN, 0.0, 20 * MARGIN, None),
+        (0.0, 1.01 * REPEATS * 20 * MARGIN, 20 * MARGIN, None),
+        (0.0, 0.99 * REPEATS * 20 * MARGIN, 20 * MARGIN, "contact"),
+        (-99.0, 0.0, 0.9 * MARGIN, None),
+        (-99.0, 0.0, 1.1 * MARGIN, "contact"),
+    ],
+)
+def test_what_wanders_promises_more_by_windows_than_by_any_curve_or_line(curve, line, window, wandering):
+    term, other = Term("block", "x1", (0.0, 1.0)), Term("block", "y1", (0.0, 1.0))
+    windows = {"block": 0.9 * window, "contact": window}
+    lines = {"block": line, "contact": 0.5 * line}
+    assert Promises([(curve, term), (-99.0, other)], lines, windows).wandering == wandering
 
 
 def test_noise_a_little_larger_than_declared_has_no_place():
@@ -91,4 +132,4 @@ def test_noise_a_little_larger_than_declared_has_no_place():
     null = declared(search)
     assert null.chi2 == pytest.approx(1 / 0.9**2, rel=0.05)
     assert null.excess > CLEAN
-    assert place_of(null, null) is None
+    assert place_of(search, null, null) is None

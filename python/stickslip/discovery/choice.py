@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +10,8 @@ from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
-from stickslip.discovery.periodic import strongest_line
-from stickslip.discovery.recurring import cost_of_line, learn_recurring
+from stickslip.discovery.place import place_of, promises
+from stickslip.discovery.recurring import learn_recurring
 from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
@@ -59,7 +58,7 @@ class Choice:
 
 def choose(search: Search, trials: list[Trial]) -> Choice:
     """The choice for the runs of a search and the trials of single effects, held against windows left out."""
-    return _held(_with_rig(search, _choose(search, trials)))
+    return _held(search, _with_rig(search, _choose(search, trials)))
 
 
 def _with_rig(search: Search, choice: Choice) -> Choice:
@@ -125,7 +124,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     if best.chi2 - 1 > MOST_LEFT * (
         null.chi2 - 1
     ):  # no name and no curve explains it: say so, and guess the place
-        return Choice(null, null, None, trials, place_of(null, best))
+        return Choice(null, null, None, trials, place_of(search, null, best))
     if best.chi2 - 1 < ALMOST * (null.chi2 - 1):
         search.extend(SETTLING)
         best = slimmed(search, settled(search, best))
@@ -157,38 +156,22 @@ def weighed(
         term, best = curves[0]
         place = term.where, (term.variable,)
     if best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
-        return Choice(null, null, None, trials, place)
+        wandering = promises(search, null).wandering
+        return Choice(null, null, None, trials, (wandering, ("t",)) if wandering else place)
     if any(map(unlisted.is_tabulated, best.names)):
         return Choice(null, best, curves[0][0], trials)
     return Choice(null, best, None, trials, place)
 
 
-def _held(choice: Choice) -> Choice:
+def _held(search: Search, choice: Choice) -> Choice:
     """The choice if it does better on windows held out of the fit; else the declared law, and a place at most."""
     if not choice.trial.names:
         return choice
     held = ev.held_out(choice.null, choice.trial)
     if held < 1.0:
         return replace(choice, held=held)
-    place = place_of(choice.null, choice.trial) if choice.null.excess > CLEAN else None
+    place = place_of(search, choice.null, choice.trial) if choice.null.excess > CLEAN else None
     return Choice(choice.null, choice.null, None, choice.trials, place)
-
-
-def place_of(null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
-    """Where an effect that nothing here describes most likely acts, and on what; None where it does not show."""
-    if best.names == ("harmonic_forcing",):  # a sharp line, and yet no force on the block
-        return "angle_body", ("t",)
-    penalty = math.log(null.fit.readings)
-    promised = [
-        (unlisted.gain(null, one) - len(one.knots) * penalty, one.where, one.variable)
-        for one in unlisted.terms(null)
-    ]
-    promised += [
-        (strongest_line(null.fit, where).gain - cost_of_line(null) + MARGIN, where, "t")
-        for where in ("angle_body", "contact")
-    ]
-    most, where, variable = max(promised)
-    return (where, (variable,)) if most > MARGIN else None
 
 
 def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:

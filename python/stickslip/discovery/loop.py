@@ -325,22 +325,29 @@ def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float
 
 
 def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
-    readings = choice.null.fit.readings
-    trials: Sequence[Trial] = sorted(
-        {id(t): t for t in (*choice.trials, *search.tried.values(), *search.screened)}.values(),
-        key=lambda one: one.bic_of(readings),
-    )
-    least, chosen = trials[0].bic_of(readings), tuple(sorted(choice.trial.names))
-    out, seen = [], set()
-    for t in trials:
-        key = tuple(sorted(t.names))
-        if key in seen:
-            continue
-        seen.add(key)
-        values = t.fit.engine.hypothesis.values(t.fit.vector, 0)
+    """All that was fitted, best first.
+
+    What was given up above what its effects leave when one or all of them are nothing leaves that: it is no worse.
+    """
+    readings, chosen = choice.null.fit.readings, frozenset(choice.trial.names)
+    fitted = sorted([*choice.trials, *search.tried.values()], key=lambda one: one.bic)
+    crude = sorted(search.screened, key=lambda one: one.bic_of(readings))
+    best: dict[frozenset[str], Trial] = {}
+    for t in (*fitted, *crude):
+        best.setdefault(frozenset(t.names), t)
+    rows = []
+    for names, t in best.items():
+        within = min(
+            (u for less, u in best.items() if less < names), key=lambda u: u.cost_of(readings), default=t
+        )
+        idle = within.cost_of(readings) < t.cost_of(readings)
+        chi2, cost = (within.chi2, within.cost_of(readings)) if idle else (t.chi2, t.cost_of(readings))
+        bic = t.bic_of(readings) - t.cost_of(readings) + cost
+        values = {} if idle else t.fit.engine.hypothesis.values(t.fit.vector, 0)
         numbers = {k: v for k, v in values.items() if not of_law(k) and not unlisted.is_tabulated(k)}
-        out.append(Rival(t.names, t.chi2, t.bic_of(readings) - least, numbers, None, key == chosen))
-    return tuple(out)
+        rows.append(Rival(t.names, chi2, bic, numbers, None, names == chosen))
+    least = min(one.bic for one in rows)
+    return tuple(sorted((replace(one, bic=one.bic - least) for one in rows), key=lambda one: one.bic))
 
 
 __all__ = ["Residual", "discover"]

@@ -27,7 +27,7 @@ NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises les
 def learn_recurring(search: Search, base: Trial) -> list[tuple[Term, Trial]]:
     """Curves that repeat in time, added to `base` where a line shows; closely fitted, best first."""
     say = lambda where: f"looking for what repeats in time: {where}"  # noqa: E731
-    lines = [(where, task.result()) for where, task in each(search, partial(_line, base=base), PLACES, say)]
+    lines = [(where, task.result()) for where, task in each(search, partial(line_at, base=base), PLACES, say)]
     least = max(cost_of_line(base), NEXT * max(line.gain for _, line in lines))
     shown = sorted((one for one in lines if one[1].gain > least), key=lambda one: -one[1].gain)
     say_where = lambda one: f"learning what repeats in time: {one[0]}"  # noqa: E731
@@ -40,7 +40,8 @@ def cost_of_line(base: Trial) -> float:
     return (2 * len(base.fit.engine.data) + 1) * math.log(base.fit.readings) + MARGIN
 
 
-def _line(_: Search, where: str, *, base: Trial) -> Line:
+def line_at(_: Search, where: str, *, base: Trial) -> Line:
+    """The strongest line there, as a task."""
     return strongest_line(base.fit, where)
 
 

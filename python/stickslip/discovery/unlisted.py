@@ -129,25 +129,29 @@ def with_term(search: Search, base: Trial, term: Term, **options: float) -> Tria
     return search.run(h, cycles=SHORT, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
 
 
+def sensitivity(base: Trial, term: Term) -> list[Floats | None]:
+    """Derivatives of each window's residuals by a curve's values at zero; None where it cannot be simulated."""
+    fit = base.fit
+    h, unknowns, learned = _extended(base, term)
+    engine = Engine(fit.engine.data, replace(h, unknowns=unknowns), fit.engine.threads, learned)
+    found = engine.linearised(np.zeros(len(unknowns)), fit.windows)
+    return [None if one is None else np.nan_to_num(one.J) for one in found]
+
+
 def gain(base: Trial, term: Term) -> float:
     """Fall of chi-squared that a curve promises to first order, the base refitted and bad windows held back."""
     fit = base.fit
-    h, unknowns, learned = _extended(base, term)
-    own = replace(h, unknowns=unknowns)
-    engine = Engine(fit.engine.data, own, fit.engine.threads, learned)
-    vector = np.zeros(len(unknowns))
-    p, k = len(fit.vector), len(unknowns)
+    p, k = len(fit.vector), len(term.knots)
     A, g = np.zeros((p + k, p + k)), np.zeros(p + k)
     A[:p, :p] = np.diag(fit.engine.precision)
-    A[p:, p:] = np.diag([1.0 / u.spread**2 for u in unknowns])
-    found = engine.linearised(vector, fit.windows)
-    for w, b, more in zip(fit.windows, fit.blocks, found, strict=True):
-        if more is None:
+    A[p:, p:] = np.eye(k) / SPREAD.get(term.where, 0.5) ** 2
+    for w, b, own in zip(fit.windows, fit.blocks, sensitivity(base, term), strict=True):
+        if own is None:
             continue
         q = np.linalg.qr(b.K)[0]
         D = np.zeros((len(b.r), p + k))
         D[:, fit.engine.columns[w.run]] = b.J
-        D[:, p:] = np.nan_to_num(more.J)
+        D[:, p:] = own
         D -= q @ (q.T @ D)
         r = b.r - q @ (q.T @ b.r)
         size = max(1.0, float(r @ r) / len(r))
@@ -172,7 +176,7 @@ class Crude:
 def crude(search: Search, base: Trial, most: int = 6) -> Crude:
     """Curves added to `base`: screened by their scores, the best `most` fitted."""
     say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
-    scores = each(search, partial(_scored, base=base), terms(base), say)
+    scores = each(search, partial(scored, base=base), terms(base), say)
     promised = sorted(((task.result(), term) for term, task in scores), key=lambda one: -one[0])
     found: list[tuple[Term, Trial]] = []
     say = lambda term: f"learning a curve: {term.where} against {term.variable}"  # noqa: E731
@@ -241,7 +245,8 @@ def _worth(
             yield term, trial, 0
 
 
-def _scored(_: Search, term: Term, *, base: Trial) -> float:
+def scored(_: Search, term: Term, *, base: Trial) -> float:
+    """`gain`, as a task."""
     return gain(base, term)
 
 
