@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -76,7 +77,7 @@ def test_what_was_given_up_leaves_no_more_than_what_is_left_without_it():
     null, a = trial((), 5000.0, {}), trial(("a",), 2000.0, {"a.k": 1.0})
     b, both = trial(("b",), 6000.0, {"b.k": 9.0}), trial(("b", "a"), 2500.0, {"a.k": 2.0, "b.k": 8.0})
     better = trial(("a",), 1990.0, {"a.k": 4.0})  # crude, on half of the windows
-    search = SimpleNamespace(tried={(): null, ("a",): a}, screened=[b, both, better])
+    search = SimpleNamespace(tried={(): null, ("a",): a}, screened=[b, both, better], freed=[])
     rows = {one.names: one for one in _ranking(search, SimpleNamespace(null=null, trial=a, trials=[a]))}
     assert list(rows) == [("a",), ("b", "a"), (), ("b",)]
     assert [one.bic for one in rows.values()] == [0.0, 7.0, 2993.0, 3000.0]
@@ -132,6 +133,23 @@ def test_a_forecast_finds_the_phase_from_the_past():
     table = forecast(model, run.window(0.0, 36.0), belt_speed=run.belt_speed, horizon=8.0)
     off = table["x1"].to_numpy() - run.window(36.0, 48.0).x1[: len(table)]
     assert np.sqrt(np.mean(off**2)) < 4e-3
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"seed": -1}, "seed = -1: must be at least 0"),
+        ({"seed": "a"}, "seed = 'a': not a number"),
+        ({"threads": 0}, "threads = 0: must be at least 1"),
+        ({"threads": 1.5}, "threads = 1.5: must be a whole number"),
+        ({"budget": float("nan")}, "budget = nan: not a number"),
+        ({"budget": -1}, "budget = -1: must be above 0"),
+        ({"progress": 3}, "progress: must be a function"),
+    ],
+)
+def test_an_argument_that_cannot_be_is_refused_before_the_search(given, said):
+    with pytest.raises(InputError, match=re.escape(said)):
+        discover(make_case(length=30.0), **given)
 
 
 def test_a_horizon_below_a_sample_is_refused():

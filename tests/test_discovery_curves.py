@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from discover_cases import LAW, NOISE, RIG, make_case
+from stickslip.discovery import errors
 from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.predict import Forecaster
@@ -81,6 +82,18 @@ def test_it_is_what_the_error_after_counts(model: Model) -> None:
     assert block.before != block.floor
     aside, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, Workers(2))
     assert aside == block  # whoever makes the forecasts
+
+
+def test_the_floor_is_the_mean_of_several_draws(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    case, runs = bent(), prepare(bent().validate)
+    mean, _ = error_block(model, model, runs, case.validate, Workers(1), seed=4)
+    monkeypatch.setattr(errors, "DRAWS", 1)
+    each = [error_block(model, model, runs, case.validate, Workers(1), seed=s)[0] for s in (4, 5, 6)]
+    assert len({one.floor for one in each}) == 3
+    assert mean.floor == pytest.approx(np.mean([one.floor for one in each]))
+    for name in ("x1", "y1"):
+        rms = [one.runs[0].rmse[name]["floor"] for one in each]
+        assert mean.runs[0].rmse[name]["floor"] == pytest.approx(np.mean(rms))
 
 
 def test_a_model_that_stays_as_it_is_has_one_error(model: Model) -> None:

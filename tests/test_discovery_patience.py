@@ -308,10 +308,21 @@ def test_a_contact_of_another_kind_has_the_steps_that_it_needs_from_the_declared
     steps = {}
     monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
     monkeypatch.setattr(trace, "starts_of", lambda _: [])
-    base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=1.0))
+    base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=1.0, readings=1))
     for name in ("contact_compliance", "sensor_lag"):
         search = SimpleNamespace(
             model=None, run=lambda _, name=name, **o: steps.update({name: o["iterations"]})
         )
         trace._screened(search, (name, None), base=base, afresh=True)
     assert steps == {"contact_compliance": 24, "sensor_lag": 12}
+
+
+@pytest.mark.parametrize(("cost", "fall"), [(5000.0, 40.0), (1020.0, 0.2), (990.0, 0.2)])
+def test_a_rival_is_fitted_until_it_falls_by_little_of_what_there_is_to_explain(monkeypatch, cost, fall):
+    """Where little is left over, a hundredth of all of chi-squared is more than a rival can gain."""
+    search = Search()
+    monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
+    monkeypatch.setattr(trace, "starts_of", lambda _: [])
+    base = trial((), cost)
+    trace._screened(search, ("sensor_lag", None), base=base)
+    assert search.options[0]["tolerance"] * cost == pytest.approx(fall)

@@ -41,7 +41,9 @@ def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
     assert number.low is not None
     assert number.high is not None
     assert number.low < RIG.alpha2 < number.high < 1.01 * number.low
-    assert effect.evidence.control < effect.evidence.delta_chi2
+    assert 0 < effect.evidence.control < effect.evidence.delta_chi2
+    assert effect.evidence.control_name
+    assert {("beta3",), ("sensor_lag",)} <= {one.names for one in found.ranking}
     assert found.residual_after.clean
     assert found.residual_before.chi2 > 10
     assert found.error.after < 0.1 * found.error.before
@@ -57,7 +59,15 @@ def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"alpha1": 17.6}, {"beta3": 4.1}, {"eta12": 0.22}, {"eta1": 0.08, "eta12": 0.18}]
+    "wrong",
+    [
+        {"alpha1": 17.6},
+        {"beta3": 4.1},
+        {"eta12": 0.22},
+        {"eta12": 0.8},
+        {"eta1": 0.08, "eta12": 0.18},
+        {"eta1": 0.03, "eta12": 0.13},  # c1 three times as large: beyond the middle of the two as declared
+    ],
 )
 def test_each_number_is_found_beside_the_law(wrong: dict[str, float]) -> None:
     case = declared_wrong(seed=4, **wrong)
@@ -128,12 +138,42 @@ def test_one_that_does_as_well_is_said() -> None:
     null = declared(search)
     assert null is not None
     best = rig_numbers.freed(search, null)[0]
-    assert rig_numbers.remark(case.rig, ()) is None
-    said = rig_numbers.remark(case.rig, (best,))
+    assert rig_numbers.remark(case.rig, best.names, best, ()) is None
+    said = rig_numbers.remark(case.rig, (), best, (best,))
     assert said is not None
     assert said.startswith(
         "a wrong number of the declared rig would explain the readings as well: beta3 is 4"
     )
+
+
+def test_a_number_at_its_bound_is_not_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rig_numbers, "FACTOR", 1.01)
+    case = declared_wrong(beta3=4.1)
+    search = Search(prepare(case.train), Model(case.rig, friction=case.friction), 2, lambda _: None, 60.0)
+    null = declared(search)
+    assert null is not None
+    assert ("beta3",) not in {one.names for one in rig_numbers.freed(search, null)}
+
+
+def test_of_a_wrong_mass_or_spring_it_is_said_what_to_write() -> None:
+    rig = ss.Rig.from_si(m=2.5, J=6e-4, r=0.05, k1=600, k2=100, k3=200, c1=1.0, c2=1.5, length=0.01)
+    found = {
+        "inertia": Interval(0.5 * rig.alpha1, None, None),
+        "stiffness": Interval(0.9 * rig.alpha1, None, None),
+    }
+    assert rig_numbers._instead(rig, found) == "write m = 1.25 kg and k1 = 530 N/m in [rig]"
+    assert rig_numbers._instead(RIG, found) == "correct the rig's constants"
+
+
+def test_a_curve_that_a_wrong_number_leaves_too_is_doubted() -> None:
+    for names, doubt in (
+        (("tabulated_block_x1",), "a wrong m, k1 or k2 of"),
+        (("tabulated_angle_body_y2",), "a wrong J, c1 or c2 of"),
+        (("tabulated_contact_x1",), None),
+        (("tabulated_block_x1", "sensor_lag"), None),
+    ):
+        said = rig_numbers.remark(RIG, names, None, ())
+        assert said is None if doubt is None else said.startswith(doubt)
 
 
 def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) -> None:

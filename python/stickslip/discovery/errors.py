@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -22,6 +22,7 @@ from stickslip.records import Recording
 Floats = NDArray[np.float64]
 METRIC = "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone; mean over validate runs"
 WHO = ("before", "after", "floor")
+DRAWS = 3  # of the floor: what one draw of the noise leaves differs from the next by a tenth and more
 
 
 @dataclass
@@ -137,26 +138,30 @@ def error_block(
     seed: int = 0,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """`error` of the report on the validate runs, and the forecasts it rests on, each made by one of the workers."""
-    asked = WHO if before != after else WHO[1:]
-    tasks = [(who, run) for run in runs for who in asked]
-    one = partial(_forecast, before=before, after=after, seed=seed)
-    done = iter(workers.map(one, tasks))
+    asked = [who for who in ("before", "after") if who == "after" or before != after] + ["floor"] * DRAWS
+    seeds = [seed + i for i in range(DRAWS)]
+    tasks = [
+        (who, run, own)
+        for run in runs
+        for who, own in zip(asked, [seed] * (len(asked) - DRAWS) + seeds, strict=True)
+    ]
+    done = iter(workers.map(partial(_forecast, before=before, after=after), tasks))
     table, kept = [], {}
     for run, recording in zip(runs, recordings, strict=True):
-        found = {who: next(done) for who in asked}
-        now = found["after"]
-        was, floor = found.get("before", now), found["floor"]
+        found = [next(done) for _ in asked]
+        was, now = found[0], found[-DRAWS - 1]
         assert was is not None
         assert now is not None
         kept[run.name] = (was, now)
-        table.append(_row(run, recording, (was, now, floor or now)))
+        floor = _mean([one for one in found[-DRAWS:] if one is not None]) or now
+        table.append(_row(run, recording, (was, now, floor)))
     mean = {who: float(np.mean([row.one_cycle[who] for row in table])) for who in WHO}
     return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(table)), kept
 
 
-def _forecast(task: tuple[str, Data], *, before: Model, after: Model, seed: int) -> Measured | None:
+def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> Measured | None:
     """One of `WHO` on a run; None where the model after cannot make readings of its own."""
-    who, run = task
+    who, run, seed = task
     if who != "floor":
         return measure(before if who == "before" else after, run)
     try:
@@ -164,6 +169,16 @@ def _forecast(task: tuple[str, Data], *, before: Model, after: Model, seed: int)
         return measure(after, read_again(run, own.readings))
     except StickslipError:
         return None
+
+
+def _mean(draws: Sequence[Measured]) -> Measured | None:
+    """One with the mean of what these measured."""
+    if not draws:
+        return None
+    names = ("one", "two", "transition", "period", "fraction", "portrait")
+    numbers = {name: float(np.mean([getattr(one, name) for one in draws])) for name in names}
+    x1, y1 = np.mean([one.rmse for one in draws], axis=0).tolist()
+    return replace(draws[0], **numbers, rmse=(x1, y1))  # type: ignore[arg-type]  # floats by name
 
 
 def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:

@@ -42,7 +42,7 @@ from stickslip.discovery.views import train_view, validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.driven import loop as driven
 from stickslip.effects import CATALOGUE
-from stickslip.errors import InputError
+from stickslip.errors import InputError, number
 from stickslip.model import Model
 from stickslip.records import Case
 from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
@@ -89,6 +89,11 @@ def discover(
         The declared model cannot be simulated.
     """
     arguments.must_be("case", case, Case, "load_case(path) gives one")
+    seed = arguments.whole_number("seed", seed, least=0)
+    budget = number("budget", budget, above=0)
+    threads = None if threads is None else arguments.whole_number("threads", threads)
+    if progress is not None and not callable(progress):
+        raise InputError("must be a function of one sentence", key="progress")
     began = time.monotonic()
     tell = progress or (lambda _: None)
     # products of many small matrices: threads that wait for each other cost far more
@@ -206,7 +211,7 @@ def _found(
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)
-    if doubt := rig_numbers.remark(case.rig, choice.tied):
+    if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied):
         notes = (*notes, doubt)
     was, now = describe(before.fit), describe(after.fit)
     return Found(
@@ -315,11 +320,16 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
 
 
 def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float) -> FoundEffect:
-    tried, name = list(search.tried.values()), choice.trial.names[0]
     kind, found = rig_numbers.KINDS[choice.trial.names], rig_numbers.numbers(after)
-    proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
-    rivals = [t for t in choice.trials if t.names in rig_numbers.KINDS]
-    others = ev.alternatives(choice.trial, rivals, name)
+    name = rig_numbers.called(choice.trial.names)
+    rivals = [  # each under one name
+        replace(t, names=(rig_numbers.called(t.names),))
+        for t in (*search.freed, *search.tried.values())
+        if t.names in rig_numbers.KINDS or len(t.names) == 1
+    ]
+    chosen = replace(choice.trial, names=(name,))
+    proof = ev.evidence(search, choice.null, chosen, name, rivals, threshold, choice.held)
+    others = ev.alternatives(chosen, rivals, name)
     words = rig_numbers.formula(search.model.rig, found)
     return FoundEffect("unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True)
 
@@ -330,7 +340,7 @@ def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
     What was given up above what its effects leave when one or all of them are nothing leaves that: it is no worse.
     """
     readings, chosen = choice.null.fit.readings, frozenset(choice.trial.names)
-    fitted = sorted([*choice.trials, *search.tried.values()], key=lambda one: one.bic)
+    fitted = sorted([*choice.trials, *search.tried.values(), *search.freed], key=lambda one: one.bic)
     crude = sorted(search.screened, key=lambda one: one.bic_of(readings))
     best: dict[frozenset[str], Trial] = {}
     for t in (*fitted, *crude):

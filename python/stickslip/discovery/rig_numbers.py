@@ -18,7 +18,9 @@ from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
 from stickslip.rig import AnyRig, Rig
 
-FACTOR = 3.0  # by which a declared number may be wrong
+FACTOR = 10.0  # by which a declared number may be wrong
+EDGE = 1e-6  # of a number: nearer to its bound it is at it
+APART = 3  # times that the bound between two numbers is moved
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
 REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
 STEEP = 20.0  # width of the weak Gaussian on the ends of that line
@@ -59,15 +61,33 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     found.sort(key=lambda one: one.bic)
     if closely and found and found[0].excess > CLEAN and found[0].bic < chosen.bic:
         found[0] = replace(search.polish(found[0], turns=1), names=found[0].names)
+    search.freed += found
     return found
 
 
 def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | None:
-    h = hypothesis(chosen.hypothesis.model, [], search.model)
-    rig = search.model.rig
+    kind, rig = KINDS[names], search.model.rig
     assert isinstance(rig, Rig)
-    kind = KINDS[names]
-    own = [unknown(rig, name, len(kind.free) > 1) for name in kind.free]
+    between = math.sqrt(rig.eta1 * rig.eta12)
+    for _ in range(APART):
+        own = [unknown(rig, name, between if len(kind.free) > 1 else None) for name in kind.free]
+        trial = _fitted(search, kind, own, chosen)
+        if trial is None:
+            return None
+        found = trial.hypothesis.model.parameters
+        stopped = [
+            u for u in own if min(abs(math.log(found[u.name] / end)) for end in u.bounds if end > 0) < EDGE
+        ]
+        if not stopped:
+            return trial
+        if len(kind.free) < 2 or found["eta1"] * found["eta12"] == between**2:
+            break
+        between = math.sqrt(found["eta1"] * found["eta12"])  # one of them has come to the other's side
+    return None  # what is at its bound is not found
+
+
+def _fitted(search: Search, kind: Kind, own: Sequence[Unknown], chosen: Trial) -> Trial | None:
+    h, own = hypothesis(chosen.hypothesis.model, [], search.model), list(own)
     if kind.line:
         far = REACH * max(float(np.max(np.abs(run.readings[:, 0]))) for run in search.data)
         line = tabulated("block", "x1", [-far, far], [0.0, 0.0])
@@ -79,16 +99,19 @@ def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | 
     )  # fmt: skip
 
 
-def unknown(rig: Rig, name: str, together: bool = False) -> Unknown:
-    """A number of the rig as one to estimate, within what a rig may have while the others are as declared."""
+def unknown(rig: Rig, name: str, between: float | None = None) -> Unknown:
+    """A number of the rig as one to estimate, within what a rig may have while the others are as declared.
+
+    Of two dampings that move together eta1 stays below `between`, eta12 above.
+    """
     value = float(getattr(rig, name))
     least = {"alpha1": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
     most = rig.eta12 if name == "eta1" else math.inf
-    middle = math.sqrt(rig.eta1 * rig.eta12)  # two that move together: eta1 stays below it, eta12 above
-    if together:
-        least, most = (middle, math.inf) if name == "eta12" else (0.0, middle)
-    bounds = max(least, value / FACTOR), min(most, value * FACTOR)
-    return Unknown(name, value, True, math.log(value), 1.0, bounds=bounds)
+    if between is not None:
+        least, most = (between, math.inf) if name == "eta12" else (0.0, between)
+    low, high = max(least, value / FACTOR), min(most, value * FACTOR)
+    start = min(max(value, low), high)
+    return Unknown(name, start, True, math.log(value), 1.0, bounds=(low, high))
 
 
 def numbers(trial: Trial) -> Mapping[str, Interval]:
@@ -148,11 +171,47 @@ def _constant(rig: Rig, name: str, found: Mapping[str, Interval]) -> str:
     return f" ({_CONSTANTS[name]} {(found[name].value - least) / declared:.3g} times the declared)"
 
 
-def remark(rig: AnyRig, tied: Sequence[Trial]) -> str | None:
-    """What to say of wrong numbers of the rig that the readings do not tell from what was found."""
-    if not tied:
-        return None
+def called(names: Sequence[str]) -> str:
+    """What a trial of numbers of the rig, or of one effect, is called among its rivals."""
+    return " and ".join(names)
+
+
+def remark(rig: AnyRig, names: tuple[str, ...], after: Trial, tied: Sequence[Trial]) -> str | None:
+    """What to know of wrong numbers of the rig beside what was found: `names` in the trial `after`."""
+    if tied:
+        return (
+            "a wrong number of the declared rig would explain the readings as well: "
+            f"{'; or '.join(formula(rig, numbers(one)) for one in tied)}: check it"
+        )
+    if names in KINDS and KINDS[names].line:
+        return (
+            "alpha1 sets the unit of time and where the declared law has its ends: these stay as declared, so that "
+            f"what is found is near and not yet exact; {_instead(rig, numbers(after))} and search again"
+        )
+    looks = [_LOOKS[names[0]]] if len(names) == 1 and names[0] in _LOOKS else []
     return (
-        "a wrong number of the declared rig would explain the readings as well: "
-        f"{'; or '.join(formula(rig, numbers(one)) for one in tied)}: check it"
+        f"a wrong {looks[0]} of the declared rig leaves a curve like this one too: check it"
+        if looks
+        else None
     )
+
+
+_LOOKS = {
+    "tabulated_block_x1": "m, k1 or k2",
+    "tabulated_angle_body_y1": "J, k2 or k3",
+    "tabulated_angle_body_y2": "J, c1 or c2",
+}
+
+
+def _instead(rig: AnyRig, found: Mapping[str, Interval]) -> str:
+    """What to write in [rig]."""
+    assert isinstance(rig, Rig)
+    if rig.scales is None:
+        return "correct the rig's constants"
+    si = rig.to_si()
+    whole = si["k1"] + si["k2"]
+    words = []
+    if "inertia" in found:
+        words.append(f"m = {si['m'] * found['inertia'].value / rig.alpha1:.4g} kg")
+    words.append(f"k1 = {whole * found['stiffness'].value / rig.alpha1 - si['k2']:.4g} N/m")
+    return f"write {' and '.join(words)} in [rig]"

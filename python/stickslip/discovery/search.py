@@ -104,6 +104,7 @@ class Search:
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
+    freed: list[Trial] = field(default_factory=list)  # the declared law with numbers of the rig free
     # crude pairs by the name of their base, with the cost that it had
     pairs: dict[tuple[str, ...], tuple[float, list[Trial]]] = field(default_factory=dict)
     ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for

@@ -26,6 +26,10 @@ STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that 
 PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
 NEARLY = 1.5  # chi-squared per reading that is near the noise
 OTHER = frozenset({"contact_compliance"})  # a contact of another kind: a law fitted without it leads astray
+CRUDELY = (
+    0.01  # of what a base leaves over the noise: a rival that falls by less in a step is ranked as it is
+)
+LITTLE = 20.0  # of chi-squared: about what a name must gain
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 OUTDONE = 1.5  # of the cost of a curve within the noise: a name that stalls beyond is not what it stands for
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
@@ -118,7 +122,7 @@ def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bo
         hypothesis(model, [*starts_of(base), one[1]], search.model),
         cycles=SHORT,
         iterations=12 if afresh and one[0] not in OTHER else 24,
-        tolerance=1e-2,
+        tolerance=CRUDELY * max(base.fit.cost - base.fit.readings, LITTLE) / base.fit.cost,
         rounds=1,
         windows_of=base,
         worst=math.inf if afresh else (0.985 if base.excess > CLEAN else 1.01) * base.fit.cost,
