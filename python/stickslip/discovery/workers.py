@@ -76,7 +76,9 @@ class Workers:
         if self._pool is not None:
             self._asked()
             try:
-                return list(self._pool.map(function, todo))
+                # not the pool's own map: what it cancels when interrupted, `stop` could not end without an outcry
+                under_way = [self._pool.submit(function, item) for item in todo]
+                return [one.result() for one in under_way]
             except BrokenExecutor:
                 self._pool = None
         return [function(item) for item in todo]
