@@ -13,11 +13,12 @@ from pathlib import Path
 from stickslip.config import write_text
 from stickslip.discovery.result import Found
 from stickslip.driven import page as driven
+from stickslip.driven.figures import FIGURES as DRIVEN
 from stickslip.driven.result import DrivenFound
 from stickslip.errors import InputError
 from stickslip.records import Case
 from stickslip.report.contents import contents
-from stickslip.report.page import draw, page
+from stickslip.report.page import FIGURES, draw, page
 
 
 def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[Path]:
@@ -30,7 +31,8 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[
     case : Case
         What it was given.
     out : path
-        Folder; made if absent. Files of these names in it are replaced, others are left alone.
+        Folder; made if absent. Files of these names in it are replaced, figures of an earlier result that this one
+        has not are removed, others are left alone.
 
     Returns
     -------
@@ -49,9 +51,14 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[
 
 def written(out: Path) -> list[Path]:
     """The files of a report in a folder; report.html first."""
-    figures = sorted(one for one in (out / "figures").glob("*.*") if one.suffix in (".svg", ".png"))
+    figures = sorted(one for one in (out / "figures").glob("*.*") if _ours(one))
     names = ("report.html", "report.json", "model_before.toml", "model_after.toml")
     return [*(out / name for name in names), *figures]
+
+
+def _ours(figure: Path) -> bool:
+    """Whether a figure is one that a report may have; others are somebody's own."""
+    return figure.suffix in (".svg", ".png") and figure.stem in {*FIGURES, *DRIVEN}
 
 
 def fill(into: Path, found: Found, case: Case) -> None:
@@ -100,8 +107,12 @@ def _move(temporary: Path, target: Path) -> None:
         temporary.chmod(0o777 & ~mask)
         temporary.rename(target)
         return
+    new = {file.relative_to(temporary) for file in temporary.rglob("*")}
     for file in sorted(temporary.rglob("*")):
         if file.is_file():
             there = target / file.relative_to(temporary)
             there.parent.mkdir(parents=True, exist_ok=True)
             file.replace(there)
+    for figure in (target / "figures").glob("*.*"):
+        if _ours(figure) and figure.relative_to(target) not in new:
+            figure.unlink()  # of an earlier result: beside the new page it would tell another story
