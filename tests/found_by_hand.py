@@ -6,6 +6,7 @@ at the start of every cycle, without and with the effect. No search takes place 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -241,6 +242,26 @@ def _unlisted() -> r.FoundEffect:
         "block", "x1", "force on the block", x, value, value - 0.03, value + 0.03, x[::12], "0.4 sin(7 x1)"
     )
     return r.FoundEffect("unlisted", "block", ("x1",), {}, evidence(900.0), (), "+g(x1)", curve)
+
+
+def guessed() -> r.FoundEffect:
+    """What nothing describes, at its likeliest place: there is no evidence."""
+    words = "no listed effect and no learned curve explains the residual; the place is the likeliest by score"
+    proof = r.Evidence(0.0, 0.0, 1.0, 0.0, "", 19.2, words)
+    return r.FoundEffect("unlisted", "angle_body", ("y1",), {}, proof, (), "not described")
+
+
+def of_rig(values: dict[str, float], control_name: str = "") -> r.FoundEffect:
+    """Wrong numbers of the declared rig, with intervals of 1 %."""
+    numbers = {name: r.Interval(one, 0.99 * one, 1.01 * one) for name, one in values.items()}
+    proof = r.Evidence(9e3, 8.9e3, 1.0, 0.0, control_name, 19.2, "lowers chi-squared by 9e+03")
+    words = " and ".join(f"{name} is {one:.4g}" for name, one in values.items())
+    return r.FoundEffect("unlisted", "angle_body", ("y1",), numbers, proof, (), words, of_rig=True)
+
+
+def with_effect(one: r.Found, effect: r.FoundEffect) -> r.Found:
+    """The same result, with this effect in the place of what was found."""
+    return replace(one, verdict=r.Verdict.unlisted_effect, effects=(effect,))
 
 
 def per_reading(case: ss.Case) -> float:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from concurrent.futures import Future
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -21,8 +23,9 @@ from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
 from stickslip.report import motion, words
 from stickslip.report.contents import contents
-from stickslip.report.page import page
+from stickslip.report.page import error, page, percent
 from stickslip.report.si import EFFECTS, to_si
+from stickslip.report.units import axes_of
 from stickslip.report.write import fill, folder, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
@@ -106,6 +109,120 @@ def test_si_by_the_rigs_own_numbers(name: str, value: float, expected: float, un
     got = to_si(name, value, found_by_hand.rig(si=True))
     assert got == (pytest.approx(expected, rel=2e-4), unit)
     assert to_si(name, value, found_by_hand.rig(si=False)) is None
+
+
+RIG_FOUND = [  # numbers found, and the constants that they make of the declared ones
+    ({"alpha2": 0.9}, {"J": 0.9}),
+    ({"beta3": 1.1}, {"k3": 362.1 * (1.1 - 1) / 1234.0 + 1.1}),
+    ({"eta12": 1.2}, {"c2": (1.2 * (2.48 + 2.94) - 2.48) / 2.94}),
+    ({"eta1": 1.3, "eta12": 1.2}, {"c1": 1.3, "c2": (1.2 * (2.48 + 2.94) - 1.3 * 2.48) / 2.94}),
+    ({"inertia": 1.05, "stiffness": 1.02}, {"m": 1.05, "k1": (1.02 * (6243.0 + 362.1) - 362.1) / 6243.0}),
+    ({"alpha1": 1.1}, {}),  # mass and spring k1 at once
+]
+
+
+@pytest.mark.parametrize(("shares", "expected"), RIG_FOUND, ids=lambda one: "-".join(one) or "none")
+def test_a_wrong_number_of_the_rig_has_its_constant_in_si(
+    tmp_path: Path, shares: dict[str, float], expected: dict[str, float]
+) -> None:
+    found, case = made(tmp_path)
+    rig, constants = case.rig, case.rig.to_si()
+    values = {name: share * getattr(rig, name, rig.alpha1) for name, share in shares.items()}
+    found = found_by_hand.with_effect(found, found_by_hand.of_rig(values))
+    report = json.loads(json.dumps(contents(found, case)))
+    jsonschema.validate(report, SCHEMA)
+    given = report["effects"][0]["parameters"].values()
+    told = {one["si_name"]: one for one in given if "si_name" in one}
+    assert {name: one["value_si"] / constants[name] for name, one in told.items()} == pytest.approx(expected)
+    for name, one in told.items():
+        if name == "c2" and "eta1" in shares:  # a difference of two
+            assert one["low_si"] is None
+        else:
+            assert one["low_si"] < one["value_si"] < one["high_si"]
+    rows = [row for row in report["parameters"] if row["kind"] == "effect"]
+    assert [row["name"] for row in rows] == list(shares)
+    assert [row["before"]["value"] for row in rows] == [getattr(rig, name, rig.alpha1) for name in shares]
+    text = page(found, case, report, {})
+    assert all(f"{name} = " in text for name in expected)
+
+
+def test_a_guessed_place_shows_no_evidence(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    found = found_by_hand.with_effect(found, found_by_hand.guessed())
+    report = json.loads(json.dumps(contents(found, case)))
+    jsonschema.validate(report, SCHEMA)
+    proof = report["effects"][0]["evidence"]
+    assert [proof[k] for k in ("delta_chi2", "delta_bic", "held_out_ratio", "control")] == [None] * 4
+    text = re.sub(r"\s+", " ", page(found, case, report, {}))
+    assert "It lowers chi-squared" not in text
+    assert "kept out of every fit" not in text
+    assert "Where it acts is a guess: on the angle body and depending on y1 is the likeliest." in text
+    assert "acts, most likely on the angle body, as a function of y1." in words.headline(found)
+    assert words.sureness(found)[-1].startswith("Where it acts and on what is the likeliest guess")
+    assert not any("stands" in line for line in words.sureness(found))
+
+
+def test_what_was_compared_with_nothing_is_not_said_to_stand(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    bare = found_by_hand.with_effect(found, found_by_hand.of_rig({"eta1": 0.08, "eta12": 0.2}))
+    said = words.sureness(bare)[-1]
+    assert said == (
+        "That it is eta1 and eta12 was held against no rival of its kind; of all that was tried sensor_delay comes "
+        "nearest, its BIC higher by 3.1."
+    )
+    close = tuple(dataclasses.replace(one, bic=0.0) for one in bare.ranking)
+    assert "NOT settled" in words.sureness(dataclasses.replace(bare, ranking=close))[-1]
+    assert words.sureness(dataclasses.replace(bare, ranking=()))[-1].endswith("held against no rival.")
+    assert contents(bare, case)["effects"][0]["evidence"]["control"] is None  # type: ignore[index, call-overload]
+    held = found_by_hand.with_effect(found, found_by_hand.of_rig({"alpha2": 7.5}, "spring_gap_k3"))
+    assert words.sureness(held)[-1] == "That it is alpha2 stands: no rival comes near."
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (99.7, 2, "100"),
+        (100.0, 2, "100"),
+        (9999.6, 4, "10\u202f000"),
+        (12345.6, 4, "12\u202f350"),
+        (0.05, 2, "0.05"),
+        (2e7, 3, "2·10⁷"),
+        (-99.96, 3, "−100"),
+    ],
+)
+def test_numbers_have_no_exponent_where_a_person_needs_none(value: float, digits: int, text: str) -> None:
+    assert words.short(value, digits) == text
+
+
+def test_shares_and_rounding_residue() -> None:
+    assert percent(1.0) == percent(0.997) == "100\u00a0%"
+    assert percent(0.028) == "2.8\u00a0%"
+    assert percent(float("nan")) == "–"
+    assert error(2.21e-16) == "0"
+    assert error(2.21e-3) == "0.00221"
+    assert error(float("nan")) == "–"
+
+
+def test_a_residual_that_grows_is_remarked_on(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    after = dataclasses.replace(found.residual_before, chi2=found.residual_before.chi2 + 8, clean=False)
+    grown = dataclasses.replace(found, residual_after=after)
+    said = words.clean_sentence(grown)
+    assert said.startswith("Reading by reading more is left than before: chi-squared per reading is ")
+    assert "not what was fitted" not in said
+    block = dataclasses.replace(found.before, rig=ss.BlockOnBelt(), effects=(), channels=None, noise=None)
+    assert "not what was fitted" in words.clean_sentence(dataclasses.replace(grown, before=block))
+
+
+def test_a_single_belt_speed_is_said_once_in_the_readings_unit(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    size = case.rig.scales.velocity * 1e3
+    low, high = (words.short(size * one, 3) for one in (0.08, 0.1))
+    assert f"Trained at |belt speed| from {low} to {high} mm/s; " in words.caveats(found, axes_of(case))[-1]
+    runs = tuple(dataclasses.replace(run, belt_speed=0.08) for run in found.runs)
+    one_speed = dataclasses.replace(found, runs=runs)
+    assert f"Trained at |belt speed| {low} mm/s only; " in words.caveats(one_speed, axes_of(case))[-1]
+    assert "|belt speed| 0.08 (model units) only; " in words.caveats(one_speed)[-1]
 
 
 def test_models_are_complete_and_read_back(reports: dict[str, tuple[Found, Path]]) -> None:
@@ -240,6 +357,29 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
+def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, case = made(tmp_path)
+    figures = tmp_path / "out" / "figures"
+    figures.mkdir(parents=True)
+    (figures / "sub").mkdir()
+    old = ("learned_curve.svg", "learned_curve.png", "weights.png")
+    mine = ("mine.png", "learned_curve.pdf", "sub/errors.png")
+    for name in (*old, *mine):
+        (figures / name).write_text("old", encoding="utf-8")
+    monkeypatch.setattr(
+        "stickslip.report.write.page", lambda *_: (_ for _ in ()).throw(RuntimeError("no page"))
+    )
+    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    with pytest.raises(RuntimeError, match="no page"):
+        write_report(found, case, tmp_path / "out")
+    assert all((figures / name).exists() for name in (*old, *mine))
+    monkeypatch.setattr("stickslip.report.write.page", lambda *_: "")
+    said = write_report(found, case, tmp_path / "out")
+    assert not [name for name in old if (figures / name).exists()]
+    assert all((figures / name).exists() for name in mine)
+    assert figures / "mine.png" not in said
+
+
 def test_what_is_said_to_be_written_is_all_that_is_written(tmp_path: Path) -> None:
     found, case = made(tmp_path)
     said = write_report(found, case, tmp_path / "out")
@@ -270,6 +410,22 @@ def test_an_interrupt_while_drawing_ends_the_processes_and_leaves_nothing(
         write_report(found, case, tmp_path / "out")
     assert len(stopped) == 1
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_an_interrupted_map_cancels_nothing_under_way() -> None:
+    """What is cancelled makes the pool's own thread cry out when it is stopped."""
+
+    class Interrupted(Future[int]):
+        def result(self, timeout: float | None = None) -> int:
+            raise KeyboardInterrupt(timeout)
+
+    handed: list[Future[int]] = [Interrupted(), Future(), Future()]
+    todo, workers = iter(handed), Workers(1)
+    workers._pool = SimpleNamespace(submit=lambda *_: next(todo), map=None)
+    with pytest.raises(KeyboardInterrupt):
+        workers.map(abs, [1, 2, 3])
+    assert next(todo, None) is None
+    assert not any(one.cancelled() for one in handed)
 
 
 def test_same_result_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ import found_by_hand
 import stickslip as ss
 from stickslip.discovery.result import ErrorBlock, Found
 from stickslip.discovery.slider.outcome import METRIC
-from stickslip.report import figures, figures_numbers, figures_residual
+from stickslip.report import figures, figures_friction, figures_numbers, figures_residual
 from stickslip.report.units import Axes, axes_of
 
 ROOT = Path(__file__).parent.parent
@@ -103,6 +103,61 @@ def test_a_portrait_names_its_run_apart_from_its_axis(tmp_path: Path) -> None:
     run = figures.shown_runs(found)[0].name
     assert ax.get_title(loc="left") == run
     assert run not in ax.get_ylabel()
+
+
+def test_the_name_of_a_run_is_clear_of_the_titles(tmp_path: Path) -> None:
+    found, axes = made(tmp_path)
+    long = tuple(dataclasses.replace(run, name=f"{run.name}_at_eleven_hundred") for run in found.runs)
+    figure = figures.portrait(dataclasses.replace(found, runs=long), axes)
+    figure.draw_without_rendering()
+    ax = figure.axes[0]
+    model, run = ax.title.get_window_extent(), ax._left_title.get_window_extent()
+    assert model.x0 < run.x1  # side by side there is no room
+    assert model.y0 + model.height / 2 >= run.y0 + 0.9 * run.height  # the lower of its two lines is empty
+
+
+def forces(figure: figures.Figure) -> tuple[float, float]:
+    low, high = figure.axes[0].get_ylim()
+    return low, high
+
+
+def test_friction_is_drawn_where_the_block_slips(tmp_path: Path) -> None:
+    found, axes = made(tmp_path)
+    law = found.before.friction
+    unseen = dataclasses.replace(found.before, friction=dataclasses.replace(law, T_s_plus=60.0))
+    no_plus = lambda run: {name: np.minimum(getattr(run, name), 0) for name in ("mode_before", "mode_after")}  # noqa: E731
+    runs = tuple(dataclasses.replace(run, **no_plus(run)) for run in found.runs)
+    one_way = dataclasses.replace(found, before=unseen, runs=runs)
+    low, high = forces(figures_friction.friction(one_way, axes))
+    assert low < -axes.force.size * law.T_s_minus
+    assert high < 30.0 * axes.force.size
+    told = legend(figures_friction.friction(found, axes))
+    assert "limits of sticking, at $v_w$ = 0" in told
+    assert "from the readings" in told
+
+
+def test_friction_says_which_force_its_points_contain(tmp_path: Path) -> None:
+    found, axes = made(tmp_path)
+    damping = dataclasses.replace(found.effects[0], name="block_viscous_damping", where="block")
+    with_force = dataclasses.replace(found, effects=(damping,))
+    told = legend(figures_friction.friction(with_force, axes))
+    assert "from the readings, with the force of block_viscous_damping" in told
+    assert figures_friction.contained(found) == []
+    of_rig = found_by_hand.with_effect(found, found_by_hand.of_rig({"alpha2": 7.0}))
+    assert figures_friction.contained(of_rig) == []
+    assert "law with alpha2 mended" in legend(figures_friction.friction(of_rig, axes))
+
+
+def test_panels_in_time_share_a_scale_or_say_so(tmp_path: Path) -> None:
+    found, axes = made(tmp_path)
+    left, right = figures_residual.in_time(found, axes).axes[:2]
+    assert left.get_ylim()[1] > figures_residual.ALIKE * right.get_ylim()[1]
+    assert [text.get_text().startswith("scale ") for text in right.texts] == [True]
+    assert not left.texts
+    same = tuple(dataclasses.replace(run, after=run.before) for run in found.runs)
+    left, right = figures_residual.in_time(dataclasses.replace(found, runs=same), axes).axes[:2]
+    assert left.get_ylim() == right.get_ylim()
+    assert not right.texts
 
 
 def test_a_block_on_a_belt_declared_in_si_has_its_force_in_newtons() -> None:

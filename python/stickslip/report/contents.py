@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -11,8 +12,9 @@ from stickslip._core import build_config
 from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
 from stickslip.records import Case
 from stickslip.report import words
-from stickslip.report.si import UNITS, VARIABLES, factor, scales_of, to_si
-from stickslip.rig import AnyRig
+from stickslip.report.si import UNITS, VARIABLES, factor, rig_constant, scales_of, to_si
+from stickslip.report.units import axes_of
+from stickslip.rig import AnyRig, DrivenSlider
 
 FORMAT = 1  # raised when a key of report.json changes its meaning
 
@@ -30,12 +32,14 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     -------
     dict
         `Found.report` with, for a rig declared in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
-        parameter that has a dimension, and with `summary`, `caveats`, `parameters` and `provenance`.
+        parameter that has a dimension (`si_name` too where it is a number of the rig), and with `summary`, `caveats`,
+        `parameters` and `provenance`.
     """
     out = dict(found.report)
     out["format"] = FORMAT
     out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
-    out["caveats"] = list(words.caveats(found))
+    axes = None if isinstance(case.rig, DrivenSlider) else axes_of(case)
+    out["caveats"] = list(words.caveats(found, axes))
     out["effects"] = [_effect(one, case.rig) for one in found.effects]
     out["parameters"] = [*parameter_table(found, case)]
     out["provenance"] = provenance(case, found.seconds)
@@ -46,7 +50,10 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
 def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
     out = plain(one)
     assert isinstance(out, dict)
-    out["parameters"] = _parameters(one.name, one.parameters, rig)
+    out["parameters"] = {
+        name: {**_table(plain(number)), **in_si(one, name, rig)} for name, number in one.parameters.items()
+    }
+    out["evidence"] = _evidence(one)
     out["alternatives"] = [
         {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
     ]
@@ -60,6 +67,40 @@ def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
         }
         out["curve"] = {**_table(out["curve"]), **si}
     return out
+
+
+def _evidence(one: FoundEffect) -> dict[str, Json]:
+    """The evidence, with null for what was not measured: nothing, where the place is a guess."""
+    compared = words.compared(one)
+    out = {**_table(plain(one.evidence)), "control_name": compared}
+    if not compared:
+        out["control"] = None
+    if words.guessed(one):
+        out |= dict.fromkeys(("delta_chi2", "delta_bic", "held_out_ratio"))
+    return out
+
+
+def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
+    """A parameter's value, limits and unit in SI; `si_name` says which constant a wrong number of the rig stands for.
+
+    Empty where there is no one number in SI.
+    """
+    one = effect.parameters[name]
+    if not effect.of_rig:
+        return _si(f"{effect.name}.{name}", one, rig)
+    beside = effect.parameters.get("eta1") if name == "eta12" else None
+    constant = rig_constant(name, rig, None if beside is None else beside.value)
+    if constant is None:
+        return {}
+    # found together, c2 is a difference of two numbers: its interval is not in theirs
+    low, high = (None, None) if beside is not None else (one.low, one.high)
+    return {
+        "si_name": constant.name,
+        "value_si": constant.of(one.value),
+        "unit": constant.unit,
+        "low_si": None if low is None else constant.of(low),
+        "high_si": None if high is None else constant.of(high),
+    }
 
 
 def _table(value: Json) -> dict[str, Json]:
@@ -86,18 +127,24 @@ def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
     """Every estimated number: name, before, after with its interval, SI beside, and whether it is identified."""
     rows: list[dict[str, Json]] = []
     for name, one in found.law.items():
-        before = found.law_before.get(name)
-        rows.append({"name": name, "kind": "law", "before": plain(before), **_row(name, one, case.rig)})
+        own: dict[str, Json] = {"name": name, "kind": "law", "before": plain(found.law_before.get(name))}
+        rows.append({**own, **_status(one), **_si(name, one, case.rig)})
     for effect in found.effects:
         for name, one in effect.parameters.items():
-            full = f"{effect.name}.{name}"
-            rows.append({"name": full, "kind": "effect", "before": None, **_row(full, one, case.rig)})
+            own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
+            before = _declared(name, case.rig) if effect.of_rig else None
+            rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case.rig)})
     return rows
 
 
-def _row(name: str, one: Interval, rig: AnyRig) -> dict[str, Json]:
+def _declared(name: str, rig: AnyRig) -> Json:
+    """A number of the rig as declared; what stands for alpha1 in one place is declared as that."""
+    return plain(Interval(float(getattr(rig, name, getattr(rig, "alpha1", math.nan))), None, None))
+
+
+def _status(one: Interval) -> dict[str, Json]:
     status = "identified" if one.low is not None and one.high is not None else "not identified"
-    return {**_table(plain(one)), **_si(name, one, rig), "status": status}
+    return {**_table(plain(one)), "status": status}
 
 
 def provenance(case: Case, seconds: float) -> dict[str, Json]:

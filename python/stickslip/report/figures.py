@@ -1,4 +1,4 @@
-"""The figures of a report that show motion and friction, before and after.
+"""The figure of a report that shows motion, and what all of them share: colours, names, an empty sheet.
 
 Measured is blue, the declared model alone vermilion and dashed, the model with what was found green and solid: Okabe
 and Ito's colours, told apart by line style too.
@@ -10,16 +10,15 @@ from collections.abc import Callable
 from functools import wraps
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 
 from stickslip.discovery.readings import reading_velocity
-from stickslip.discovery.result import Found, RunView, Verdict
-from stickslip.model import Model
-from stickslip.plot import DOTS, GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
+from stickslip.discovery.result import Found, FoundEffect, RunView, Verdict
+from stickslip.plot import GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
 from stickslip.report.motion import Measured, broken, measured
 from stickslip.report.units import Axes
+from stickslip.report.words import guessed, joined
 
 BEFORE, AFTER = SIMULATED, LIMIT
 LineStyle = str | tuple[int, tuple[int, int]]
@@ -45,11 +44,18 @@ def sheet(width: float, height: float) -> Figure:
 
 def after_name(found: Found) -> str:
     """What the second model is called in legends."""
-    return (
-        "declared model"
-        if found.verdict is Verdict.no_effect
-        else "with " + " + ".join(e.name for e in found.effects)
-    )
+    if found.verdict is Verdict.no_effect:
+        return "declared model"
+    return "with " + " + ".join(_called(found, effect) for effect in found.effects)
+
+
+def _called(found: Found, effect: FoundEffect) -> str:
+    """What of an effect is in the model after: one without a name is not called unlisted where there is more to say."""
+    if effect.of_rig:
+        return f"{joined(list(effect.parameters))} mended"
+    if guessed(effect):
+        return " + ".join(one.name for one in found.after.effects) or "nothing added"
+    return "a learned curve" if effect.name == "unlisted" else effect.name
 
 
 def before_name(found: Found) -> str:
@@ -80,7 +86,8 @@ def portrait(found: Found, axes: Axes) -> Figure:
         for ax, (title, which) in zip(row, columns, strict=True):
             _portrait(ax, found, run, smooth, which, axes)
             if run is runs[0]:
-                ax.set_title(title, fontsize=10, color=BEFORE if which == "before" else AFTER)
+                colour = BEFORE if which == "before" else AFTER
+                ax.set_title(f"{title}\n", fontsize=10, color=colour)  # above the line that names the run
             if run is runs[-1]:
                 ax.set_xlabel(label("reading of $x_1$", axes.x1.unit))
         row[0].set_ylabel(label("rate of the reading, $\\dot x_1$", axes.x2.unit))
@@ -111,54 +118,3 @@ def _portrait(ax: Plot, found: Found, run: RunView, smooth: Measured | None, whi
     ax.axhline(vs * run.belt_speed, color=GREY, lw=0.8, ls=(0, (1, 2)), zorder=0, label="belt speed")
     ax.margins(0.06)
     ax.locator_params(nbins=6)
-
-
-@styled
-def friction(found: Found, axes: Axes) -> Figure:
-    """T against v_w: from the readings of all runs, and the law before and after; sticks lie on v_w = 0."""
-    figure = sheet(7.6, 4.2)
-    ax = figure.subplots()
-    vs, force = axes.x2.size, axes.force.size
-    v, T = _force_points(found)
-    if v.size:
-        ax.plot(vs * v, force * T, ".", color=MEASURED, ms=2.0, alpha=0.3, mew=0, rasterized=True)
-        ax.plot([], [], ".", color=MEASURED, ms=7, mew=0, label="from the readings")
-    speeds = np.concatenate([run.speed_after for run in found.runs])
-    low, high = float(np.nanmin(speeds)), float(np.nanmax(speeds))
-    drawn: list[tuple[Model, str, LineStyle, str]] = [(found.before, BEFORE, DASH, "law identified alone")]
-    if found.verdict is not Verdict.no_effect:
-        drawn.append((found.after, AFTER, "-", f"law {after_name(found)}"))
-    for model, colour, style, name in drawn:
-        for side in (np.linspace(low, 0.0, 300)[:-1], np.linspace(0.0, high, 300)[1:]):
-            if np.ptp(side) > 0:
-                ax.plot(
-                    vs * side, force * model.friction.force(side), color=colour, ls=style, lw=1.6, label=name
-                )
-        minus, plus = model.friction.static_limits
-        ax.plot([0, 0], [-force * minus, force * plus], color=colour, ls=style, lw=1.0)
-    ax.axhline(0.0, color=GREY, lw=0.5, zorder=0)
-    ax.set_xlabel(label("relative velocity $v_w$", axes.x2.unit))
-    ax.set_ylabel(label("friction force $T$", axes.force.unit))
-    top = 1.25 * force * max(*found.after.friction.static_limits, *found.before.friction.static_limits)
-    ax.set_ylim(-top, top)
-    reach = 0.06 * (high - low)
-    ax.set_xlim(*sorted((vs * (low - reach), vs * (high + reach))))
-    handles = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True))
-    figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
-    return figure
-
-
-def _force_points(found: Found) -> tuple[np.ndarray, np.ndarray]:
-    v, T = [], []
-    for run in found.runs:
-        one = measured(found.after, run)
-        if one is not None:
-            v.append(one.v_w[one.sure])
-            T.append(one.force[one.sure])
-    if not v:
-        return np.array([]), np.array([])
-    speeds, forces = np.concatenate(v), np.concatenate(T)
-    if speeds.size > DOTS:
-        kept = np.random.default_rng(0).choice(speeds.size, DOTS, replace=False)
-        speeds, forces = speeds[kept], forces[kept]
-    return speeds, forces

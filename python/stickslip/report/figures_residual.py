@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -21,6 +21,7 @@ from stickslip.shooting import Array
 CHANNELS = ("x1", "y1")
 COLUMNS = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 BINS = 24
+ALIKE = 3.0  # times what a panel needs that a scale shared with its neighbour may be
 NOISE = "±2, where noise alone keeps 95 %"
 
 
@@ -40,12 +41,13 @@ def in_time(found: Found, axes: Axes) -> Figure:
     grid = figure.subplots(len(channels), len(columns), squeeze=False, sharex=True)
     every = max(1, len(run.t) // DOTS)
     for row, channel in zip(grid, channels, strict=True):
+        tops = []
         for ax, (which, colour) in zip(row, columns, strict=True):
             z = residual(run, which, channel)
             ax.axhspan(-2, 2, color=BAND, alpha=0.45, lw=0, zorder=0, label=NOISE)
             ax.plot(axes.t.size * run.t[::every], z[::every], color=colour, lw=0.6)
-            top = max(4.0, 1.08 * float(np.nanmax(np.abs(z))))
-            ax.set_ylim(-top, top)
+            tops.append(max(4.0, 1.08 * float(np.nanmax(np.abs(z)))))
+        _scales(row, tops)
         row[0].set_ylabel(f"{channel} residual / noise")
     for ax, (which, colour) in zip(grid[0], columns, strict=True):
         title = "declared model alone" if which == "before" else after_name(found)
@@ -54,6 +56,17 @@ def in_time(found: Found, axes: Axes) -> Figure:
         ax.set_xlabel(label(f"time since the start of {run.name}", axes.t.unit))
     figure.legend(*_legend(figure), loc="outside upper center")
     return figure
+
+
+def _scales(row: Sequence[Plot], tops: Sequence[float]) -> None:
+    """One y scale for a row, or where one panel would be flat in it its own, and how much finer that is."""
+    most = max(tops)
+    for ax, top in zip(row, tops, strict=True):
+        own = top if top * ALIKE < most else most
+        ax.set_ylim(-own, own)
+        if own < most:
+            words = f"scale {most / own:.0f} times finer"
+            ax.text(0.99, 0.98, words, transform=ax.transAxes, ha="right", va="top", fontsize=8, color=GREY)
 
 
 def _legend(figure: Figure) -> tuple[list[Artist], list[str]]:
@@ -85,7 +98,7 @@ def spectrum(found: Found, axes: Axes) -> Figure:
     for effect in found.effects:
         if "w" in effect.parameters:
             at = axes.rate.size * effect.parameters["w"].value
-            ax.axvline(at, color=GREY, lw=0.9, ls=(0, (1, 2)), label=f"$w$ of {effect.name}")
+            ax.axvline(at, color=GREY, lw=0.9, ls=(0, (1, 2)), label=f"found frequency, $w$ of {effect.name}")
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlabel(label("angular frequency", axes.rate.unit))

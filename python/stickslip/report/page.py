@@ -17,15 +17,16 @@ from stickslip.discovery.result import Found, Interval, Json, Rival, Verdict
 from stickslip.discovery.workers import Workers
 from stickslip.plot import save_figure
 from stickslip.records import Case
-from stickslip.report import figures, figures_numbers, figures_residual, words
+from stickslip.report import figures, figures_friction, figures_numbers, figures_residual, words
 from stickslip.report.motion import residual
 from stickslip.report.units import Axes, axes_of
 
+ROUNDING = 1e-12  # of a cycle, of a signal: no error is so small
 Drawer = Callable[[Found, Axes], Figure]
 FIGURES: Mapping[str, Drawer] = {
     "errors": figures_numbers.errors,
     "portrait": figures.portrait,
-    "friction": figures.friction,
+    "friction": figures_friction.friction,
     "residual_in_time": figures_residual.in_time,
     "residual_spectrum": figures_residual.spectrum,
     "residual_against_variable": figures_residual.against_variable,
@@ -70,10 +71,13 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
     )
     environment.filters |= {
         "num": number,
+        "error": error,
         "span": span,
         "valued": valued,
         "percent": percent,
         "tied": words.ties,
+        "guessed": words.guessed,
+        "compared": words.compared,
         "sentence": words.sentence,
         "beneath": beneath,
         "numbers": numbers,
@@ -91,8 +95,9 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         sureness=words.sureness(found),
         alarms=words.alarms(found),
         clean=words.clean_sentence(found),
-        caveats=words.caveats(found),
+        caveats=words.caveats(found, axes_of(case)),
         kind=words.kind,
+        contained=words.joined(figures_friction.contained(found)),
         place=words.PLACE,
         excursion=excursion(found, axes_of(case)),
         figures={name: inline(path, name) for name, path in drawings.items()},
@@ -137,6 +142,11 @@ def number(value: float | None, digits: int = 4) -> str:
     return words.short(value, digits)
 
 
+def error(value: float) -> str:
+    """An error for a table; what is only rounding is 0."""
+    return number(0.0 if abs(value) < ROUNDING else value, 3)
+
+
 def span(one: Interval | None) -> str:
     """A 95 % interval for a table."""
     if one is None or (one.low is None and one.high is None):
@@ -166,4 +176,4 @@ def numbers(rival: Rival) -> str:
 
 def percent(value: float | None) -> str:
     """A share as percent, two digits."""
-    return "–" if value is None or value != value else f"{100 * value:.2g}\u00a0%"  # NaN
+    return "–" if value is None or value != value else f"{number(100 * value, 2)}\u00a0%"  # NaN

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
+from stickslip.report.units import Axes, Axis
 from stickslip.rig import BlockOnBelt
 from stickslip.scale import percent
 
@@ -78,6 +80,17 @@ def kind(effect: FoundEffect) -> str:
     return "a declared number of the rig that is wrong" if effect.of_rig else plain(effect.name)
 
 
+def guessed(effect: FoundEffect) -> bool:
+    """Whether nothing describes the effect, so that its place is the likeliest, and its evidence holds no numbers."""
+    return effect.name == "unlisted" and effect.curve is None and not effect.of_rig
+
+
+def compared(effect: FoundEffect) -> str:
+    """The best wrong effect in its place; empty where none was tried."""
+    name = effect.evidence.control_name
+    return "" if name == "none" else name  # a block on a belt says it so
+
+
 def joined(words: Sequence[str]) -> str:
     """Words as prose: a, b and c."""
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
@@ -115,7 +128,8 @@ def headline(found: Found) -> str:
         others = [plain(e.name) for e in found.effects if e is not effect]
         beside = f", beside {joined(others)}" if others else ""
         place = PLACE.get(effect.where, effect.where)
-        return f"Something that is not in the catalogue acts {place}{variables}{memory}{beside}."
+        acts = "acts, most likely" if guessed(effect) else "acts"
+        return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
     lacking = [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
     settled = "" if not any(ties(e) for e in found.effects) else ": these runs cannot tell which"
     if len(lacking) <= FEW:
@@ -150,7 +164,7 @@ def sureness(found: Found) -> list[str]:
         lines.append(
             f"But no name tried explains the readings down to their noise; {names} is the best of them."
         )
-    return lines + [_of_the_name(effect) for effect in found.effects]
+    return lines + [_of_the_name(found, effect) for effect in found.effects]
 
 
 def alarms(found: Found) -> str:
@@ -167,9 +181,12 @@ def _share(found: Found) -> str:
     return percent(share) if share else "none"
 
 
-def _of_the_name(effect: FoundEffect) -> str:
+def _of_the_name(found: Found, effect: FoundEffect) -> str:
     equal = ties(effect)
     curve = effect.name == "unlisted"
+    if guessed(effect):
+        on = " and on what" if effect.depends_on else ""
+        return f"Where it acts{on} is the likeliest guess: no name and no curve explains the readings."
     who = "Where it acts and on what" if curve else f"The name {effect.name}"
     if effect.of_rig:
         who = f"That it is {joined(list(effect.parameters))}"
@@ -180,12 +197,28 @@ def _of_the_name(effect: FoundEffect) -> str:
     if effect.alternatives:
         nearest = max(effect.alternatives, key=lambda one: one.odds)
         return f"{who} stands: for the nearest rival, {nearest.name}, it is {_odds(nearest.odds)}."
-    return f"{who} stands: no rival comes near."
+    return f"{who} stands: no rival comes near." if compared(effect) else f"{who} {_beside_the_rest(found)}"
+
+
+def _beside_the_rest(found: Found) -> str:
+    """How far the next best lies where nothing was tried in the very place of what was chosen."""
+    others = [one for one in found.ranking if one.names and not one.chosen and math.isfinite(one.bic)]
+    best = next((one.bic for one in found.ranking if one.chosen), 0.0)
+    if not others:
+        return "was held against no rival."
+    nearest = min(others, key=lambda one: one.bic)
+    above = nearest.bic - best
+    if above <= 0:
+        return f"is NOT settled: {' + '.join(nearest.names)} has a BIC no higher."
+    return (
+        f"was held against no rival of its kind; of all that was tried {' + '.join(nearest.names)} comes nearest, its "
+        f"BIC higher by {short(above, 3)}."
+    )
 
 
 def _odds(odds: float) -> str:
     if odds >= 0.01:
-        return f"odds {odds:.2g} to 1"
+        return f"odds {short(odds, 2)} to 1"
     return f"1 to {short(1 / odds, 2)}" if odds > 1e-12 else "under 1 to 10¹²"
 
 
@@ -202,11 +235,12 @@ def short(value: float | None, digits: int = 4) -> str:
     """A number for a person: plain up to a million, then with a power of ten; a dash where there is none."""
     if value is None or not math.isfinite(value):
         return "–"
-    size = abs(value)
+    rounded = float(f"{value:.{digits}g}")  # 99.7 is 100 in two digits
+    size = abs(rounded)
     if size == 0 or 1e-3 <= size < 10**digits:
-        text = f"{value:.{digits}g}"
+        text = f"{rounded:.{digits}g}"
     elif 1 <= size < 1e7:
-        text = f"{float(f'{value:.{digits}g}'):,.0f}".replace(",", "\u202f")
+        text = f"{rounded:,.0f}".replace(",", "\u202f")
     else:
         mantissa, _, power = f"{value:.{max(digits - 1, 0)}e}".partition("e")
         mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
@@ -216,12 +250,28 @@ def short(value: float | None, digits: int = 4) -> str:
 
 def clean_sentence(found: Found) -> str:
     """Whether anything is left after the cure."""
-    after = found.residual_after
+    before, after = found.residual_before, found.residual_after
+    error = f"± {short(after.error, 1)}"
     if after.clean:
-        return f"What is left is noise: chi-squared per reading is {after.chi2:.4g} ± {after.error:.1g}."
+        return f"What is left is noise: chi-squared per reading is {short(after.chi2)} {error}."
+    if found.effects and after.chi2 > before.chi2 + 2 * math.hypot(before.error, after.error):
+        return (
+            f"Reading by reading more is left than before: chi-squared per reading is {short(after.chi2)} {error}, "
+            f"{short(before.chi2)} without what was found, and noise alone leaves 1.{_other_measure(found)}"
+        )
     return (
-        f"Not all is explained: chi-squared per reading is still {after.chi2:.4g} ± {after.error:.1g} "
+        f"Not all is explained: chi-squared per reading is still {short(after.chi2)} {error} "
         "where noise alone leaves 1."
+    )
+
+
+def _other_measure(found: Found) -> str:
+    """What was fitted instead, where that is not the readings."""
+    if not isinstance(found.before.rig, BlockOnBelt):
+        return ""
+    return (
+        " That is not what was fitted: what was found explains how events differ from each other (their levels of "
+        "friction, stick rates, slip frequencies), not the course of the readings within one."
     )
 
 
@@ -239,8 +289,8 @@ def floor(found: Found, *, single: bool) -> str:
     )
 
 
-def caveats(found: Found) -> list[str]:
-    """What this verdict does not say."""
+def caveats(found: Found, axes: Axes | None = None) -> list[str]:
+    """What this verdict does not say; numbers in the units of the axes, else the model's own."""
     out = [sentence(one) for one in found.messages]
     loose = [name for name, one in found.law.items() if one.low is None or one.high is None]
     if loose:
@@ -250,10 +300,11 @@ def caveats(found: Found) -> list[str]:
         if open_ended:
             out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
         if effect.curve is not None and effect.curve.period is None:
-            low, high = float(effect.curve.x.min()), float(effect.curve.x.max())
+            variable = effect.curve.variable
+            axis = None if axes is None else axes.variable(variable)
+            reach = _from_to(effect.curve.x.min(), effect.curve.x.max(), axis)
             out.append(
-                f"The learned curve holds for {effect.curve.variable} from {low:.3g} to {high:.3g} (model units); "
-                "beyond, it is held constant and nothing is known."
+                f"The learned curve holds for {variable} {reach}; beyond, it is held constant and nothing is known."
             )
     if found.effects and not found.residual_after.clean:
         out.append(
@@ -261,8 +312,14 @@ def caveats(found: Found) -> list[str]:
         )
     speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
     if speeds:
-        out.append(
-            f"Trained at |belt speed| from {min(speeds):.3g} to {max(speeds):.3g} (model units); "
-            "forecasts at other speeds extrapolate."
-        )
+        axis = None if axes is None else replace(axes.x2, size=abs(axes.x2.size))
+        reach = _from_to(min(speeds), max(speeds), axis)
+        out.append(f"Trained at |belt speed| {reach}; forecasts at other speeds extrapolate.")
     return list(dict.fromkeys(out))
+
+
+def _from_to(low: float, high: float, axis: Axis | None) -> str:
+    """A range in the unit of an axis; one number where both ends are written alike."""
+    size, unit = (axis.size, f" {axis.unit}") if axis and axis.unit != "1" else (1.0, " (model units)")
+    ends = [short(end, 3) for end in sorted((size * float(low), size * float(high)))]
+    return f"{ends[0]}{unit} only" if ends[0] == ends[1] else f"from {ends[0]} to {ends[1]}{unit}"
