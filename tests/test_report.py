@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import json
 import re
 from concurrent.futures import Future
@@ -14,10 +15,12 @@ from types import SimpleNamespace
 import jsonschema
 import numpy as np
 import pytest
+from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
 from stickslip.catalogue import CATALOGUE, CONSTANTS, KINDS
+from stickslip.cli_discover import effects_table
 from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
@@ -144,6 +147,23 @@ def test_a_wrong_number_of_the_rig_has_its_constant_in_si(
     assert [row["before"]["value"] for row in rows] == [getattr(rig, name, rig.alpha1) for name in shares]
     text = page(found, case, report, {})
     assert all(f"{name} = " in text for name in expected)
+
+
+def test_the_commands_table_of_a_wrong_number_says_what_it_is(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    console = Console(width=80, record=True, file=io.StringIO())
+    wrong = found_by_hand.with_effect(found, found_by_hand.of_rig({"eta1": 0.08, "eta12": 0.2}))
+    console.print(effects_table(wrong, case))
+    text = console.export_text()
+    assert "wrong in the declared rig" in text
+    assert "unlisted" not in text
+    assert "c1 = 2.318 N s/m" in text
+    assert "c2 = 3.477 N s/m" in text
+    console.print(effects_table(found, case))
+    text = console.export_text()
+    assert "what the declared model lacks" in text
+    assert "sensor_lag" in text
+    assert "│ 0.009603 s │" in text
 
 
 def test_a_guessed_place_shows_no_evidence(tmp_path: Path) -> None:

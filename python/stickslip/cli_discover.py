@@ -19,7 +19,7 @@ from stickslip.model import Model, load_model
 from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
 from stickslip.report import words
-from stickslip.report.si import to_si
+from stickslip.report.contents import si_text
 from stickslip.report.units import axes_of
 from stickslip.rig import Rig
 from stickslip.scale import read_quantity, scales
@@ -84,16 +84,16 @@ def say(found: Found, case: Case, to: Console) -> None:
 
 def effects_table(found: Found, case: Case) -> Table:
     """The effects found, with their numbers and intervals."""
-    table = Table(title="what the declared model lacks")
+    wrong = any(effect.of_rig for effect in found.effects)
+    table = Table(title="wrong in the declared rig" if wrong else "what the declared model lacks")
     table.add_column("number", no_wrap=True)
     for name in ("value", "95 % interval", "in SI"):
         table.add_column(name, justify="right", no_wrap=True)
     for effect in found.effects:
-        table.add_row(f"[bold]{effect.name}[/bold]", "", "", "")
+        if not effect.of_rig:
+            table.add_row(f"[bold]{effect.name}[/bold]", "", "", "")
         for parameter, one in effect.parameters.items():
-            si = to_si(f"{effect.name}.{parameter}", one.value, case.rig)
-            in_si = "-" if si is None else f"{si[0]:.4g} {si[1]}"
-            table.add_row(f"  {parameter}", *words.spanned(one), in_si)
+            table.add_row(f"  {parameter}", *words.spanned(one), si_text(effect, parameter, case.rig))
         if effect.curve is not None:
             table.add_row("  a curve", effect.curve.guess or "-", "", "")
     return table

@@ -103,6 +103,16 @@ def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
     }
 
 
+def si_text(effect: FoundEffect, name: str, rig: AnyRig) -> str:
+    """A parameter in SI for a table: "0.22 N", or "J = 0.22 kg m^2" where it stands for a constant of the rig."""
+    one = in_si(effect, name, rig)
+    size = one.get("value_si")
+    if not isinstance(size, float):
+        return "-"
+    constant = f"{one['si_name']} = " if "si_name" in one else ""
+    return f"{constant}{words.short(size)} {one['unit']}"
+
+
 def _table(value: Json) -> dict[str, Json]:
     assert isinstance(value, dict)
     return value
