@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
+import found_by_hand
 import stickslip as ss
 from stickslip.cli import main
 from stickslip.units import Channel
@@ -312,6 +313,28 @@ def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
     for name in ("friction_characteristic", "phase_portrait", "time_series"):
         assert (tmp_path / f"{name}.svg").stat().st_size > 5000
         assert f"{name}.png" in result.output
+
+
+def test_identify_refuses_what_discover_refuses_and_writes_nothing(tmp_path):
+    """Millimetres declared as metres ended in a word about T_min_plus, which nobody had typed."""
+    path = found_by_hand.write_case(tmp_path, si=True)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('"x1", unit = "mm"', '"x1", unit = "m"'), encoding="utf-8")
+    result = stickslip("identify", path, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert re.match(r"stickslip: channel x1 reads \d+ times what y1 asks for .* with 'mm' it", result.stderr)
+    assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+    with pytest.raises(ss.InputError, match="channel x1 reads"):
+        ss.identify(ss.load_case(path))
+
+
+def test_names_in_brackets_are_printed_in_the_messages_of_identify(tmp_path):
+    """The terminal took [friction] for a colour, and left it out."""
+    path = found_by_hand.write_case(tmp_path, si=True, extra='[friction]\nkind = "paper"\nA1 = 0.05\n')
+    out = stickslip("identify", path, "--out", tmp_path / "out").stdout
+    assert "A1 stopped at ten times the declared value" in " ".join(out.split())
+    assert "nearer to it in [friction]" in " ".join(out.split())
 
 
 def test_identify_of_an_si_case_prints_newtons(tmp_path):

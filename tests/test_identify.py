@@ -1,5 +1,6 @@
 """Identification against laws that are known: closed forms, the reference simulator, recorded cases."""
 
+import dataclasses
 import json
 import os
 from pathlib import Path
@@ -12,7 +13,8 @@ import stickslip as ss
 from recorded import recording
 from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip import reference
-from stickslip.identify import covered_speeds, estimate, law_parameters
+from stickslip.identified import estimate, stopped
+from stickslip.identify import covered_speeds, law_parameters
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.segments import track
 from stickslip.shooting import Window, _above, shoot
@@ -94,7 +96,6 @@ def test_the_interval_of_a_positive_number_is_positive_and_that_of_a_sure_one_ev
     loose = estimate(236.0, 168.0, 0.0, 200.0)
     assert 0 < loose.low < 236.0 < loose.high
     assert loose.low * loose.high == pytest.approx(236.0**2)
-    assert estimate(1e-3, 10.0, 0.0, 1e-3).high < 1.0
     sure = estimate(6.0, 0.01, 0.0, 5.0)
     assert (sure.low, sure.high) == pytest.approx((6.0 - 0.0196, 6.0 + 0.0196), rel=1e-5)
     assert estimate(-1.0, 0.1, 0.0, -1.0).low == pytest.approx(-1.196)
@@ -105,6 +106,42 @@ def test_an_estimate_resting_on_its_declared_start_is_said_to_be_weak():
     assert estimate(2.0, 1.0, 0.0, 3.0).status == "weak"
     assert estimate(2.0, 0.1, 0.5, 3.0).status == "weak"
     assert estimate(2.0, 0.1, 1.0, 3.0) == estimate(9.0, 5.0, 0.995, 3.0)
+
+
+def test_a_number_that_stops_at_the_limit_of_the_search_is_open_beyond_it():
+    """A1 at exactly ten times its start looked as sure as any other number."""
+    top, bottom = estimate(32.345, 5.0, 0.0, 3.2345), estimate(0.32345, 0.05, 0.0, 3.2345)
+    assert (top.status, top.high) == ("weak", None)
+    assert 0 < top.low < 32.345
+    assert (bottom.status, bottom.low) == ("weak", None)
+    assert bottom.high > 0.32345
+    assert (stopped(32.0, 3.2345), stopped(-10.0, -1.0), stopped(5.0, 0.0)) == (0, 1, 0)
+    assert estimate(-10.0, 1.0, 0.0, -1.0).low is None
+
+
+def test_what_is_not_known_to_a_factor_of_a_hundred_has_no_interval():
+    lost = estimate(1e-3, 10.0, 0.0, 1e-3)
+    assert (lost.low, lost.high, lost.status) == (None, None, "weak")
+
+
+def test_a_start_too_low_is_said_to_stop_the_search(tmp_path, clean):
+    start = dataclasses.replace(TRUE, A1=TRUE.A1 / 40)
+    found = ss.identify(noisy(tmp_path, clean[:2], 4, (0.1, -0.1)), rig=RIG, friction=start)
+    assert found.estimates["A1"].value == pytest.approx(TRUE.A1 / 4)
+    (said,) = [one for one in found.messages if "the limit of the search" in one]
+    assert said.startswith("A1 stopped at ten times the declared value, ")
+    (row,) = [row for row in found.table() if row["parameter"] == "A1"]
+    assert row["95 % interval"].startswith("above ")
+    assert found.to_dict()["estimates"]["A1"]["high"] is None
+
+
+def test_a_rig_that_no_friction_moves_so_is_refused(tmp_path, clean):
+    """A wrong number of the rig gave a table of noughts and exit status 0."""
+    rig = dataclasses.replace(RIG, alpha1=1.6)
+    with pytest.raises(
+        ss.InputError, match=r"single periods differ .* spread: no friction moves this rig so"
+    ):
+        ss.identify(noisy(tmp_path, clean[:2], 6, (0.1, -0.1)), rig=rig)
 
 
 def test_misfit_widens_the_intervals(tmp_path, clean):

@@ -73,7 +73,9 @@ def main() -> None:
 def progress(title: str) -> Iterator[Callable[[str, float], None]]:
     """A progress bar on the terminal; nothing where the output is not one."""
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    to = Console(stderr=True)
+    # without a terminal it would leave an empty line before an error
+    with Progress(*columns, console=to, transient=True, disable=not to.is_terminal) as bar:
         task = bar.add_task(title, total=1.0)
 
         def tell(what: str, share: float) -> None:
@@ -113,7 +115,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     written = _save_identified(found, out)
     console.print(estimates_table(found))
     for message in found.messages:
-        console.print(f"- {message}")
+        console.print(f"- {message}", markup=False)
     _say_written(written)
 
 

@@ -15,7 +15,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.model import Model
 from stickslip.rig import AnyRig, Rig
 from stickslip.scale import law_scale, scales, to_digits
-from stickslip.shooting import Array
+from stickslip.shooting import FARTHEST, Array
 from stickslip.units import Channel
 
 Status = Literal["identified", "weak", "unidentified"]
@@ -28,9 +28,10 @@ DRAWS = 4000
 class Estimate:
     """One number of the law with its 95 % interval.
 
-    `status` is "identified", "weak" (the readings say something, yet the interval is wider than the number's
-    third or leans on the declared start) or "unidentified" (no reading depends on it: the value is the declared
-    start, and there is no interval).
+    `status` is "identified", "weak" (the readings say something, yet the standard deviation is above a third of the
+    number, or the number leans on the declared start, or stopped at the limit of the search) or "unidentified" (no
+    reading depends on it: the value is the declared start). `low` and `high` are None where that side is open: both
+    where a number is not known to a factor of 100, one where it stopped at the limit of the search.
     """
 
     value: float
@@ -39,6 +40,35 @@ class Estimate:
     std: float | None
     status: Status
     declared: float
+
+
+def estimate(value: float, std: float, prior_share: float, declared: float) -> Estimate:
+    """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
+    if prior_share >= 0.99:
+        return Estimate(declared, None, None, None, "unidentified", declared)
+    side = stopped(value, declared)
+    weak = prior_share > 0.1 or std > abs(value) / 3 or side != 0
+    low, high = interval(value, std)
+    if side:  # what the readings ask for lies beyond
+        low, high = (low, None) if side * value > 0 else (None, high)
+    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
+
+
+def stopped(value: float, declared: float) -> int:
+    """1 where a number stopped at the most that is searched, -1 at the least, else 0."""
+    ratio = value / declared if declared else 1.0
+    return int(ratio >= FARTHEST / 1.001) - int(ratio <= 1.001 / FARTHEST)
+
+
+def interval(value: float, std: float) -> tuple[float | None, float | None]:
+    """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
+    half = 1.96 * std
+    if value <= 0:
+        return value - half, value + half
+    if half / value >= np.log(FARTHEST**2):  # the whole of what is searched, and more
+        return None, None
+    factor = float(np.exp(half / value))
+    return value / factor, value * factor
 
 
 @dataclass(frozen=True)
@@ -185,10 +215,10 @@ class Identified:
         rows = []
         for name, e in self.estimates.items():
             scale = law_scale(name, self.rig, self.channels)
-            half = None if e.low is None or e.high is None else 0.5 * (e.high - e.low) * scale.size
+            sides = [abs(x - e.value) * scale.size for x in (e.low, e.high) if x is not None]
+            half = float(np.mean(sides)) if sides else None
             cells = [None if x is None else to_digits(x * scale.size, half) for x in (e.value, e.low, e.high)]
-            row = {"parameter": name, "value": str(cells[0])}
-            row["95 % interval"] = "-" if cells[1] is None else f"{cells[1]} .. {cells[2]}"
+            row = {"parameter": name, "value": str(cells[0]), "95 % interval": _spanned(cells[1], cells[2])}
             if scale.unit != "1":
                 row["unit"] = scale.unit
             if scale.unit != "1" and isinstance(self.rig, Rig):
@@ -242,6 +272,13 @@ class Identified:
         self.model.save(folder / "model.toml")
         write_text(folder / "identified.json", json.dumps(self.to_dict(), indent=1))
         return [folder / "model.toml", folder / "identified.json"]
+
+
+def _spanned(low: str | None, high: str | None) -> str:
+    """An interval, open or not, in words."""
+    if low is None or high is None:
+        return "-" if low == high else f"above {low}" if high is None else f"below {high}"
+    return f"{low} .. {high}"
 
 
 def _root(covariance: Array) -> Array:

@@ -18,13 +18,14 @@ from stickslip import force, segments, signals
 from stickslip.arguments import explained, must_be
 from stickslip.errors import InputError
 from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
-from stickslip.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified
-from stickslip.identify_words import fit_messages, plateau_messages
+from stickslip.identified import BRANCHES, Branch, ForcePoints, Identified, estimate
+from stickslip.identify_check import checked, explainable, misfit
+from stickslip.identify_words import fit_messages, misfit_messages, plateau_messages
 from stickslip.model import Model
 from stickslip.records import Case, Recording
 from stickslip.ridden import why_idle, wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
-from stickslip.shooting import FARTHEST, Array, Shot, Simulator, Window, shoot
+from stickslip.shooting import Array, Shot, Simulator, Window, shoot
 from stickslip.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
@@ -160,7 +161,8 @@ def identify(
     Raises
     ------
     InputError
-        If a channel is missing, a record too short, or no slip is found.
+        If a channel is missing, a record too short, or no slip is found; if the channels of a case for the rig of
+        (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
     """
     if not isinstance(source, Case | Recording):
         for one in source if isinstance(source, (list, tuple)) else [source]:
@@ -170,6 +172,7 @@ def identify(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt
         )
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
+    notes = checked(source) if isinstance(source, Case) and rig in (None, source.rig) else ()
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
@@ -195,7 +198,8 @@ def identify(
         found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
-    found = replace(found, force=_force(runs, rig), messages=(*found.messages, *rode))
+    said = (*notes, *found.messages, *rode, *misfit_messages(found))
+    found = replace(found, force=_force(runs, rig), messages=said)
     if rig == recordings[0].rig:
         known = dict(source.noise) or None if isinstance(source, Case) else None
         found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
@@ -254,6 +258,7 @@ def _identify_by_shooting(
         )
 
     short = fit(model, windows, "fitting windows")
+    explainable(short, noise)
     found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
     whole = _whole_runs(runs, short, cols)
     best, where = short, "windows"
@@ -317,7 +322,7 @@ def _conclude(
             names, values, np.diag(covariance), best.prior_share, declared, strict=True
         )
     }
-    kept = np.flatnonzero(seen)
+    kept, noise = np.flatnonzero(seen), np.mean([r.noise for r in runs], axis=0)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
     messages = fit_messages(estimates, covered, best, where, undeclared)
     return Identified(
@@ -327,35 +332,17 @@ def _conclude(
         names=tuple(names[i] for i in kept),
         covariance=covariance[np.ix_(kept, kept)],
         covered=covered,
-        noise=dict(zip(("x1", "y1"), np.mean([r.noise for r in runs], axis=0).tolist(), strict=False)),
+        noise=dict(zip(("x1", "y1"), noise.tolist(), strict=False)),
         reduced_chi2=best.reduced,
         diagnostics={
             "windows": float(len(best.windows)),
             "reduced_chi2_windows": short.reduced,
             "runs": float(len(runs)),
             "whole_runs": float(where == "whole runs"),
+            "misfit": misfit(best, noise),
         },
         messages=messages,
     )
-
-
-def estimate(value: float, std: float, prior_share: float, declared: float) -> Estimate:
-    """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
-    if prior_share >= 0.99:
-        return Estimate(declared, None, None, None, "unidentified", declared)
-    at_limit = declared != 0 and not 1.001 / FARTHEST < value / declared < FARTHEST / 1.001
-    weak = prior_share > 0.1 or std > abs(value) / 3 or at_limit
-    low, high = interval(value, std)
-    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
-
-
-def interval(value: float, std: float) -> tuple[float, float]:
-    """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
-    half = 1.96 * std
-    if value <= 0:
-        return value - half, value + half
-    factor = float(np.exp(min(half / value, np.log(FARTHEST**2))))  # what is not known at all is not known
-    return value / factor, value * factor
 
 
 def covered_speeds(

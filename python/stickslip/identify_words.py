@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stickslip.identified import BRANCHES, Branch, Estimate, Events
-from stickslip.scale import percent
+from stickslip.identified import BRANCHES, Branch, Estimate, Events, Identified, stopped
+from stickslip.scale import percent, plainly
 from stickslip.shooting import Shot
 
-POOR = 0.15  # of a slip's amplitude: misfit that a friction law does not leave
+POOR = 0.15  # of a slip's amplitude, or of the readings' spread: misfit that a friction law does not leave
+HUNDRED = 1e4  # chi2 per degree of freedom of a misfit of a hundred times the noise
 
 
 def fit_messages(
@@ -25,7 +26,7 @@ def fit_messages(
     `undeclared` names the numbers whose start nobody declared.
     """
     out = [
-        f"fitted on {where}: simulation and readings differ by {np.sqrt(best.reduced):.3g} times the noise"
+        f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(best.reduced), 3)} times the noise"
     ]
     if best.reduced > 1.2:
         out.append(
@@ -38,13 +39,52 @@ def fit_messages(
     ):
         if names:
             out.append(f"unidentified, {whose} kept: {', '.join(names)}")
-    weak = [n for n, e in estimates.items() if e.status == "weak"]
+    at_limit = {n: stopped(e.value, e.declared) for n, e in estimates.items()}
+    weak = [n for n, e in estimates.items() if e.status == "weak" and not at_limit[n]]
     if weak:
         out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")
+    out += _limit_messages(at_limit, undeclared)
     for branch in BRANCHES:
         if covered[branch] is None:
             out.append(f"branch T_{branch} was never visited")
     return tuple(out)
+
+
+def _limit_messages(at_limit: Mapping[str, int], undeclared: Sequence[str]) -> list[str]:
+    """Say which numbers stopped at the limit of the search, and at which."""
+    out = []
+    for side, where, more in ((1, "ten times", "more"), (-1, "a tenth of", "less")):
+        for start in ("the declared value", "the law's default (none is declared)"):
+            default = start != "the declared value"
+            names = [n for n, at in at_limit.items() if at == side and (n in undeclared) == default]
+            if names:
+                out.append(
+                    f"{' and '.join(names)} stopped at {where} {start}, the limit of the search: the readings ask for "
+                    f"{more}, or the law is not theirs; declare a start nearer to it in [friction] if {more} is meant"
+                )
+    return out
+
+
+def spread_share(share: float) -> str:
+    """Write a misfit as a share of the readings' spread."""
+    return f"{plainly(share)} times their spread" if share > 1 else f"{percent(share)} of their spread"
+
+
+def misfit_messages(found: Identified) -> list[str]:
+    """Say, last of all, where a law fits so badly that its numbers mean little, and what to look at."""
+    share, off = found.diagnostics.get("misfit", 0.0), plainly(np.sqrt(found.reduced_chi2), 3)
+    if share > POOR:
+        return [
+            f"the law does NOT reproduce the readings (off by {off} times the noise, {spread_share(share)}): "
+            "do not trust its numbers or their intervals; are the rig's numbers, the units and the belt speeds right? "
+            "if they are, discover looks for what the model lacks"
+        ]
+    if share and found.reduced_chi2 > HUNDRED:
+        return [
+            f"simulation and readings differ by {spread_share(share)} only, yet by {off} times the noise: "
+            "is [noise] right?"
+        ]
+    return []
 
 
 def plateau_messages(runs: Sequence[tuple[float, float, float]], belt: str) -> list[str]:

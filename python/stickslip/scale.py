@@ -98,10 +98,14 @@ def percent(share: float, digits: int = 2) -> str:
 
 
 def to_digits(value: float, doubt: float | None) -> str:
-    """Write a number to the first digit that is in doubt, or the second; to four digits where that is not known."""
+    """Write a number to the first digit that is in doubt, or the second; to four digits where that is not known.
+
+    Its own first two digits are always there: what is smaller than its doubt does not become 0.
+    """
     if not doubt or not math.isfinite(doubt) or abs(value) < 1e-4:
         return f"{value:.4g}"
-    return f"{value:.{max(0, -math.floor(math.log10(doubt / 3)))}f}"
+    own = 1 - math.floor(math.log10(abs(value)))
+    return f"{value:.{max(0, own, -math.floor(math.log10(doubt / 3)))}f}"
 
 
 def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyRig, key: str) -> float:

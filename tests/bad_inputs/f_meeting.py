@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from click.testing import CliRunner
@@ -28,6 +29,22 @@ def identify_path(_folder: Path) -> None:
 @bad_input(MEETING, "identify, a misspelt argument")
 def identify_misspelt(_folder: Path) -> None:
     ss.identify(None, frction=ss.PaperFriction())  # type: ignore[call-arg]
+
+
+@bad_input(MEETING, "identify, a channel in a wrong unit")
+def identify_wrong_unit(folder: Path) -> None:
+    path = found_by_hand.write_case(folder, si=True)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('"y1", unit = "mm"', '"y1", unit = "um"'), encoding="utf-8")
+    ss.identify(ss.load_case(path))
+
+
+@bad_input(MEETING, "identify, a mass in grams")
+def identify_grams(folder: Path) -> None:
+    path = found_by_hand.write_case(folder, si=True)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(re.sub(r"(?m)^m = (.*)", lambda m: f"m = {1e3 * float(m[1])}", text), encoding="utf-8")
+    ss.identify(ss.load_case(path))
 
 
 @bad_input(MEETING, "compare with a path")
