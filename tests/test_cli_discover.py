@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable
 from importlib import import_module
@@ -17,6 +18,7 @@ import found_by_hand
 import stickslip as ss
 from stickslip.cli import main
 from stickslip.discovery.result import Found
+from stickslip.files import time_digits
 from stickslip.telling import telling
 
 
@@ -29,8 +31,10 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Let the command return a result put together by hand, of the verdict asked for."""
 
     def use(verdict: str) -> None:
-        def search(case: ss.Case, *, progress: Callable[[str], None], seed: int) -> Found:
-            assert seed == 3
+        def search(
+            case: ss.Case, *, progress: Callable[[str], None], seed: int, threads: int | None
+        ) -> Found:
+            assert (seed, threads) in ((3, None), (3, 2))
             for what in ("sensor_lag", "belt_seam", "sensor_lag + belt_seam", "sensor_lag + sensor_delay"):
                 progress(f"trying {what}")
             progress("scoring a curve: block against x1")
@@ -48,7 +52,7 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None], verdict: str) -> None:
     known(verdict)
     path = found_by_hand.write_case(tmp_path, si=True)
-    result = invoke("discover", path, "--out", tmp_path / "out", "--seed", "3")
+    result = invoke("discover", path, "--out", tmp_path / "out", "--seed", "3", "--threads", "2")
     assert result.exit_code == 0, result.output
     assert json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))["verdict"] == verdict
     stages = [line.partition("] ")[2] for line in result.stderr.splitlines()]
@@ -58,6 +62,18 @@ def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None]
     for name in ("report.html", "report.json", "model_before.toml", "model_after.toml"):
         assert str(tmp_path / "out" / name) in result.stdout
         assert (tmp_path / "out" / name).is_file()
+
+
+@pytest.mark.parametrize(
+    "given", [("--threads", "0"), ("--threads", "1.5"), ("--threads", "two"), ("--seed", "-1")]
+)
+def test_no_threads_and_a_negative_seed_are_refused(tmp_path: Path, given: tuple[str, str]) -> None:
+    path = found_by_hand.write_case(tmp_path)
+    result = invoke("discover", path, "--out", tmp_path / "out", *given)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"stickslip: invalid value for '{given[0]}': ")
+    assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_log_hears_what_is_tried_while_a_stage_lasts(
@@ -135,6 +151,84 @@ def test_forecast_meets_what_happened(tmp_path: Path, si: bool) -> None:
     off = np.sqrt(np.mean((ahead[["x1", "y1"]].to_numpy() - truth) ** 2))
     assert off < 2 * noise  # two cycles ahead, of readings that spread by several hundred times the noise
     assert np.std(truth) > 100 * noise
+
+
+@pytest.fixture
+def past(tmp_path: Path) -> tuple[Path, Path, float]:
+    """The true model, the first 1000 samples of a run, its belt speed in m/s."""
+    case = ss.load_case(found_by_hand.write_case(tmp_path, si=True))
+    found_by_hand.true_model(case).save(tmp_path / "model.toml")
+    pd.read_csv(tmp_path / "run_03.csv")[:1000].to_csv(tmp_path / "past.csv", index=False)
+    return (
+        tmp_path / "model.toml",
+        tmp_path / "past.csv",
+        case.run("run_03").belt_speed * case.rig.scales.velocity,
+    )
+
+
+def test_a_forecast_from_unix_time_stamps_can_be_read_again(
+    tmp_path: Path, past: tuple[Path, Path, float]
+) -> None:
+    """Ten digits of 1.7e9 s tell nothing below a second: times came twice, and the file was refused."""
+    model, run, speed = past
+    table = pd.read_csv(run)
+    step = float(table["t"].diff().median())
+    table["t"] += 1.7e9
+    table.to_csv(run, index=False, float_format="%.17g")
+    asked = ("--belt-speed", speed, "--horizon", 1.0, "--out", tmp_path / "next.csv")
+    result = invoke("forecast", model, run, *asked)
+    assert result.exit_code == 0, result.output
+    ahead = pd.read_csv(tmp_path / "next.csv")
+    assert ahead["t"].iloc[0] - table["t"].iloc[-1] == pytest.approx(step, rel=1e-3)
+    np.testing.assert_allclose(np.diff(ahead["t"]), step, rtol=1e-3)
+    again = invoke("forecast", model, tmp_path / "next.csv", *asked[:-1], tmp_path / "then.csv")
+    assert again.exit_code == 0, again.output
+
+
+def test_times_are_written_as_finely_as_they_lie() -> None:
+    assert time_digits([0.0, 0.5, 1.0], 10) == 10
+    assert time_digits(1.7e9 + 0.02 * np.arange(5), 10) == 16
+    assert time_digits([0.0, 1.0, 1.0 + 1e-9], 12) == 14  # an end that lies off the step
+    assert time_digits([1.7e9], 10) == 17
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [
+        (
+            1000.0,
+            r"but the sticks of the past ride at .* m/s, 0\.001 times that: .*; in 'mm/s' it would be right",
+        ),
+        (-1.0, "check the sign of belt_speed"),
+    ],
+)
+def test_a_belt_speed_far_from_that_of_the_past_is_refused(
+    tmp_path: Path, past: tuple[Path, Path, float], times: float, words: str
+) -> None:
+    """mm/s taken for m/s gave a forecast, and a warning of 1.26e+05 times the noise."""
+    model, run, speed = past
+    out = tmp_path / "next.csv"
+    result = invoke("forecast", model, run, "--belt-speed", times * speed, "--horizon", 1.0, "--out", out)
+    assert result.exit_code == 2
+    assert re.search(words, result.stderr)
+    assert result.stderr.count("\n") == 1
+    assert not out.exists()
+
+
+def test_a_belt_speed_somewhat_off_is_doubted_in_units(
+    tmp_path: Path, past: tuple[Path, Path, float]
+) -> None:
+    model, run, speed = past
+    result = invoke(
+        "forecast", model, run, "--belt-speed", 2 * speed, "--horizon", 1.0, "--out", tmp_path / "next.csv"
+    )
+    assert result.exit_code == 0, result.output
+    assert f"but the sticks of the past ride at {speed:.3g}"[:-1] in result.output
+    assert "0.5 times that" in result.output
+    assert re.search(
+        r"model and channel \w+ differ by [\d.]+ mm over the last 10 readings, [\d.]+ times", result.output
+    )
+    assert "e+" not in result.output
 
 
 def test_forecast_by_the_model_that_identify_wrote(tmp_path: Path) -> None:

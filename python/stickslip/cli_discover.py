@@ -14,7 +14,7 @@ from stickslip.catalogue import CATALOGUE
 from stickslip.cli_path import Named
 from stickslip.discovery.result import Found
 from stickslip.errors import InputError, ModelWarning, Place
-from stickslip.files import whole
+from stickslip.files import time_digits, write_csv
 from stickslip.model import Model, load_model
 from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
@@ -33,8 +33,20 @@ console = Console(highlight=False)
 @click.command(short_help="What the declared model lacks: an effect, and how sure.")
 @click.argument("case", type=Named())
 @click.option("--out", type=Named(), required=True, help="Folder for the results.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap's random numbers.")
-def discover(case: Path, out: Path, seed: int) -> None:
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Of the bootstrap's random numbers.",
+)
+@click.option(
+    "--threads",
+    type=click.IntRange(min=1),
+    default=None,
+    help="Fits side by side; as many as there are cores, if absent. The result is the same.",
+)
+def discover(case: Path, out: Path, seed: int, threads: int | None) -> None:
     """Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
 
     Writes report.html, report.json, model_before.toml, model_after.toml and the figures. The exit status is 0 with
@@ -52,7 +64,7 @@ def discover(case: Path, out: Path, seed: int) -> None:
     with folder(out) as temporary, telling("discovering", effects) as tell:
         for finding in loaded.findings:
             tell(f"note: {finding}")
-        found = search(loaded, progress=tell, seed=seed)
+        found = search(loaded, progress=tell, seed=seed, threads=threads)
         tell("drawing the report")
         fill(temporary, found, loaded)
     say(found, loaded, console)
@@ -152,15 +164,16 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
         frame = predict(loaded, past, belt_speed=v_b, horizon=ahead)
-    with whole(out) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.10g")
+    write_csv(frame, out, 10)
     for doubt in doubts:
-        asked = "" if "belt_speed" in str(doubt.message) else "; is the belt speed right?"
-        console.print(f"- {doubt.message}{asked}", markup=False, soft_wrap=True)
+        console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
     t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+    first, last = (
+        f"{x:.{time_digits(frame['t'], 10) - 4}g}" for x in (frame["t"].iloc[0], frame["t"].iloc[-1])
+    )
     console.print(
-        f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {frame['t'].iloc[0]:.6g} to "
-        f"{frame['t'].iloc[-1]:.6g}{'' if t == '1' else f' {t}'}; "
+        f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {first} to {last}"
+        f"{'' if t == '1' else f' {t}'}; "
         + ", ".join(_column(past, str(name)) for name in frame if name != "t"),
         markup=False,
         soft_wrap=True,

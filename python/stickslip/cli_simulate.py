@@ -13,7 +13,7 @@ from rich.console import Console
 
 from stickslip.cli_path import Named
 from stickslip.errors import InputError, ModelWarning
-from stickslip.files import whole
+from stickslip.files import write_csv
 from stickslip.identify import natural_period
 from stickslip.model import Model, load_model
 from stickslip.rig import DrivenSlider
@@ -176,5 +176,4 @@ def _write(model: Model, units: dict[Quantity, Scale], run: Trajectory, out: Pat
     names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
     columns = {units["t"].head("t"): run.t * units["t"].size}
     columns |= {units[n].head(n): run.state[:, i] * units[n].size for i, n in enumerate(names)}
-    with whole(out) as temporary:
-        pd.DataFrame({**columns, "mode": run.mode}).to_csv(temporary, index=False, float_format="%.12g")
+    write_csv(pd.DataFrame({**columns, "mode": run.mode}), out, 12)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from stickslip.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FINER = 1e-4  # of a sampling interval: how finely times are written
+MOST_DIGITS = 17  # of a double
 
 
 @contextmanager
@@ -35,3 +44,23 @@ def whole(path: Path) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def time_digits(t: Iterable[float], least: int) -> int:
+    """Digits that tell times (n,) apart to a ten-thousandth of their closest interval, or all that a double has."""
+    times = np.asarray(t, dtype=float)
+    step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
+    if not step > 0:
+        return MOST_DIGITS
+    before = np.floor(np.log10(np.max(np.abs(times)))) + 1  # the decimal point
+    return int(np.clip(before + np.ceil(-np.log10(step * FINER)), least, MOST_DIGITS))
+
+
+def write_csv(frame: pd.DataFrame, path: Path, digits: int) -> None:
+    """Write a table whose first column is the time: to `digits` digits, times to as many as tell them apart."""
+    time = frame.columns[0]
+    enough = time_digits(frame[time], digits)
+    written = [f"{t:.{enough}g}" if enough < MOST_DIGITS else repr(float(t)) for t in frame[time]]
+    frame = frame.assign(**{time: written})
+    with whole(path) as temporary:
+        frame.to_csv(temporary, index=False, float_format=f"%.{digits}g")

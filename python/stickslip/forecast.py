@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from stickslip.arguments import explained, must_be
 from stickslip.discovery.data import CHANNELS, Data, prepare
+from stickslip.discovery.plausible import stick_speed
 from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.readings import curves_of
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.model import Model
 from stickslip.records import Recording
-from stickslip.ridden import NEAR, wrong_set_point
+from stickslip.ridden import CLEAR, NEAR, contradicted, wrong_set_point
 from stickslip.rig import BlockOnBelt, DrivenSlider
+from stickslip.scale import plainly
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 SLACK = 1e-9  # of a sampling interval
 LAST = 10  # samples of the past that the start is held against
 FAR = 5.0  # times the noise
+BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
 
 
 @explained
@@ -55,7 +58,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Raises
     ------
     InputError
-        A horizon that is not positive, or a past too short or without y1.
+        A horizon that is not positive, a past too short or without y1, or a belt speed of the wrong sign or ten times
+        off the one that the past rides at.
     StickslipError
         The model's run stops before the horizon.
 
@@ -81,13 +85,16 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     if isinstance(model.rig, BlockOnBelt):
         return _slider(model, past_run, dt, steps)
     run = prepare([past_run])[0]
+    seen, who = _ridden(run)
+    _refuse(contradicted(past_run, seen, BEYOND, who))
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     forecaster = Forecaster(model, run, 2, curves_of(model))
     forecaster.settle(len(run.t))
     window = forecaster.state_window(len(run.t))
     past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
     whole = forecaster.run_on(window, np.concatenate([past, future])).readings
-    _doubt(whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop], run)
+    difference = whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop]
+    _doubt(difference, run, past_run, seen, who)
     readings = whole[len(past) :]
     columns = {"t": future + float(recording.t[0])}
     columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
@@ -102,6 +109,7 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     from stickslip.discovery.slider.table import measure
     from stickslip.discovery.slider.table import prepare as ready
 
+    _refuse(wrong_set_point(recording, clear=BEYOND))
     wrong = wrong_set_point(recording, clear=NEAR)
     if wrong:
         said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
@@ -116,11 +124,37 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     )
 
 
-def _doubt(difference: NDArray[np.float64], run: Data) -> None:
-    """Warn where model and last readings (k, c) differ by several times the noise."""
-    off = np.sqrt(np.mean(difference**2, axis=0)) / np.asarray(run.noise)
+def _ridden(run: Data) -> tuple[float | None, str]:
+    """Speed of the past by its sticks, or else by its belt channel, None where neither tells; and what told it."""
+    speed = stick_speed(run)
+    if speed is None and run.readings.shape[1] == len(CHANNELS):
+        return float(np.median(run.readings[:, 2])), "the past's channel belt reads"
+    return speed, "the sticks of the past ride at"
+
+
+def _refuse(wrong: str | None) -> None:
+    if wrong:
+        raise InputError(wrong)
+
+
+def _doubt(
+    difference: NDArray[np.float64], run: Data, recording: Recording, seen: float | None, who: str
+) -> None:
+    """Warn where model and last readings (k, c) differ by several times the noise, or the past rode otherwise."""
+    root = np.sqrt(np.mean(difference**2, axis=0))
+    off = root / np.asarray(run.noise)
     worst = int(np.argmax(off))
-    if off[worst] > FAR:
-        words = f"over the last {len(difference)} readings of {CHANNELS[worst]} model and readings differ by"
-        said = f"{words} {off[worst]:.3g} times the noise: the forecast starts that far off"
-        warnings.warn(said, ModelWarning, stacklevel=4)
+    far = off[worst] > FAR
+    wrong = contradicted(recording, seen, NEAR if far else CLEAR, who)
+    said = [wrong] if wrong else []
+    if far:
+        name = CHANNELS[worst]
+        unit = "" if recording.unit(name) == "1" else f" {recording.unit(name)}"
+        size = plainly(float(recording.to_readings(name, root[worst])), 3)
+        said.append(
+            f"model and channel {name} differ by {size}{unit} over the last {len(difference)} readings, "
+            f"{plainly(off[worst], 3)} times the noise: the forecast starts that far off"
+            + ("; is belt_speed right?" if seen is None else "")
+        )
+    if said:
+        warnings.warn("; ".join(said), ModelWarning, stacklevel=4)

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.rig import BlockOnBelt
+from stickslip.rig import AnyRig, BlockOnBelt
 from stickslip.signals import find_belt_speed
 from stickslip.units import default_speed_unit, factor
 
@@ -90,19 +90,37 @@ def wrong_set_point(recording: Recording, clear: float = CLEAR) -> str | None:
     clear : float
         Ratio, above 1.
     """
-    rig, set_point = recording.rig, recording.belt_speed
-    if not isinstance(rig, BlockOnBelt) or set_point == 0:
+    rig = recording.rig
+    if not isinstance(rig, BlockOnBelt):
         return None
     period = 2 * np.pi * float(np.sqrt(rig.mass / rig.stiffness))
-    ridden = ridden_speed(recording.t, recording.x1, period)
-    if ridden is None or 1 / clear < ridden / set_point < clear:
+    return contradicted(recording, ridden_speed(recording.t, recording.x1, period), clear)
+
+
+def contradicted(
+    recording: Recording, ridden: float | None, clear: float, who: str = "the sticks ride at"
+) -> str | None:
+    """What is wrong with a set-point where another speed was seen, in words; None within a ratio of `clear`.
+
+    Parameters
+    ----------
+    recording : Recording
+    ridden : float or None
+        The speed seen, in the model's unit.
+    clear : float
+        Ratio, above 1.
+    who : str
+        What showed it.
+    """
+    rig, set_point = recording.rig, recording.belt_speed
+    if ridden is None or set_point == 0 or 1 / clear < ridden / set_point < clear:
         return None
     channels, ratio = recording.channels, ridden / set_point
     bare = "1" in (one.unit for name, one in channels.items() if name in ("t", "x1", "spring_force"))
     unit = "1" if bare else channels["belt"].unit if "belt" in channels else default_speed_unit(rig)
     one = 1.0 if unit == "1" else factor("belt", unit, rig)
     word = "" if unit == "1" else f" {unit}"
-    said = f"belt_speed is {set_point / one:.4g}{word}, but the sticks ride at {ridden / one:.3g}{word}"
+    said = f"belt_speed is {set_point / one:.4g}{word}, but {who} {ridden / one:.3g}{word}"
     if ratio < 0:
         return f"{said}: check the sign of belt_speed, and that of {recording.channel('x1')}{_ten(-ratio, unit, rig)}"
     other = "the stiffness, " if "spring_force" in channels else ""
@@ -128,7 +146,7 @@ def _times(ratio: float) -> str:
     return f"{10.0**power if near else float(f'{ratio:.3g}'):.10g} times"
 
 
-def _ten(ratio: float, unit: str, rig: BlockOnBelt) -> str:
+def _ten(ratio: float, unit: str, rig: AnyRig) -> str:
     """The unit that explains a power of ten."""
     power = round(float(np.log10(ratio)))
     if power == 0 or abs(np.log10(ratio) - power) > TEN:

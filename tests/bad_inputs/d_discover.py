@@ -105,6 +105,7 @@ for tried, given in (
     ("a horizon under a sampling interval", {"horizon": "1e-6"}),
     ("a belt speed in a unit of length", {"speed": "12 mm"}),
     ("a belt speed that is not a number", {"speed": "fast"}),
+    ("a belt speed in mm/s taken for m/s", {"speed": "13.4"}),
     ("a model that is missing", {"model": "no_model.toml"}),
     ("a run that is missing", {"run": "no_run.csv"}),
 ):
