@@ -56,6 +56,8 @@ def main() -> None:
     asked.add_argument("--search", action="store_true")
     asked.add_argument("--figures", type=Path)
     told = asked.parse_args()
+    if told.figures:
+        told.figures.mkdir(parents=True, exist_ok=True)  # a search takes a minute: a bad path fails before it
     write(told.folder)
     if told.search:
         from stickslip.report.write import write_report
