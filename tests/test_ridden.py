@@ -98,6 +98,10 @@ def test_a_forecast_at_another_speed_than_the_past_is_doubted(tmp_path: Path) ->
         ss.errors.ModelWarning, match=r"belt_speed is 0\.01 m/s, but the sticks ride at 0\.03 m/s, 3 times"
     ):
         ss.forecast(model, past, belt_speed=0.01, horizon=1.0)
+    with pytest.raises(
+        ss.InputError, match=r"belt_speed is 30 m/s, but the sticks .* in 'mm/s' it would be right"
+    ):
+        ss.forecast(model, past, belt_speed=30.0, horizon=1.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ss.forecast(model, replace(past, belt_speed=0.0), belt_speed=0.03, horizon=1.0)
