@@ -51,3 +51,13 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
     drive = driven.runs[0].drive
     assert drive is not None
     np.testing.assert_allclose(drive, 35.15 * np.cos(0.5 * np.arange(50)), atol=1e-12)
+
+
+def test_columns_in_memory_as_on_the_page(capsys: pytest.CaptureFixture[str]) -> None:
+    every = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    (program,) = (one for one in every if "from_columns" in one)
+    exec(program, {})
+    said = capsys.readouterr().out
+    value = re.search(r"static +([\d.]+)", said)
+    assert value is not None
+    assert float(value[1]) == pytest.approx(0.4, abs=1e-4)

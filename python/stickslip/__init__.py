@@ -18,10 +18,11 @@ from stickslip.lyapunov import LyapunovSpectrum, lyapunov
 from stickslip.model import Model, load_model
 from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt, Rig, Scales
+from stickslip.rig import BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.simulate import Status, Trajectory, Transitions, simulate
 from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
 from stickslip.sweep import sweep
+from stickslip.units import Channel
 
 
 def __getattr__(name: str) -> str:
@@ -38,9 +39,11 @@ __all__ = [
     "BlockOnBelt",
     "Branch",
     "Case",
+    "Channel",
     "Comparison",
     "CoulombFriction",
     "CycleSensitivity",
+    "DrivenSlider",
     "Effect",
     "Found",
     "HyperbolicFriction",

@@ -18,6 +18,7 @@ from stickslip.channels import (
     by_heads,
     channel_factor,
     check_channels,
+    needed_channels,
     noise_in_model,
 )
 from stickslip.errors import InputError, Place, did_you_mean
@@ -34,7 +35,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.ridden import wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.scale import scales
-from stickslip.tables import Columns, read_columns
+from stickslip.tables import Columns, in_memory, read_columns
 from stickslip.units import Channel, default_speed_unit, factor, is_electric, speed
 
 Floats = NDArray[np.float64]
@@ -96,6 +97,48 @@ class Recording:
     source: Path
     findings: tuple[Finding, ...] = ()
     drive: Floats | None = None
+
+    @classmethod
+    def from_columns(
+        cls,
+        columns: Mapping[str, ArrayLike],
+        rig: AnyRig,
+        *,
+        channels: Mapping[str, Channel] | None = None,
+        belt_speed: float | str = 0.0,
+        role: Role = "train",
+        noise: Mapping[str, float] | None = None,
+        window: tuple[float | None, float | None] = (None, None),
+        name: str = "recording",
+        friction: FrictionLaw | None = None,
+    ) -> Recording:
+        """Make a recording of columns in memory: a dict of arrays, or a data frame.
+
+        Parameters
+        ----------
+        columns
+            Each (n,), by name: t, x1, y1 and what else `channels` name, in the units that these declare.
+        rig, channels, belt_speed, role, noise, window, name, friction
+            As `load_recording` has them.
+
+        Raises
+        ------
+        InputError
+            A column is missing, of another length, or not of finite numbers; and what `load_recording` refuses.
+        """
+        must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
+        there = [str(one) for one in columns]
+        if channels is None:
+            wanted = [*needed_channels(rig), *(["belt"] if "belt" in there else [])]
+            channels = {one: Channel(one) for one in wanted}
+        check_channels(channels, rig)
+        table = in_memory(
+            {str(one): columns[one] for one in columns}, [c.column for c in channels.values()], name
+        )
+        return _recorded(
+            table, rig, dict(channels), belt_speed=belt_speed, role=role, noise=noise, window=window, name=name,
+            friction=friction,
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return self.t.size
@@ -215,6 +258,24 @@ def load_recording(
     check_channels(declared, rig)
     declared = by_heads(path, declared)
     columns = read_columns(path, [channel.column for channel in declared.values()])
+    return _recorded(
+        columns, rig, declared, belt_speed=belt_speed, role=role, noise=noise, window=window,
+        name=name or Path(path).stem, friction=friction,
+    )  # fmt: skip
+
+
+def _recorded(
+    columns: Columns,
+    rig: AnyRig,
+    declared: dict[str, Channel],
+    *,
+    belt_speed: float | str,
+    role: Role,
+    noise: Mapping[str, float] | None,
+    window: tuple[float | None, float | None],
+    name: str,
+    friction: FrictionLaw | None,
+) -> Recording:
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     _check_times(columns, declared, raw)
@@ -226,7 +287,7 @@ def load_recording(
     _check_belt(columns, declared, raw, set_point)
     sizes = noise_in_model(noise or {}, declared, rig)
     recording = Recording(
-        name=name or Path(path).stem,
+        name=name,
         role=role,
         rig=rig,
         belt_speed=set_point,
@@ -239,7 +300,7 @@ def load_recording(
         channels=declared,
         factors=factors,
         noise=sizes,
-        source=Path(path),
+        source=columns.path,
     )
     return replace(recording, findings=tuple(_findings(recording, friction)))
 

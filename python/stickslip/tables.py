@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, Place, did_you_mean
 
@@ -97,6 +97,37 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
     for name in names:
         _require(name, layout.header, Place(str(file), layout.header_line, column=name))
     return Columns(file, _read_csv(layout, list(dict.fromkeys(names))), layout)
+
+
+def in_memory(columns: Mapping[str, ArrayLike], names: Sequence[str], called: str) -> Columns:
+    """Take columns of a table in memory, each (n,), as those of a file; `called` stands for its path.
+
+    Raises
+    ------
+    InputError
+        A column missing, not one-dimensional, of another length, or not of finite numbers.
+    """
+    out: dict[str, Floats] = {}
+    for name in dict.fromkeys(names):
+        place = Place(called, column=name)
+        if name not in columns:
+            raise InputError(f"no such column; {did_you_mean(name, columns)}", place=place)
+        try:
+            values = np.array(columns[name], dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError("not numbers", place=place) from None
+        if values.ndim != 1:
+            raise InputError(f"has {values.ndim} dimensions; a column has 1", place=place)
+        first = next(iter(out), name)
+        if out and values.size != out[first].size:
+            words = f"{values.size} numbers, but column '{first}' has {out[first].size}"
+            raise InputError(words, place=place)
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if wrong.size:
+            words = f"{values[wrong[0]]} at sample {wrong[0]} (counted from 0); cut it out or fill it in"
+            raise InputError(words, place=place)
+        out[name] = values
+    return Columns(Path(called), out, None)
 
 
 def _existing(path: str | os.PathLike[str]) -> Path:
