@@ -12,6 +12,7 @@ from stickslip.discovery.relax import relaxed
 from stickslip.discovery.result import Alternative, Evidence
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.solve import fit
+from stickslip.discovery.unlisted import called, is_tabulated
 
 TIED = 8.0  # difference in -2 log likelihood below which two rivals are not told apart
 
@@ -78,40 +79,48 @@ def evidence(
 
 
 def alternatives(trial: Trial, tried: Sequence[Trial], name: str) -> tuple[Alternative, ...]:
-    """Rivals of `name`: all that are tied with it, with their odds."""
-    out = []
+    """Rivals of `name`, effects or learned curves: all that are tied with it or nearly, with their odds."""
     others = set(trial.names) - {name}
+    best: dict[str, Trial] = {}
     for rival in tried:
         new = set(rival.names) - others
-        if rival is trial or len(rival.names) != len(trial.names) or not others <= set(rival.names):
+        if rival.partial:  # of other readings
             continue
-        if len(new) != 1 or name in new:
+        if (
+            len(rival.names) != len(trial.names)
+            or not others <= set(rival.names)
+            or len(new) != 1
+            or name in new
+        ):
             continue
         label = next(iter(new))
-        delta = rival.bic - trial.bic
-        if delta > 3 * TIED:
-            continue
-        algebra = ALGEBRA.get(frozenset({label, name}))
-        tied = delta < TIED
-        reason = algebra or (
-            "fits these runs as well as the winner"
-            if tied
-            else "fits almost as well; the odds are against it"
-        )
-        odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
-        out.append(
-            Alternative(
-                label,
-                odds,
-                delta,
-                tied,
-                False,
-                reason,
-                of_effect(rival.fit, label),
-                correlation(trial, rival),
-            )
-        )
-    return tuple(sorted(out, key=lambda a: a.delta))
+        if label not in best or rival.bic < best[label].bic:
+            best[label] = rival
+    near = [(label, one) for label, one in best.items() if one.bic - trial.bic <= 3 * TIED]
+    return tuple(
+        sorted((_alternative(trial, one, label, name) for label, one in near), key=lambda a: a.delta)
+    )
+
+
+def _alternative(trial: Trial, rival: Trial, label: str, name: str) -> Alternative:
+    delta = rival.bic - trial.bic
+    algebra = ALGEBRA.get(frozenset({label, name}))
+    tied = delta < TIED
+    reason = algebra or (
+        "fits these runs as well as the winner" if tied else "fits almost as well; the odds are against it"
+    )
+    odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
+    curve = is_tabulated(label)
+    return Alternative(
+        called(label) if curve else label,
+        odds,
+        delta,
+        tied,
+        False,
+        reason,
+        {} if curve else of_effect(rival.fit, label),
+        correlation(trial, rival),
+    )
 
 
 def correlation(one: Trial, other: Trial) -> float | None:

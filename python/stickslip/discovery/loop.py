@@ -291,7 +291,7 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
     out = []
     for name in choice.trial.names:
         proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
-        others = ev.alternatives(choice.trial, tried, name)
+        others = ev.alternatives(choice.trial, [*tried, *choice.trials], name)
         if unlisted.is_tabulated(name):
             assert choice.term is not None
             where, variable = choice.term.where, choice.term.variable
@@ -303,7 +303,7 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             own = {key: one for key, one in of_effect(after.fit, name).items() if key == "w"}
             out.append(
                 FoundEffect(
-                    "unlisted", where, (variable,), own, proof, (), formula, learned,
+                    "unlisted", where, (variable,), own, proof, others, formula, learned,
                     phases(after.fit, name),
                 )
             )  # fmt: skip

@@ -98,7 +98,8 @@ def remarks(
     for one in effects:
         tied = [a.name for a in one.alternatives if a.tied]
         if tied:
-            out.append(f"these runs do not tell {one.name} from {', '.join(tied)}")
+            what = "the learned curve" if one.curve is not None else one.name
+            out.append(f"these runs do not tell {what} from {', '.join(tied)}")
     if after.chi2 < min(1 - UNSURE * after.error, LOOSE) and not {"x1", "y1"} <= set(declared):
         out.append(
             f"the noise was estimated from the readings, and too large: chi-squared per reading is {after.chi2:.3g} "

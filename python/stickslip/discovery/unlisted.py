@@ -370,4 +370,14 @@ def is_tabulated(name: str) -> bool:
     return name.startswith(("tabulated_", "learned_"))
 
 
+def called(name: str) -> str:
+    """What a curve is called among rivals: its place and its variable."""
+    if name.startswith("learned_"):
+        channel, variable = name.removeprefix("learned_").split("_", 1)
+        return f"a curve of the {channel} channel in {variable}"
+    body = name.removeprefix("tabulated_")
+    where = next(place for place in TERMS if body.startswith(f"{place}_"))
+    return f"a curve on the {where.replace('_', ' ')} in {body.removeprefix(f'{where}_')}"
+
+
 __all__ = ["Tabulated", "Term", "curve", "is_tabulated", "learn", "with_term"]
