@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, NOISE, RIG, make_case
-from stickslip import Model, reference, simulate, tabulated
+from stickslip import Model, effect, reference, simulate, tabulated
 from stickslip.discovery import unlisted
 from stickslip.discovery.choice import choose
 from stickslip.discovery.data import prepare
+from stickslip.discovery.periodic import TABLE_KNOTS, periodic_starts
 from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.recurring import learn_recurring
-from stickslip.discovery.search import CLEAN, Search
+from stickslip.discovery.recurring import HOPELESS, learn_recurring
+from stickslip.discovery.rivals import hypothesis
+from stickslip.discovery.search import CLEAN, SHORT, Search
 from stickslip.discovery.trace import declared
 
 TURNS = np.linspace(0, 1, 9)
@@ -68,6 +70,26 @@ def test_a_wave_is_learned_with_each_run_at_its_own_phase():
         for shift in np.linspace(0, 2.7, 200)
     )
     assert off < 0.1 * np.std(truth.curve(curve.x))
+
+
+def test_beside_a_name_that_explains_all_no_time_is_lost():
+    """The same sine as a curve begins where the name has law and windows; at other places it is given up."""
+    term = effect("harmonic_forcing", a=0.4, w=2.3, phi=0.0)
+    search = search_of(make_case((term,), length=40.0, seed=5))
+    null = declared(search)
+    lines = periodic_starts(null.fit, ("harmonic_forcing",))["harmonic_forcing"]
+    h = hypothesis(null.hypothesis.model, lines[:1], search.model)
+    named = search.polish(search.run(h, cycles=SHORT, windows_of=null))
+    assert named.excess < CLEAN
+    found = learn_recurring(search, null, named)
+    assert found[0][0].where == "block"
+    assert found[0][1].fit.cost < 1.01 * named.fit.cost
+    assert found[0][1].fit.iterations < 15
+    for term, trial in found[1:]:
+        assert term.where != "block"
+        assert trial.fit.cost > HOPELESS * named.fit.cost
+        assert len(term.knots) == TABLE_KNOTS + 1  # no finer one is tried
+    assert len(found) > 1
 
 
 def test_a_sine_is_called_one():

@@ -94,7 +94,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         best = trials[0]
     curves = unlisted.learn(search, null, beat=best, known=crude)
     if explained(best, null) and set(best.names) <= set(PERIODIC):
-        curves = sorted([*curves, *learn_recurring(search, null)], key=lambda one: one[1].bic)
+        curves = sorted([*curves, *learn_recurring(search, null, best)], key=lambda one: one[1].bic)
     curved = _settles(curves, best, null)
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]

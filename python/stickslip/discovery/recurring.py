@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.periodic import TABLE_KNOTS, Line, strongest_line
-from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC
+from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unknowns import Unknown
@@ -21,17 +21,23 @@ from stickslip.effects import Tabulated
 Floats = NDArray[np.float64]
 PLACES = ("block", "angle_body", "contact")
 FINE = 2 * TABLE_KNOTS
+HOPELESS = 1.5  # of the cost of a name that explains all: a curve that stalls beyond does not do better
 NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises less is not tried
 
 
-def learn_recurring(search: Search, base: Trial) -> list[tuple[Term, Trial]]:
-    """Curves that repeat in time, added to `base` where a line shows; closely fitted, best first."""
+def learn_recurring(search: Search, base: Trial, beat: Trial | None = None) -> list[tuple[Term, Trial]]:
+    """Curves that repeat in time, added to `base` where a line shows; closely fitted, best first.
+
+    Where there is a name to `beat` they begin with its law and windows, and are given up where they stall far above it.
+    """
     say = lambda where: f"looking for what repeats in time: {where}"  # noqa: E731
     lines = [(where, task.result()) for where, task in each(search, partial(line_at, base=base), PLACES, say)]
     least = max(cost_of_line(base), NEXT * max(line.gain for _, line in lines))
     shown = sorted((one for one in lines if one[1].gain > least), key=lambda one: -one[1].gain)
     say_where = lambda one: f"learning what repeats in time: {one[0]}"  # noqa: E731
-    learned = [task.result() for _, task in each(search, partial(_learned, base=base), shown, say_where)]
+    learned = [
+        task.result() for _, task in each(search, partial(_learned, base=base, beat=beat), shown, say_where)
+    ]
     return sorted((one for one in learned if one is not None), key=lambda one: one[1].bic)
 
 
@@ -45,15 +51,22 @@ def line_at(_: Search, where: str, *, base: Trial) -> Line:
     return strongest_line(base.fit, where)
 
 
-def _learned(search: Search, one: tuple[str, Line], *, base: Trial) -> tuple[Term, Trial] | None:
+def _learned(
+    search: Search, one: tuple[str, Line], *, base: Trial, beat: Trial | None = None
+) -> tuple[Term, Trial] | None:
     """The sine first, on more knots if that leaves something."""
     where, line = one
     turns = np.linspace(0.0, 1.0, TABLE_KNOTS + 1)
     size = min(float(np.median(np.hypot(*line.amplitudes.T))), 0.5 * SPREAD[where])
     phases = tuple(float(np.arctan2(b, a)) for a, b in line.amplitudes)
-    term, trial = _fitted(search, base, where, line.w, size * np.sin(2 * np.pi * turns), phases)
+    if beat is not None:
+        base = _without(search, base, beat)
+    worst = math.inf if beat is None else HOPELESS * beat.fit.cost
+    term, trial = _fitted(search, base, where, line.w, size * np.sin(2 * np.pi * turns), phases, worst)
     if trial is None:
         return None
+    if trial.fit.cost > worst:
+        return term, trial
     trial = search.polish(trial, turns=1)
     if trial.excess < CLEAN or trial.fit.cost > 0.7 * base.fit.cost:
         return term, trial
@@ -63,14 +76,20 @@ def _learned(search: Search, one: tuple[str, Line], *, base: Trial) -> tuple[Ter
     assert curve.period is not None
     values = curve.replace(phi=0.0).curve(np.linspace(0.0, curve.period, FINE + 1))
     phases = found.phases[f"{term.prefix}.phi"]
-    fine, more = _fitted(search, base, where, curve.parameters["w"], values, phases)
+    fine, more = _fitted(search, base, where, curve.parameters["w"], values, phases, worst)
     if more is not None:
         more = search.polish(more, turns=1)
     return (term, trial) if more is None or more.bic > trial.bic else (fine, more)
 
 
+def _without(search: Search, base: Trial, beat: Trial) -> Trial:
+    """The base where a name has its law and windows; as it is if that cannot be simulated."""
+    law = hypothesis(beat.hypothesis.model, [], search.model)
+    return search.run(law, cycles=SHORT, windows_of=beat, iterations=0, rounds=0, anyway=True) or base
+
+
 def _fitted(
-    search: Search, base: Trial, where: str, w: float, values: Floats, phases: tuple[float, ...]
+    search: Search, base: Trial, where: str, w: float, values: Floats, phases: tuple[float, ...], worst: float
 ) -> tuple[Term, Trial | None]:
     """A trial from these values over a turn. The first stays 0: else all phases and the curve could turn together."""
     knots = np.linspace(0.0, 2 * np.pi / w, len(values))
@@ -94,4 +113,4 @@ def _fitted(
         phases={**h.phases, f"{term.prefix}.phi": phases},
     )
     learned = base.fit.engine.learned
-    return term, search.run(h, cycles=SHORT, windows_of=base, learned=learned, iterations=60)
+    return term, search.run(h, cycles=SHORT, windows_of=base, learned=learned, iterations=60, worst=worst)
