@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
+from stickslip.discovery.choice import DECISIVE, DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
 from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
@@ -148,6 +148,37 @@ def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch,
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
     search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
     assert choice._choose(search, [best, null]).trial.names == names
+
+
+@pytest.mark.parametrize(
+    ("excess", "names"), [(0.9 * DOUBTFUL, ("sensor_lag", "stribeck_peak")), (1.1 * DOUBTFUL, ("c",))]
+)
+def test_a_likely_pair_that_leaves_a_little_is_held_against_curves(monkeypatch, excess, names):
+    def fitted(names, chi2, excess=100.0):
+        fit = SimpleNamespace(cost=1000 * chi2)
+        return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
+
+    null, best = fitted((), 201.0), fitted(("stribeck_peak",), 101.0)
+    quiet(monkeypatch, [fitted(("sensor_lag", "stribeck_peak"), 1.05, excess), best])
+    monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1.0, 0.0))])
+    monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
+    monkeypatch.setattr(choice, "absurd", lambda *_: None)
+    search = SimpleNamespace(tried={(): null}, data=[])
+    assert choice._choose(search, [best, null]).trial.names == names
+
+
+@pytest.mark.parametrize(
+    ("curve_excess", "named_excess", "ahead", "within"),
+    [
+        (0.9 * CLEAN, 1.1 * CLEAN, 1.1 * DECISIVE, True),
+        (1.1 * CLEAN, 1.1 * CLEAN, 1.1 * DECISIVE, False),
+        (0.9 * CLEAN, 0.9 * CLEAN, 1.1 * DECISIVE, False),
+        (0.9 * CLEAN, 1.1 * CLEAN, 0.9 * DECISIVE, False),
+    ],
+)
+def test_a_curve_within_the_noise_surpasses_names_that_are_not(curve_excess, named_excess, ahead, within):
+    curve = SimpleNamespace(excess=curve_excess, bic=1000.0 - ahead)
+    assert choice._within(curve, SimpleNamespace(excess=named_excess, bic=1000.0)) == within
 
 
 @pytest.mark.parametrize(("left", "named"), [(0.9 * CLEAN, "alpha2"), (1.1 * CLEAN, "c")])

@@ -37,6 +37,7 @@ ON_TRACK = (
 )
 SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
+DECISIVE = 100.0  # of BIC, by which a curve within the noise must surpass names that are not
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -88,9 +89,9 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     crude = unlisted.crude(search, null)
     if not explained(best, null) and best.names and crude.beyond(best) > ON_TRACK:
         pairs = likely_pairs(search, trials)
-        if pairs and len(pairs[0].names) > 1:
+        if pairs and len(pairs[0].names) > 1 and pairs[0].excess < DOUBTFUL:
             return Choice(null, pairs[0], None, pairs)
-        trials = pairs or trials
+        trials = pairs or trials  # a pair that leaves more is held against curves as a single name is
         best = trials[0]
     curves = unlisted.learn(search, null, beat=best, known=crude)
     if explained(best, null) and set(best.names) <= set(PERIODIC):
@@ -119,7 +120,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
             curves += unlisted.learn(search, best, 3)
     curves.sort(key=lambda one: one[1].bic)
     absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
-    if curves and _clearly(curves[0][1], best):
+    if curves and (_clearly(curves[0][1], best) or _within(curves[0][1], best)):
         return _curve_of(null, curves, trials)
     if best.chi2 - 1 > MOST_LEFT * (
         null.chi2 - 1
@@ -189,6 +190,11 @@ def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[s
     alone = {name: search.tried.get((name,)) for name in best.names}
     kind = CATALOGUE[min(alone, key=lambda name: np.inf if (one := alone[name]) is None else one.fit.cost)]
     return kind.where, kind.depends_on
+
+
+def _within(curve: Trial, named: Trial) -> bool:
+    """Is a learned curve within the noise where the best of the named, pairs too, is not, and far more likely?"""
+    return curve.excess < CLEAN < named.excess and curve.bic < named.bic - DECISIVE
 
 
 def _clearly(curve: Trial, named: Trial) -> bool:
