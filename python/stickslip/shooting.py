@@ -135,11 +135,9 @@ class _Problem:
 
     def model_at(self, shared: Array, local: Mapping[str, float]) -> Model:
         """The model with these numbers; that of the shared ones is kept, for all windows have the same."""
-        if self._latest[0] != shared.tobytes():
-            values = dict(zip(self.names, shared.tolist(), strict=True))
-            self._latest = shared.tobytes(), self.model.replace(values)
-        model = self._latest[1]
-        return model.replace(local) if local else model
+        if self._latest[0] != (key := shared.tobytes()):
+            self._latest = key, self.model.replace(dict(zip(self.names, shared.tolist(), strict=True)))
+        return self._latest[1].replace(local) if local else self._latest[1]
 
     def run(self, shared: Array, window: Window, sensitivity: tuple[str, ...] = ()) -> Run:
         """Simulate one window."""
@@ -163,8 +161,8 @@ class _Problem:
 
     def residual(self, shared: Array, window: Window) -> Array:
         """(readings - simulation)/noise, flat."""
-        run = self.run(shared, window)
-        return self._weighed(window.readings - run.state[:, list(window.columns)], window)
+        state = self.run(shared, window).state
+        return self._weighed(window.readings - state[:, list(window.columns)], window)
 
     def linearise(self, shared: Array, window: Window, scale: Array) -> _Block:
         """Exact derivatives from the simulator where it has them, central differences where not."""
