@@ -55,7 +55,7 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
 
 def test_columns_in_memory_as_on_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     every = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    (program,) = (one for one in every if "from_columns" in one)
+    (program,) = (one for one in every if "load_recording" in one)
     exec(program, {})
     said = capsys.readouterr().out
     value = re.search(r"static +([\d.]+)", said)

@@ -18,7 +18,6 @@ from stickslip.channels import (
     by_heads,
     channel_factor,
     check_channels,
-    needed_channels,
     noise_in_model,
 )
 from stickslip.errors import InputError, Place, did_you_mean
@@ -35,7 +34,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.ridden import wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.scale import scales
-from stickslip.tables import Columns, in_memory, read_columns
+from stickslip.tables import Columns, Held, read_columns
 from stickslip.units import Channel, default_speed_unit, factor, is_electric, speed
 
 Floats = NDArray[np.float64]
@@ -97,48 +96,6 @@ class Recording:
     source: Path
     findings: tuple[Finding, ...] = ()
     drive: Floats | None = None
-
-    @classmethod
-    def from_columns(
-        cls,
-        columns: Mapping[str, ArrayLike],
-        rig: AnyRig,
-        *,
-        channels: Mapping[str, Channel] | None = None,
-        belt_speed: float | str = 0.0,
-        role: Role = "train",
-        noise: Mapping[str, float] | None = None,
-        window: tuple[float | None, float | None] = (None, None),
-        name: str = "recording",
-        friction: FrictionLaw | None = None,
-    ) -> Recording:
-        """Make a recording of columns in memory: a dict of arrays, or a data frame.
-
-        Parameters
-        ----------
-        columns
-            Each (n,), by name: t, x1, y1 and what else `channels` name, in the units that these declare.
-        rig, channels, belt_speed, role, noise, window, name, friction
-            As `load_recording` has them.
-
-        Raises
-        ------
-        InputError
-            A column is missing, of another length, or not of finite numbers; and what `load_recording` refuses.
-        """
-        must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
-        there = [str(one) for one in columns]
-        if channels is None:
-            wanted = [*needed_channels(rig), *(["belt"] if "belt" in there else [])]
-            channels = {one: Channel(one) for one in wanted}
-        check_channels(channels, rig)
-        table = in_memory(
-            {str(one): columns[one] for one in columns}, [c.column for c in channels.values()], name
-        )
-        return _recorded(
-            table, rig, dict(channels), belt_speed=belt_speed, role=role, noise=noise, window=window, name=name,
-            friction=friction,
-        )  # fmt: skip
 
     def __len__(self) -> int:
         return self.t.size
@@ -210,7 +167,7 @@ class Recording:
 
 @explained
 def load_recording(
-    path: str | os.PathLike[str],
+    source: str | os.PathLike[str] | Mapping[str, ArrayLike],
     rig: AnyRig,
     *,
     channels: Mapping[str, Channel] | None = None,
@@ -221,12 +178,12 @@ def load_recording(
     name: str | None = None,
     friction: FrictionLaw | None = None,
 ) -> Recording:
-    """Read one run from a CSV or .mat file.
+    """Read one run from a CSV or .mat file, or take it from columns in memory.
 
     Parameters
     ----------
-    path
-        The file.
+    source
+        The file; or the columns (n,) by name, as a dict of arrays or a data frame has them.
     rig
         `Rig` or `BlockOnBelt`.
     channels
@@ -242,7 +199,7 @@ def load_recording(
     window
         First and last time to keep, start <= t < end, in the unit of t; None: open.
     name
-        Name of the run; None: that of the file.
+        Name of the run; None: that of the file, or "recording".
     friction
         Declared law; readings of a size it cannot explain are then found.
 
@@ -253,29 +210,15 @@ def load_recording(
         do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
     """
     must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
-    as_path("path", path)
-    declared = dict(channels) if channels is not None else bare_channels(path, rig)
+    table: Held | Path
+    if hasattr(source, "keys"):
+        table = Held(name or "recording", dict(source))  # type: ignore[arg-type]  # a data frame is no Mapping
+    else:
+        table = as_path("source", source)
+    declared = dict(channels) if channels is not None else bare_channels(table, rig)
     check_channels(declared, rig)
-    declared = by_heads(path, declared)
-    columns = read_columns(path, [channel.column for channel in declared.values()])
-    return _recorded(
-        columns, rig, declared, belt_speed=belt_speed, role=role, noise=noise, window=window,
-        name=name or Path(path).stem, friction=friction,
-    )  # fmt: skip
-
-
-def _recorded(
-    columns: Columns,
-    rig: AnyRig,
-    declared: dict[str, Channel],
-    *,
-    belt_speed: float | str,
-    role: Role,
-    noise: Mapping[str, float] | None,
-    window: tuple[float | None, float | None],
-    name: str,
-    friction: FrictionLaw | None,
-) -> Recording:
+    declared = by_heads(table, declared)
+    columns = read_columns(table, [channel.column for channel in declared.values()])
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     _check_times(columns, declared, raw)
@@ -287,7 +230,7 @@ def _recorded(
     _check_belt(columns, declared, raw, set_point)
     sizes = noise_in_model(noise or {}, declared, rig)
     recording = Recording(
-        name=name,
+        name=name or columns.path.stem,
         role=role,
         rig=rig,
         belt_speed=set_point,

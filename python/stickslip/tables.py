@@ -35,6 +35,41 @@ class Columns:
 
 
 @dataclass(frozen=True)
+class Held:
+    """Columns in memory, each (n,), by name; what they are called stands for a file's path."""
+
+    called: str
+    values: Mapping[str, ArrayLike]
+
+    def __fspath__(self) -> str:
+        return self.called
+
+    def read(self, names: Sequence[str]) -> Columns:
+        """Return some of the columns, copied, as those of a file."""
+        out: dict[str, Floats] = {}
+        for name in dict.fromkeys(names):
+            place = Place(self.called, column=name)
+            if name not in self.values:
+                raise InputError(f"missing; there are {', '.join(map(str, self.values))}", place=place)
+            try:
+                values = np.array(self.values[name], dtype=np.float64)
+            except (TypeError, ValueError):
+                raise InputError("not numbers", place=place) from None
+            if values.ndim != 1:
+                raise InputError(f"has {values.ndim} dimensions; a column has 1", place=place)
+            first = next(iter(out), name)
+            if out and values.size != out[first].size:
+                words = f"{values.size} numbers, but column '{first}' has {out[first].size}"
+                raise InputError(words, place=place)
+            wrong = np.flatnonzero(~np.isfinite(values))
+            if wrong.size:
+                words = f"{values[wrong[0]]} at sample {wrong[0]} (counted from 0); cut it out or fill it in"
+                raise InputError(words, place=place)
+            out[name] = values
+        return Columns(Path(self.called), out, None)
+
+
+@dataclass(frozen=True)
 class Layout:
     """How a CSV file is written."""
 
@@ -65,6 +100,8 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
     InputError
         No such file, or not one that can be read.
     """
+    if isinstance(path, Held):
+        return tuple(path.values)
     file = _existing(path)
     if file.suffix.lower() == ".mat":
         return tuple(name for name, _, _ in _whosmat(file))
@@ -81,7 +118,7 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
     Parameters
     ----------
     path
-        A .mat file (version 4 to 7.2), or anything else as CSV.
+        A .mat file (version 4 to 7.2), anything else as CSV, or columns in memory.
     names
         Columns to read.
 
@@ -90,6 +127,8 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
     InputError
         No such file, a column missing or there twice, an empty cell, NaN or text: the line and column.
     """
+    if isinstance(path, Held):
+        return path.read(names)
     file = _existing(path)
     if file.suffix.lower() == ".mat":
         return _read_mat(file, names)
@@ -97,37 +136,6 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
     for name in names:
         _require(name, layout.header, Place(str(file), layout.header_line, column=name))
     return Columns(file, _read_csv(layout, list(dict.fromkeys(names))), layout)
-
-
-def in_memory(columns: Mapping[str, ArrayLike], names: Sequence[str], called: str) -> Columns:
-    """Take columns of a table in memory, each (n,), as those of a file; `called` stands for its path.
-
-    Raises
-    ------
-    InputError
-        A column missing, not one-dimensional, of another length, or not of finite numbers.
-    """
-    out: dict[str, Floats] = {}
-    for name in dict.fromkeys(names):
-        place = Place(called, column=name)
-        if name not in columns:
-            raise InputError(f"no such column; {did_you_mean(name, columns)}", place=place)
-        try:
-            values = np.array(columns[name], dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError("not numbers", place=place) from None
-        if values.ndim != 1:
-            raise InputError(f"has {values.ndim} dimensions; a column has 1", place=place)
-        first = next(iter(out), name)
-        if out and values.size != out[first].size:
-            words = f"{values.size} numbers, but column '{first}' has {out[first].size}"
-            raise InputError(words, place=place)
-        wrong = np.flatnonzero(~np.isfinite(values))
-        if wrong.size:
-            words = f"{values[wrong[0]]} at sample {wrong[0]} (counted from 0); cut it out or fill it in"
-            raise InputError(words, place=place)
-        out[name] = values
-    return Columns(Path(called), out, None)
 
 
 def _existing(path: str | os.PathLike[str]) -> Path:

@@ -36,7 +36,7 @@ def test_memory_and_file_are_one(tmp_path: Path, kind: type) -> None:
         "window": (0.5, 3.0),
     }  # fmt: skip
     filed = ss.load_recording(tmp_path / "run.csv", RIG, **options)
-    held = ss.Recording.from_columns(kind(columns()), RIG, name="run", **options)
+    held = ss.load_recording(kind(columns()), RIG, name="run", **options)
     for name in ("t", "x1", "y1", "belt"):
         np.testing.assert_array_equal(getattr(held, name), getattr(filed, name))
     for name in ("name", "role", "rig", "belt_speed", "noise", "factors", "findings"):
@@ -47,7 +47,7 @@ def test_names_of_channels_are_names_of_columns_unless_said() -> None:
     t = 0.05 * np.arange(100)
     rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
     given = {"t": list(t), "x1": np.sin(t), "y1": np.cos(t), "belt": 0.1 + 0 * t}
-    run = ss.Recording.from_columns(given, rig, belt_speed=0.1)
+    run = ss.load_recording(given, rig, belt_speed=0.1)
     np.testing.assert_array_equal(run.x1, np.sin(t))
     assert run.belt is not None
     assert (run.name, run.role) == ("recording", "train")
@@ -55,7 +55,7 @@ def test_names_of_channels_are_names_of_columns_unless_said() -> None:
 
 def test_what_is_held_does_not_change_with_what_was_given() -> None:
     given = columns()
-    run = ss.Recording.from_columns(given, RIG, channels=CHANNELS, belt_speed="12 mm/s")
+    run = ss.load_recording(given, RIG, channels=CHANNELS, belt_speed="12 mm/s")
     before = run.x1.copy()
     given["block"] *= 2
     np.testing.assert_array_equal(run.x1, before)
@@ -79,15 +79,24 @@ def spoilt(**new: object) -> dict[str, object]:
             spoilt(time=np.r_[0.0, 0.0, np.arange(1, 399)]),
             "bench, column 'time': 0 twice in a row",
         ),
-        ({k: v for k, v in columns().items() if k != "angle"}, "bench, column 'angle': no such column"),
+        (
+            {k: v for k, v in columns().items() if k != "angle"},
+            "bench, column 'angle': missing; there are time, block, drum, remark",
+        ),
         ({k: v[:5] for k, v in columns().items()}, "bench: 5 samples; a run needs at least 8"),
     ],
 )
 def test_what_cannot_be_used_is_refused(given: dict[str, object], said: str) -> None:
     with pytest.raises(ss.InputError, match=re.escape(said)):
-        ss.Recording.from_columns(given, RIG, channels=CHANNELS, belt_speed="12 mm/s", name="bench")  # type: ignore[arg-type]
+        ss.load_recording(given, RIG, channels=CHANNELS, belt_speed="12 mm/s", name="bench")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("given", [None, 3, np.zeros((9, 3))])
+def test_what_is_neither_a_file_nor_columns_is_said(given: object) -> None:
+    with pytest.raises(ss.InputError, match="source: must be the path of a file"):
+        ss.load_recording(given, RIG)  # type: ignore[arg-type]
 
 
 def test_a_rig_is_asked_for() -> None:
     with pytest.raises(ss.InputError, match="rig: must be"):
-        ss.Recording.from_columns(columns(), "rig")  # type: ignore[arg-type]
+        ss.load_recording(columns(), "rig")  # type: ignore[arg-type]
