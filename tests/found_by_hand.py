@@ -6,7 +6,9 @@ at the start of every cycle, without and with the effect. No search takes place 
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,9 @@ RIG_SI = {
     "c1": 2.48, "c2": 2.94, "length": 0.0089
 }  # fmt: skip
 LAG = ss.effect("sensor_lag", tau=0.12)
+
+
+SCHEMA = json.loads((files("stickslip.report") / "report.schema.json").read_text(encoding="utf-8"))
 
 
 def rig(si: bool) -> ss.Rig:
@@ -247,14 +252,15 @@ def _unlisted() -> r.FoundEffect:
 def guessed() -> r.FoundEffect:
     """What nothing describes, at its likeliest place: there is no evidence."""
     words = "no listed effect and no learned curve explains the residual; the place is the likeliest by score"
-    proof = r.Evidence(0.0, 0.0, 1.0, 0.0, "", 19.2, words)
+    proof = r.Evidence(None, None, None, None, "", 19.2, words)
     return r.FoundEffect("unlisted", "angle_body", ("y1",), {}, proof, (), "not described")
 
 
 def of_rig(values: dict[str, float], control_name: str = "") -> r.FoundEffect:
     """Wrong numbers of the declared rig, with intervals of 1 %."""
     numbers = {name: r.Interval(one, 0.99 * one, 1.01 * one) for name, one in values.items()}
-    proof = r.Evidence(9e3, 8.9e3, 1.0, 0.0, control_name, 19.2, "lowers chi-squared by 9e+03")
+    control = 8e3 if control_name else None
+    proof = r.Evidence(9e3, 8.9e3, 1.0, control, control_name, 19.2, "lowers chi-squared by 9e+03")
     words = " and ".join(f"{name} is {one:.4g}" for name, one in values.items())
     return r.FoundEffect("unlisted", "angle_body", ("y1",), numbers, proof, (), words, of_rig=True)
 
@@ -267,3 +273,9 @@ def with_effect(one: r.Found, effect: r.FoundEffect) -> r.Found:
 def per_reading(case: ss.Case) -> float:
     """How many of the readings' length unit make 1 of the model's."""
     return 1e3 * case.rig.scales.length if case.rig.scales else 1.0
+
+
+def made(tmp_path: Path, *, si: bool = True, verdict: str = "effect_found") -> tuple[r.Found, ss.Case]:
+    """A case written to a folder, and a result of it."""
+    case = ss.load_case(write_case(tmp_path, si=si))
+    return found(case, verdict=verdict), case

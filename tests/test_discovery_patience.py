@@ -197,7 +197,7 @@ def test_names_beside_a_curve_are_given_up_where_they_stall_far_above_it(monkeyp
     monkeypatch.setattr(trace, "hypothesis", lambda *_: None)
     trials = [trial(("a",), 9000.0), trial(("a", "b"), 9100.0), trial(("b",), 9200.0)]
     assert trace.beside(search, trials, trial(("curve",), 1000.0)) == trials
-    assert [one["worst"] for one in search.options] == [trace.OUTDONE * 1000.0] * 2  # singles alone
+    assert [one["worst"] for one in search.options] == [trace.OUTRUN * 1000.0] * 2  # singles alone
 
 
 @pytest.mark.parametrize(("ahead", "names"), [(0.9 * MARGIN, ("a",)), (1.1 * MARGIN, ("a", "b"))])

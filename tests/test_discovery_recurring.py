@@ -12,10 +12,10 @@ from stickslip.discovery.choice import choose
 from stickslip.discovery.data import prepare
 from stickslip.discovery.periodic import TABLE_KNOTS, periodic_starts
 from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.recurring import HOPELESS, learn_recurring
+from stickslip.discovery.recurring import learn_recurring
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search
-from stickslip.discovery.trace import declared
+from stickslip.discovery.trace import OUTRUN, declared
 
 TURNS = np.linspace(0, 1, 9)
 
@@ -87,7 +87,7 @@ def test_beside_a_name_that_explains_all_no_time_is_lost():
     assert found[0][1].fit.iterations < 15
     for term, trial in found[1:]:
         assert term.where != "block"
-        assert trial.fit.cost > HOPELESS * named.fit.cost
+        assert trial.fit.cost > OUTRUN * named.fit.cost
         assert len(term.knots) == TABLE_KNOTS + 1  # no finer one is tried
     assert len(found) > 1
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
 from discover_cases import RIG, make_case
 from stickslip.discovery import choice, rig_numbers
 from stickslip.discovery.data import prepare
-from stickslip.discovery.result import Interval, Verdict
+from stickslip.discovery.result import Curve, Interval, Verdict
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared, explained
 from stickslip.effects import tabulated
@@ -124,7 +125,7 @@ def test_what_is_said_of_a_number_is_in_the_constants_of_an_si_rig() -> None:
         "stiffness": Interval(1 + 0.5 * (rig.alpha1 - 1), None, None),
     }
     said = rig_numbers.formula(rig, twice)
-    assert "(J/r^2 2 times the declared)" in said
+    assert "(J 2 times the declared)" in said
     assert "(k3 2 times the declared)" in said
     assert "(c1 1.5 times the declared)" in said
     assert "(c2 1 times the declared)" in said
@@ -138,8 +139,8 @@ def test_one_that_does_as_well_is_said() -> None:
     null = declared(search)
     assert null is not None
     best = rig_numbers.freed(search, null)[0]
-    assert rig_numbers.remark(case.rig, best.names, best, ()) is None
-    said = rig_numbers.remark(case.rig, (), best, (best,))
+    assert rig_numbers.remark(case.rig, best.names, best, (), None) is None
+    said = rig_numbers.remark(case.rig, (), best, (best,), None)
     assert said is not None
     assert said.startswith(
         "a wrong number of the declared rig would explain the readings as well: beta3 is 4"
@@ -165,15 +166,27 @@ def test_of_a_wrong_mass_or_spring_it_is_said_what_to_write() -> None:
     assert rig_numbers._instead(RIG, found) == "correct the rig's constants"
 
 
-def test_a_curve_that_a_wrong_number_leaves_too_is_doubted() -> None:
-    for names, doubt in (
-        (("tabulated_block_x1",), "a wrong m, k1 or k2 of"),
-        (("tabulated_angle_body_y2",), "a wrong J, c1 or c2 of"),
-        (("tabulated_contact_x1",), None),
-        (("tabulated_block_x1", "sensor_lag"), None),
-    ):
-        said = rig_numbers.remark(RIG, names, None, ())
-        assert said is None if doubt is None else said.startswith(doubt)
+@pytest.mark.parametrize(
+    ("where", "variable", "bent", "doubt"),
+    [
+        ("block", "x1", 0.0, "m, k1 or k2 of the declared rig"),
+        ("block", "x1", 0.4, "m, k1 or k2 of the declared rig"),
+        ("block", "x1", 4.0, None),  # no number of the rig leaves a bent curve
+        ("block", "x2", 0.0, None),
+        ("contact", "x1", 0.0, None),
+        ("angle_body", "y1", 0.0, "J, k2 or k3 of the declared rig"),
+        ("angle_body", "y2", 0.0, "J, c1 or c2 of the declared rig"),
+    ],
+)
+def test_a_straight_curve_is_what_a_wrong_number_leaves(
+    where: str, variable: str, bent: float, doubt: str | None
+) -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    value = 0.3 * x + bent * 0.3 * x**2
+    learned = Curve(where, variable, "force", x, value, value - 0.1, value + 0.1, x[::10], None)
+    said = rig_numbers.remark(RIG, ("tabulated",), None, (), learned)  # type: ignore[arg-type]
+    assert (said is None) == (doubt is None)
+    assert said is None or f"a wrong {doubt}" in said
 
 
 def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) -> None:

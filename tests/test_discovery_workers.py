@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -226,3 +227,19 @@ def test_processes_at_hand_are_those_of_a_search_just_ended_in_this_process(data
     for other in (None, (search.workers, os.getpid() + 1, latest[2]), (search.workers, os.getpid(), 0.0)):
         monkeypatch.setattr(Workers, "_latest", other)
         assert Workers.at_hand().count == 1
+
+
+def test_an_interrupted_map_cancels_nothing_under_way() -> None:
+    """What is cancelled makes the pool's own thread cry out when it is stopped."""
+
+    class Interrupted(Future[int]):
+        def result(self, timeout: float | None = None) -> int:
+            raise KeyboardInterrupt(timeout)
+
+    handed: list[Future[int]] = [Interrupted(), Future(), Future()]
+    todo, asked = iter(handed), Workers(1)
+    asked._pool = SimpleNamespace(submit=lambda *_: next(todo), map=None)
+    with pytest.raises(KeyboardInterrupt):
+        asked.map(abs, [1, 2, 3])
+    assert next(todo, None) is None
+    assert not any(one.cancelled() for one in handed)

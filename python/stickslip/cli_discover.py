@@ -168,9 +168,8 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
     for doubt in doubts:
         console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
     t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
-    first, last = (
-        f"{x:.{time_digits(frame['t'], 10) - 4}g}" for x in (frame["t"].iloc[0], frame["t"].iloc[-1])
-    )
+    digits = time_digits(frame["t"], 6, finer=1.0)
+    first, last = (f"{x:.{digits}g}" for x in (frame["t"].iloc[0], frame["t"].iloc[-1]))
     console.print(
         f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {first} to {last}"
         f"{'' if t == '1' else f' {t}'}; "

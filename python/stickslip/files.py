@@ -46,14 +46,14 @@ def whole(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def time_digits(t: Iterable[float], least: int) -> int:
-    """Digits that tell times (n,) apart to a ten-thousandth of their closest interval, or all that a double has."""
+def time_digits(t: Iterable[float], least: int, finer: float = FINER) -> int:
+    """Digits that tell times (n,) apart to `finer` of their closest interval, or all that a double has."""
     times = np.asarray(t, dtype=float)
     step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
     if not step > 0:
         return MOST_DIGITS
     before = np.floor(np.log10(np.max(np.abs(times)))) + 1  # the decimal point
-    return int(np.clip(before + np.ceil(-np.log10(step * FINER)), least, MOST_DIGITS))
+    return int(np.clip(before + np.ceil(-np.log10(step * finer)), least, MOST_DIGITS))
 
 
 def write_csv(frame: pd.DataFrame, path: Path, digits: int) -> None:

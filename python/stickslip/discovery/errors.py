@@ -138,22 +138,19 @@ def error_block(
     seed: int = 0,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """`error` of the report on the validate runs, and the forecasts it rests on, each made by one of the workers."""
-    asked = [who for who in ("before", "after") if who == "after" or before != after] + ["floor"] * DRAWS
-    seeds = [seed + i for i in range(DRAWS)]
-    tasks = [
-        (who, run, own)
-        for run in runs
-        for who, own in zip(asked, [seed] * (len(asked) - DRAWS) + seeds, strict=True)
-    ]
+    asked = [("after", 0), *(("floor", seed + i) for i in range(DRAWS))]
+    if before != after:
+        asked.append(("before", 0))
+    tasks = [(who, run, own) for run in runs for who, own in asked]
     done = iter(workers.map(partial(_forecast, before=before, after=after), tasks))
     table, kept = [], {}
     for run, recording in zip(runs, recordings, strict=True):
-        found = [next(done) for _ in asked]
-        was, now = found[0], found[-DRAWS - 1]
+        now, *others = [next(done) for _ in asked]
+        was = others[-1] if before != after else now
         assert was is not None
         assert now is not None
         kept[run.name] = (was, now)
-        floor = _mean([one for one in found[-DRAWS:] if one is not None]) or now
+        floor = _mean([one for one in others[:DRAWS] if one is not None]) or now
         table.append(_row(run, recording, (was, now, floor)))
     mean = {who: float(np.mean([row.one_cycle[who] for row in table])) for who in WHO}
     return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(table)), kept

@@ -69,10 +69,10 @@ def evidence(
     ]
     readings = trial.fit.readings
     control = min(swapped, key=lambda t: t.cost_of(readings), default=None)
-    fall = 0.0 if control is None else max(without.fit.cost - control.cost_of(readings), 0.0)
+    fall = None if control is None else max(without.fit.cost - control.cost_of(readings), 0.0)
     label = "" if control is None else next((n for n in control.names if n not in rest), "")
     words = f"lowers chi-squared by {gain:.4g} (the gate is {threshold:.3g})"
-    if label:
+    if fall is not None:
         words += f"; the best wrong effect, {label}, by {fall:.4g}"
     words += f"; error on windows held out falls to {held:.3g} of what it was"
     return Evidence(gain, bic, held, fall, label, threshold, words)

@@ -211,7 +211,8 @@ def _found(
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)
-    if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied):
+    curve = next((one.curve for one in effects if one.curve is not None), None)
+    if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied, curve):
         notes = (*notes, doubt)
     was, now = describe(before.fit), describe(after.fit)
     return Found(
@@ -280,7 +281,7 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
                 f"no listed effect explains the residual: {names} come nearest, and leave {after.chi2:.3g}"
             )
             formula = f"not described; in the model {names} stand in for it"
-        proof = Evidence(0.0, 0.0, 1.0, 0.0, "", threshold, words)
+        proof = Evidence(None, None, None, None, "", threshold, words)
         where, variables = choice.place
         return (FoundEffect("unlisted", where, variables, {}, proof, (), formula),)
     if not choice.trial.names:
@@ -316,7 +317,7 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
                 phases(after.fit, name),
             )
         )  # fmt: skip
-    return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.delta_chi2)))
+    return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.weight)))
 
 
 def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float) -> FoundEffect:

@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
 from stickslip.discovery.recurring import PLACES, cost_of_line, line_at
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import MARGIN
-from stickslip.discovery.unlisted import Term, scored, sensitivity, terms
+from stickslip.discovery.unlisted import Term, gain_by_window, scored, terms
 from stickslip.discovery.workers import each
 
 REPEATS = 0.6  # of what a number for every window promises: where a line promises more, it repeats
@@ -51,7 +49,7 @@ def promises(search: Search, null: Trial) -> Promises:
     in_time = [term for term in every if term.variable == "t"]
     windows = {
         term.where: task.result() - len(null.fit.windows) * penalty
-        for term, task in each(search, partial(_loosened, base=null), in_time)
+        for term, task in each(search, partial(_by_window, base=null), in_time)
     }
     return Promises(sorted(curves, key=lambda one: -one[0]), lines, windows)
 
@@ -70,23 +68,5 @@ def place_of(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, 
     return (term.where, (term.variable,)) if most > MARGIN else None
 
 
-def _loosened(_: Search, term: Term, *, base: Trial) -> float:
-    """Fall of chi-squared that a constant of each window's own promises where the term acts, the base refitted."""
-    fit, p = base.fit, len(base.fit.vector)
-    A, g, left = np.stack([np.diag(fit.engine.precision)] * 2), np.zeros((2, p)), np.zeros(2)
-    for w, b, knots in zip(fit.windows, fit.blocks, sensitivity(base, term), strict=True):
-        if knots is None:
-            continue
-        J = np.zeros((len(b.r), p))
-        J[:, fit.engine.columns[w.run]] = b.J
-        size = 0.0
-        # a curve's knots together are a constant
-        for i, own in enumerate((b.K, np.column_stack([b.K, knots.sum(axis=1)]))):
-            q = np.linalg.qr(own)[0]
-            D, r = J - q @ (q.T @ J), b.r - q @ (q.T @ b.r)
-            size = size or max(1.0, float(r @ r) / len(r))  # bad windows are held back
-            A[i] += D.T @ D / size
-            g[i] += D.T @ r / size
-            left[i] += float(r @ r) / size
-    before, after = (left[i] - g[i] @ np.linalg.lstsq(A[i], g[i], rcond=1e-12)[0] for i in range(2))
-    return float(before - after)
+def _by_window(_: Search, term: Term, *, base: Trial) -> float:
+    return gain_by_window(base, term)

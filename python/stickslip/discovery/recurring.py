@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.periodic import TABLE_KNOTS, Line, strongest_line
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
-from stickslip.discovery.trace import MARGIN
+from stickslip.discovery.trace import MARGIN, OUTRUN
 from stickslip.discovery.unknowns import Unknown
 from stickslip.discovery.unlisted import SPREAD, Term, repeating
 from stickslip.discovery.workers import each
@@ -21,7 +21,6 @@ from stickslip.effects import Tabulated
 Floats = NDArray[np.float64]
 PLACES = ("block", "angle_body", "contact")
 FINE = 2 * TABLE_KNOTS
-HOPELESS = 1.5  # of the cost of a name that explains all: a curve that stalls beyond does not do better
 NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises less is not tried
 
 
@@ -61,7 +60,7 @@ def _learned(
     phases = tuple(float(np.arctan2(b, a)) for a, b in line.amplitudes)
     if beat is not None:
         base = _without(search, base, beat)
-    worst = math.inf if beat is None else HOPELESS * beat.fit.cost
+    worst = math.inf if beat is None else OUTRUN * beat.fit.cost
     term, trial = _fitted(search, base, where, line.w, size * np.sin(2 * np.pi * turns), phases, worst)
     if trial is None:
         return None

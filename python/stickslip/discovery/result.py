@@ -82,7 +82,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Why an effect is believed.
+    """Why an effect is believed; None where nothing was measured: of a guessed place, of a control that was not tried.
 
     Attributes
     ----------
@@ -95,13 +95,18 @@ class Evidence:
     sentence : one line for a person.
     """
 
-    delta_chi2: float
-    delta_bic: float
-    held_out_ratio: float
-    control: float
+    delta_chi2: float | None
+    delta_bic: float | None
+    held_out_ratio: float | None
+    control: float | None
     control_name: str
     threshold: float
     sentence: str
+
+    @property
+    def weight(self) -> float:
+        """`delta_chi2`, 0 where it was not measured."""
+        return self.delta_chi2 or 0.0
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from stickslip.discovery.intervals import combined, intervals
-from stickslip.discovery.result import Interval
+from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.unknowns import RIG, Unknown
@@ -23,6 +23,9 @@ EDGE = 1e-6  # of a number: nearer to its bound it is at it
 APART = 3  # times that the bound between two numbers is moved
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
 REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
+STRAIGHT = (
+    0.9  # share of a learned curve's variance in a straight line, which a wrong number of the rig leaves
+)
 STEEP = 20.0  # width of the weak Gaussian on the ends of that line
 
 
@@ -55,7 +58,7 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     rig = search.model.rig
     assert isinstance(rig, Rig)
     kinds = [names for names, kind in KINDS.items() if all(getattr(rig, name) > 0 for name in kind.free)]
-    say = lambda names: f"freeing {' and '.join(names)} of the rig"  # noqa: E731
+    say = lambda names: f"freeing {called(names)} of the rig"  # noqa: E731
     tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
     found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
     found.sort(key=lambda one: one.bic)
@@ -80,7 +83,7 @@ def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | 
         ]
         if not stopped:
             return trial
-        if len(kind.free) < 2 or found["eta1"] * found["eta12"] == between**2:
+        if len(kind.free) < 2:
             break
         between = math.sqrt(found["eta1"] * found["eta12"])  # one of them has come to the other's side
     return None  # what is at its bound is not found
@@ -138,37 +141,62 @@ def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
     """What is declared, what is found, and what that says of the SI constants."""
     assert isinstance(rig, Rig)
     words = [
-        f"{_WORDS.get(name, name)} is {one.value:.4g} rather than {_declared(rig, name):.4g}"
-        f"{_constant(rig, name, found)}"
+        f"{_WORDS.get(name, name)} is {one.value:.4g} rather than {declared(rig, name):.4g}"
+        f"{_share(rig, name, found)}"
         for name, one in found.items()
     ]
     return " and ".join(words)
 
 
 _WORDS = {"inertia": "alpha1 before x1''", "stiffness": "alpha1 before x1"}
-_CONSTANTS = {  # of SI, and where it is 0
-    "alpha2": "J/r^2",
-    "beta3": "k3",
-    "eta1": "c1",
-    "eta12": "c2",
-    "inertia": "m",
-    "stiffness": "k1",
-}
 
 
-def _declared(rig: Rig, name: str) -> float:
+def declared(rig: Rig, name: str) -> float:
+    """A number as declared; `inertia` and `stiffness` are alpha1."""
     return float(getattr(rig, "alpha1" if name in _WORDS else name))
 
 
-def _constant(rig: Rig, name: str, found: Mapping[str, Interval]) -> str:
+@dataclass(frozen=True)
+class Constant:
+    """The SI constant behind a number of the rig, everything else as declared: (number - least) size, in `unit`."""
+
+    name: str
+    unit: str
+    size: float
+    least: float = 0.0
+
+    def of(self, value: float) -> float:
+        """Its value for one of the number."""
+        return (value - self.least) * self.size
+
+
+def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> Constant | None:
+    """What a wrong number says of the SI constants by (2.1), with r, k2 and the units as declared.
+
+    c2 is in eta12 - eta1, with the eta1 `found` if it was. alpha1 in both places is none: a mass and a spring k1 that
+    are both wrong.
+    """
+    if not isinstance(rig, Rig) or rig.scales is None:
+        return None
+    omega, k2, r = rig.scales.omega, rig.scales.k2, rig.scales.r
+    eta1 = found["eta1"].value if "eta1" in found else rig.eta1
+    known = {
+        "alpha2": Constant("J", "kg m^2", r * r * k2 / omega**2),
+        "beta3": Constant("k3", "N/m", k2, 1.0),
+        "eta1": Constant("c1", "N s/m", k2 / omega),
+        "eta12": Constant("c2", "N s/m", k2 / omega, eta1),
+        "inertia": Constant("m", "kg", k2 / omega**2),
+        "stiffness": Constant("k1", "N/m", k2, 1.0),
+    }
+    return known.get(name)
+
+
+def _share(rig: Rig, name: str, found: Mapping[str, Interval]) -> str:
     """The SI constant behind a number, as a share of what is declared."""
-    least = {"stiffness": 1.0, "beta3": 1.0, "eta12": rig.eta1}.get(name, 0.0)
-    declared = _declared(rig, name) - least
-    if name not in _CONSTANTS or declared <= 0 or rig.scales is None:
+    now, was = constant(rig, name, found), constant(rig, name, {})
+    if now is None or was is None or was.of(declared(rig, name)) <= 0:
         return ""
-    if name == "eta12" and "eta1" in found:  # eta12 - eta1 is of c2
-        least = found["eta1"].value
-    return f" ({_CONSTANTS[name]} {(found[name].value - least) / declared:.3g} times the declared)"
+    return f" ({now.name} {now.of(found[name].value) / was.of(declared(rig, name)):.3g} times the declared)"
 
 
 def called(names: Sequence[str]) -> str:
@@ -176,8 +204,10 @@ def called(names: Sequence[str]) -> str:
     return " and ".join(names)
 
 
-def remark(rig: AnyRig, names: tuple[str, ...], after: Trial, tied: Sequence[Trial]) -> str | None:
-    """What to know of wrong numbers of the rig beside what was found: `names` in the trial `after`."""
+def remark(
+    rig: AnyRig, names: tuple[str, ...], after: Trial, tied: Sequence[Trial], curve: Curve | None
+) -> str | None:
+    """What to know of wrong numbers of the rig beside what was found: `names` in the trial `after`, a learned curve."""
     if tied:
         return (
             "a wrong number of the declared rig would explain the readings as well: "
@@ -188,30 +218,23 @@ def remark(rig: AnyRig, names: tuple[str, ...], after: Trial, tied: Sequence[Tri
             "alpha1 sets the unit of time and where the declared law has its ends: these stay as declared, so that "
             f"what is found is near and not yet exact; {_instead(rig, numbers(after))} and search again"
         )
-    looks = [_LOOKS[names[0]]] if len(names) == 1 and names[0] in _LOOKS else []
+    looks = None if curve is None else _LOOKS.get((curve.where, curve.variable))
+    if curve is None or looks is None or not np.corrcoef(curve.x, curve.value)[0, 1] ** 2 > STRAIGHT:
+        return None
     return (
-        f"a wrong {looks[0]} of the declared rig leaves a curve like this one too: check it"
-        if looks
-        else None
+        f"the learned curve is nearly straight, as a wrong {looks} of the declared rig leaves it: check these"
     )
 
 
 _LOOKS = {
-    "tabulated_block_x1": "m, k1 or k2",
-    "tabulated_angle_body_y1": "J, k2 or k3",
-    "tabulated_angle_body_y2": "J, c1 or c2",
+    ("block", "x1"): "m, k1 or k2",
+    ("angle_body", "y1"): "J, k2 or k3",
+    ("angle_body", "y2"): "J, c1 or c2",
 }
 
 
 def _instead(rig: AnyRig, found: Mapping[str, Interval]) -> str:
     """What to write in [rig]."""
-    assert isinstance(rig, Rig)
-    if rig.scales is None:
-        return "correct the rig's constants"
-    si = rig.to_si()
-    whole = si["k1"] + si["k2"]
-    words = []
-    if "inertia" in found:
-        words.append(f"m = {si['m'] * found['inertia'].value / rig.alpha1:.4g} kg")
-    words.append(f"k1 = {whole * found['stiffness'].value / rig.alpha1 - si['k2']:.4g} N/m")
-    return f"write {' and '.join(words)} in [rig]"
+    known = ((constant(rig, name, found), one) for name, one in found.items())
+    words = [f"{what.name} = {what.of(one.value):.4g} {what.unit}" for what, one in known if what is not None]
+    return f"write {called(words)} in [rig]" if words else "correct the rig's constants"

@@ -31,7 +31,7 @@ CRUDELY = (
 )
 LITTLE = 20.0  # of chi-squared: about what a name must gain
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
-OUTDONE = 1.5  # of the cost of a curve within the noise: a name that stalls beyond is not what it stands for
+OUTRUN = 1.5  # of the cost of what explains all: a rival that stalls beyond does not do so too
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
@@ -208,7 +208,7 @@ def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4)
 
 def _beside(search: Search, i: int, *, trials: Sequence[Trial], curve: Trial) -> Trial | None:
     h = hypothesis(curve.hypothesis.model, starts_of(trials[i]), search.model)
-    worst = OUTDONE * curve.fit.cost
+    worst = OUTRUN * curve.fit.cost
     return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, worst=worst, anyway=True)
 
 

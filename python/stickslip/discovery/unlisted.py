@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Engine
+from stickslip.discovery.promise import rest
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
@@ -139,26 +140,22 @@ def sensitivity(base: Trial, term: Term) -> list[Floats | None]:
 
 
 def gain(base: Trial, term: Term) -> float:
-    """Fall of chi-squared that a curve promises to first order, the base refitted and bad windows held back."""
-    fit = base.fit
-    p, k = len(fit.vector), len(term.knots)
-    A, g = np.zeros((p + k, p + k)), np.zeros(p + k)
-    A[:p, :p] = np.diag(fit.engine.precision)
-    A[p:, p:] = np.eye(k) / SPREAD.get(term.where, 0.5) ** 2
-    for w, b, own in zip(fit.windows, fit.blocks, sensitivity(base, term), strict=True):
-        if own is None:
-            continue
-        q = np.linalg.qr(b.K)[0]
-        D = np.zeros((len(b.r), p + k))
-        D[:, fit.engine.columns[w.run]] = b.J
-        D[:, p:] = own
-        D -= q @ (q.T @ D)
-        r = b.r - q @ (q.T @ b.r)
-        size = max(1.0, float(r @ r) / len(r))
-        A += D.T @ D / size
-        g += D.T @ r / size
-    law = g[:p] @ np.linalg.lstsq(A[:p, :p], g[:p], rcond=1e-12)[0]
-    return float(g @ np.linalg.lstsq(A, g, rcond=1e-12)[0] - law)
+    """Fall of chi-squared that a curve promises to first order."""
+    more = sensitivity(base, term)
+    return rest(base, _none_of(more)) - rest(base, more, spread=SPREAD.get(term.where, 0.5))
+
+
+def gain_by_window(base: Trial, term: Term) -> float:
+    """The same of a constant that each window has for itself, where the curve acts."""
+    more = sensitivity(base, term)
+    constant = [
+        None if one is None else one.sum(axis=1, keepdims=True) for one in more
+    ]  # all its values together
+    return rest(base, _none_of(more)) - rest(base, constant, own=True)
+
+
+def _none_of(more: Sequence[Floats | None]) -> list[Floats | None]:
+    return [None if one is None else one[:, :0] for one in more]
 
 
 @dataclass(frozen=True)

@@ -136,8 +136,8 @@ def weights(found: DrivenFound) -> Figure:
     ax = figure.subplots()
     names = [one.name if one.curve is None else f"curve of {one.depends_on[0]}" for one in found.effects]
     for y, one in enumerate(found.effects):
-        ax.plot([one.evidence.delta_chi2], [y], "o", color=AFTER, label="the effect" if y == 0 else "_")
-        if one.evidence.control > 0:
+        ax.plot([one.evidence.weight], [y], "o", color=AFTER, label="the effect" if y == 0 else "_")
+        if one.evidence.control:
             label = "best wrong effect in its place" if y == 0 else "_"
             ax.plot([one.evidence.control], [y], "x", color=BEFORE, label=label)
         for other in one.alternatives:

@@ -184,7 +184,7 @@ def found_effects(search: Search, chosen: Fit, validate: Balance) -> tuple[Found
                 one.name, kind.where, kind.depends_on, shown, proof, others, kind.formula, None, phases
             )
         )
-    return tuple(sorted(out, key=lambda e: -e.evidence.delta_chi2))
+    return tuple(sorted(out, key=lambda e: -e.evidence.weight))
 
 
 def evidence(

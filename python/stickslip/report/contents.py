@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 
 from stickslip._core import build_config
 from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
+from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.records import Case
 from stickslip.report import words
-from stickslip.report.si import UNITS, VARIABLES, factor, rig_constant, scales_of, to_si
+from stickslip.report.si import UNITS, VARIABLES, factor, scales_of, to_si
 from stickslip.report.units import axes_of
-from stickslip.rig import AnyRig, DrivenSlider
+from stickslip.rig import AnyRig, DrivenSlider, Rig
 
 FORMAT = 1  # raised when a key of report.json changes its meaning
 
@@ -53,7 +53,6 @@ def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
     out["parameters"] = {
         name: {**_table(plain(number)), **in_si(one, name, rig)} for name, number in one.parameters.items()
     }
-    out["evidence"] = _evidence(one)
     out["alternatives"] = [
         {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
     ]
@@ -69,17 +68,6 @@ def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
     return out
 
 
-def _evidence(one: FoundEffect) -> dict[str, Json]:
-    """The evidence, with null for what was not measured: nothing, where the place is a guess."""
-    compared = words.compared(one)
-    out = {**_table(plain(one.evidence)), "control_name": compared}
-    if not compared:
-        out["control"] = None
-    if words.guessed(one):
-        out |= dict.fromkeys(("delta_chi2", "delta_bic", "held_out_ratio"))
-    return out
-
-
 def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
     """A parameter's value, limits and unit in SI; `si_name` says which constant a wrong number of the rig stands for.
 
@@ -88,18 +76,17 @@ def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
     one = effect.parameters[name]
     if not effect.of_rig:
         return _si(f"{effect.name}.{name}", one, rig)
-    beside = effect.parameters.get("eta1") if name == "eta12" else None
-    constant = rig_constant(name, rig, None if beside is None else beside.value)
-    if constant is None:
+    what = constant(rig, name, effect.parameters)
+    if what is None:
         return {}
     # found together, c2 is a difference of two numbers: its interval is not in theirs
-    low, high = (None, None) if beside is not None else (one.low, one.high)
+    low, high = (None, None) if name == "eta12" and "eta1" in effect.parameters else (one.low, one.high)
     return {
-        "si_name": constant.name,
-        "value_si": constant.of(one.value),
-        "unit": constant.unit,
-        "low_si": None if low is None else constant.of(low),
-        "high_si": None if high is None else constant.of(high),
+        "si_name": what.name,
+        "value_si": what.of(one.value),
+        "unit": what.unit,
+        "low_si": None if low is None else what.of(low),
+        "high_si": None if high is None else what.of(high),
     }
 
 
@@ -142,14 +129,11 @@ def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
     for effect in found.effects:
         for name, one in effect.parameters.items():
             own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
-            before = _declared(name, case.rig) if effect.of_rig else None
+            before = None
+            if effect.of_rig and isinstance(case.rig, Rig):
+                before = plain(Interval(declared(case.rig, name), None, None))
             rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case.rig)})
     return rows
-
-
-def _declared(name: str, rig: AnyRig) -> Json:
-    """A number of the rig as declared; what stands for alpha1 in one place is declared as that."""
-    return plain(Interval(float(getattr(rig, name, getattr(rig, "alpha1", math.nan))), None, None))
 
 
 def _status(one: Interval) -> dict[str, Json]:

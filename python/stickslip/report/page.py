@@ -77,7 +77,6 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         "percent": percent,
         "tied": words.ties,
         "guessed": words.guessed,
-        "compared": words.compared,
         "sentence": words.sentence,
         "beneath": beneath,
         "numbers": numbers,

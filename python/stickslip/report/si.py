@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from stickslip.rig import AnyRig, Rig, Scales
 
@@ -87,42 +86,6 @@ VARIABLES: Mapping[str, Dimension] = {
     "v_w": SPEED,
     "t": TIME,
 }
-
-
-@dataclass(frozen=True)
-class Constant:
-    """The SI constant behind a number of the rig, everything else as declared: (number - least) size, in `unit`."""
-
-    name: str
-    unit: str
-    size: float
-    least: float = 0.0
-
-    def of(self, value: float) -> float:
-        """Its value for one of the number."""
-        return (value - self.least) * self.size
-
-
-def rig_constant(name: str, rig: AnyRig, eta1: float | None = None) -> Constant | None:
-    """What a wrong number of the rig says of the SI constants by (2.1), with r, k2 and the units as declared.
-
-    `eta1` is the one found beside, if it was: c2 is in eta12 - eta1. `inertia` and `stiffness` are alpha1 before x1''
-    and before x1. alpha1 in both places is none: a mass and a spring k1 that are both wrong.
-    """
-    scales = scales_of(rig)
-    if scales is None:
-        return None
-    assert isinstance(rig, Rig)
-    omega, k2, r = scales.omega, scales.k2, scales.r
-    known = {
-        "alpha2": Constant("J", "kg m^2", r * r * k2 / omega**2),
-        "beta3": Constant("k3", "N/m", k2, 1.0),
-        "eta1": Constant("c1", "N s/m", k2 / omega),
-        "eta12": Constant("c2", "N s/m", k2 / omega, rig.eta1 if eta1 is None else eta1),
-        "inertia": Constant("m", "kg", k2 / omega**2),
-        "stiffness": Constant("k1", "N/m", k2, 1.0),
-    }
-    return known.get(name)
 
 
 def scales_of(rig: AnyRig) -> Scales | None:

@@ -85,12 +85,6 @@ def guessed(effect: FoundEffect) -> bool:
     return effect.name == "unlisted" and effect.curve is None and not effect.of_rig
 
 
-def compared(effect: FoundEffect) -> str:
-    """The best wrong effect in its place; empty where none was tried."""
-    name = effect.evidence.control_name
-    return "" if name == "none" else name  # a block on a belt says it so
-
-
 def joined(words: Sequence[str]) -> str:
     """Words as prose: a, b and c."""
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
@@ -197,7 +191,11 @@ def _of_the_name(found: Found, effect: FoundEffect) -> str:
     if effect.alternatives:
         nearest = max(effect.alternatives, key=lambda one: one.odds)
         return f"{who} stands: for the nearest rival, {nearest.name}, it is {_odds(nearest.odds)}."
-    return f"{who} stands: no rival comes near." if compared(effect) else f"{who} {_beside_the_rest(found)}"
+    return (
+        f"{who} stands: no rival comes near."
+        if effect.evidence.control_name
+        else f"{who} {_beside_the_rest(found)}"
+    )
 
 
 def _beside_the_rest(found: Found) -> str:

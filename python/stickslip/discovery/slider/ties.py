@@ -104,8 +104,8 @@ def evidence(one: Weighed, choice: Choice, held_out: float) -> Evidence:
         delta_chi2=gain,
         delta_bic=gain - numbers * float(np.log(count)),
         held_out_ratio=held_out,
-        control=control.gain if control else 0.0,
-        control_name=control.candidate.name if control else "none",
+        control=control.gain if control else None,
+        control_name=control.candidate.name if control else "",
         threshold=threshold,
         sentence=sentence,
     )

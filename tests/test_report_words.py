@@ -1,0 +1,150 @@
+"""What the report says in words: headlines, how sure, numbers for a person."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+from rich.console import Console
+
+import found_by_hand
+import stickslip as ss
+from found_by_hand import SCHEMA, made
+from stickslip.catalogue import KINDS
+from stickslip.cli_discover import effects_table
+from stickslip.report import words
+from stickslip.report.contents import contents
+from stickslip.report.page import error, page, percent
+from stickslip.report.units import axes_of
+
+
+def test_the_commands_table_of_a_wrong_number_says_what_it_is(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    console = Console(width=80, record=True, file=io.StringIO())
+    wrong = found_by_hand.with_effect(found, found_by_hand.of_rig({"eta1": 0.08, "eta12": 0.2}))
+    console.print(effects_table(wrong, case))
+    text = console.export_text()
+    assert "wrong in the declared rig" in text
+    assert "unlisted" not in text
+    assert "c1 = 2.318 N s/m" in text
+    assert "c2 = 3.477 N s/m" in text
+    console.print(effects_table(found, case))
+    text = console.export_text()
+    assert "what the declared model lacks" in text
+    assert "sensor_lag" in text
+    assert "│ 0.009603 s │" in text
+
+
+def test_a_guessed_place_shows_no_evidence(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    found = found_by_hand.with_effect(found, found_by_hand.guessed())
+    report = json.loads(json.dumps(contents(found, case)))
+    jsonschema.validate(report, SCHEMA)
+    proof = report["effects"][0]["evidence"]
+    assert [proof[k] for k in ("delta_chi2", "delta_bic", "held_out_ratio", "control")] == [None] * 4
+    text = re.sub(r"\s+", " ", page(found, case, report, {}))
+    assert "It lowers chi-squared" not in text
+    assert "kept out of every fit" not in text
+    assert "Where it acts is a guess: on the angle body and depending on y1 is the likeliest." in text
+    assert "acts, most likely on the angle body, as a function of y1." in words.headline(found)
+    assert words.sureness(found)[-1].startswith("Where it acts and on what is the likeliest guess")
+    assert not any("stands" in line for line in words.sureness(found))
+
+
+def test_what_was_compared_with_nothing_is_not_said_to_stand(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    bare = found_by_hand.with_effect(found, found_by_hand.of_rig({"eta1": 0.08, "eta12": 0.2}))
+    said = words.sureness(bare)[-1]
+    assert said == (
+        "That it is eta1 and eta12 was held against no rival of its kind; of all that was tried sensor_delay comes "
+        "nearest, its BIC higher by 3.1."
+    )
+    close = tuple(dataclasses.replace(one, bic=0.0) for one in bare.ranking)
+    assert "NOT settled" in words.sureness(dataclasses.replace(bare, ranking=close))[-1]
+    assert words.sureness(dataclasses.replace(bare, ranking=()))[-1].endswith("held against no rival.")
+    assert contents(bare, case)["effects"][0]["evidence"]["control"] is None  # type: ignore[index, call-overload]
+    held = found_by_hand.with_effect(found, found_by_hand.of_rig({"alpha2": 7.5}, "spring_gap_k3"))
+    assert words.sureness(held)[-1] == "That it is alpha2 stands: no rival comes near."
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (99.7, 2, "100"),
+        (100.0, 2, "100"),
+        (9999.6, 4, "10\u202f000"),
+        (12345.6, 4, "12\u202f350"),
+        (0.05, 2, "0.05"),
+        (2e7, 3, "2·10⁷"),
+        (-99.96, 3, "−100"),
+    ],
+)
+def test_numbers_have_no_exponent_where_a_person_needs_none(value: float, digits: int, text: str) -> None:
+    assert words.short(value, digits) == text
+
+
+def test_shares_and_rounding_residue() -> None:
+    assert percent(1.0) == percent(0.997) == "100\u00a0%"
+    assert percent(0.028) == "2.8\u00a0%"
+    assert percent(float("nan")) == "–"
+    assert error(2.21e-16) == "0"
+    assert error(2.21e-3) == "0.00221"
+    assert error(float("nan")) == "–"
+
+
+def test_a_residual_that_grows_is_remarked_on(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    after = dataclasses.replace(found.residual_before, chi2=found.residual_before.chi2 + 8, clean=False)
+    grown = dataclasses.replace(found, residual_after=after)
+    said = words.clean_sentence(grown)
+    assert said.startswith("Reading by reading more is left than before: chi-squared per reading is ")
+    assert "not what was fitted" not in said
+    block = dataclasses.replace(found.before, rig=ss.BlockOnBelt(), effects=(), channels=None, noise=None)
+    assert "not what was fitted" in words.clean_sentence(dataclasses.replace(grown, before=block))
+
+
+def test_a_single_belt_speed_is_said_once_in_the_readings_unit(tmp_path: Path) -> None:
+    found, case = made(tmp_path)
+    size = case.rig.scales.velocity * 1e3
+    low, high = (words.short(size * one, 3) for one in (0.08, 0.1))
+    assert f"Trained at |belt speed| from {low} to {high} mm/s; " in words.caveats(found, axes_of(case))[-1]
+    runs = tuple(dataclasses.replace(run, belt_speed=0.08) for run in found.runs)
+    one_speed = dataclasses.replace(found, runs=runs)
+    assert f"Trained at |belt speed| {low} mm/s only; " in words.caveats(one_speed, axes_of(case))[-1]
+    assert "|belt speed| 0.08 (model units) only; " in words.caveats(one_speed)[-1]
+
+
+def test_headlines() -> None:
+    assert set(words.PLAIN) == {*KINDS, "unlisted"}
+
+
+def test_no_effect_is_not_called_complete_where_something_is_left(tmp_path: Path) -> None:
+    found, _ = made(tmp_path, verdict="no_effect")
+    clean, dirty = (
+        dataclasses.replace(
+            found, residual_after=dataclasses.replace(found.residual_after, clean=is_clean, chi2=1.3)
+        )
+        for is_clean in (True, False)
+    )
+    assert words.headline(clean).startswith("Nothing is missing: ")
+    assert words.headline(dirty).startswith("Nothing can be named: a little is left above the noise")
+    assert words.clean_sentence(clean).startswith("What is left is noise: chi-squared per reading is 1.3 ± ")
+    assert words.clean_sentence(dirty).startswith(
+        "Not all is explained: chi-squared per reading is still 1.3 ± "
+    )
+
+
+@pytest.mark.parametrize("verdict", ["effect_found", "unlisted_effect"])
+def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verdict: str) -> None:
+    found, _ = made(tmp_path, verdict=verdict)
+    assert words.sureness(found)[0].startswith("Something is missing, that is sure: ")
+    for observed in (0.5 * found.gate.threshold, found.gate.threshold):
+        below = dataclasses.replace(found, gate=dataclasses.replace(found.gate, observed=observed))
+        assert words.sureness(below)[0] == (
+            "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
+        )
