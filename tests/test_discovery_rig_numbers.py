@@ -65,7 +65,10 @@ def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
         {"alpha1": 17.6},
         {"beta3": 4.1},
         {"eta12": 0.22},
-        {"eta12": 0.8},
+        {"alpha2": 40.0},  # as far off as docs/discovery.md says
+        {"beta3": 7.0},  # k3 twice
+        {"eta12": 1.0},  # c2 nine times
+        {"eta1": 0.5, "eta12": 0.6},
         {"eta1": 0.08, "eta12": 0.18},
         {"eta1": 0.03, "eta12": 0.13},  # c1 three times as large: beyond the middle of the two as declared
     ],
