@@ -111,7 +111,7 @@ def pairs_of(monkeypatch, left_by_pairs, *, alone=None, reached=0.0):
     One that promises to explain everything leaves `reached` once it is fitted closely; `alone` is the cost that an
     effect of the best pair then leaves alone.
     """
-    search = Search()
+    search, search.most = Search(), []
     search.tried[()] = trial((), 100 * CLEAN_COST)
     singles = [trial((name,), (30 + i) * CLEAN_COST) for i, name in enumerate("abc")]
     sought = []
@@ -120,7 +120,8 @@ def pairs_of(monkeypatch, left_by_pairs, *, alone=None, reached=0.0):
         sought.append(base.names[0])
         return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 99) * CLEAN_COST)]
 
-    def polished(_search, trials, **_):
+    def polished(_search, trials, most):
+        search.most.append(most)
         return [
             trial(one.names, (1 + 99 * reached) * CLEAN_COST) if one.chi2 - 1 < 99 * PROMISING else one
             for one in trials
@@ -140,6 +141,7 @@ def test_pairs_that_promise_to_explain_everything_need_no_other_base(monkeypatch
     assert sought == "a"
     assert search.extended == [ANOTHER[0]]
     assert found[0].names == ("a", "z")
+    assert search.most == [4]
 
 
 def test_pairs_that_do_not_keep_their_promise_leave_the_next_base_to_try(monkeypatch):
@@ -153,7 +155,8 @@ def test_pairs_that_leave_more_may_be_built_on_the_wrong_effect(monkeypatch):
     assert sought == "ab"
     assert search.extended == list(ANOTHER)
     assert found[0].names == ("b", "z")
-    assert pairs_of(monkeypatch, [0.3, 0.2, 0.4])[0] == "abc"
+    sought, search, _ = pairs_of(monkeypatch, [0.3, 0.2, 0.4])
+    assert (sought, search.most) == ("abc", [2])  # none promises much: few are fitted closely
 
 
 def test_an_effect_that_a_pair_has_brought_to_its_place_is_another_base(monkeypatch):
@@ -226,8 +229,66 @@ def test_a_contact_of_another_kind_is_also_tried_from_the_declared_law(chi2, lef
         "contact_compliance": SimpleNamespace(chi2=chi2, fit=SimpleNamespace(cost=1000.0)),
     }
     tried = [("sensor_lag", None), ("contact_compliance", None)]
-    search = SimpleNamespace(extend=lambda _: None)
+    search, base.names = SimpleNamespace(extend=lambda _: None), ()
     assert [name for name, _ in trace._anew(search, base, tried, best)] == expected
+
+
+@pytest.mark.parametrize(
+    ("names", "share", "expected"),
+    [
+        (("belt_seam",), 0.99, ["contact_compliance"]),
+        (("belt_seam",), 1.01, []),  # far slower than any other, and it explained little alone
+        ((), 1.01, ["contact_compliance"]),
+    ],
+)
+def test_another_contact_is_tried_afresh_beside_an_effect_only_if_it_explains_much_alone(
+    names, share, expected
+):
+    base = SimpleNamespace(names=names, chi2=60.0, excess=100.0, fit=SimpleNamespace(cost=60_000.0))
+    best = {"sensor_lag": SimpleNamespace(chi2=20.0, fit=SimpleNamespace(cost=20_000.0))}
+    null = trial((), 90_000.0)
+    alone = trial(("contact_compliance",), share * trace.LITTLE_ALONE * null.fit.cost)
+    search = SimpleNamespace(tried={(): null}, screened=[alone])
+    assert [name for name, _ in trace._anew(search, base, [("contact_compliance", None)], best)] == expected
+
+
+def ended(cost, iterations=10, mean=50.0):
+    return SimpleNamespace(mean=mean, fit=SimpleNamespace(cost=cost, iterations=iterations))
+
+
+def test_the_best_rivals_and_those_not_judged_yet_are_worth_more_steps():
+    base = SimpleNamespace(fit=SimpleNamespace(cost=100.0))
+    rest = [(f"rival {i}", ended(50.0 + i)) for i in range(trace.SHAKEN)]
+    worse = ("worse", ended(99.0))
+    early = ("early", ended(300.0, trace.JUDGED - 1))
+    good_early = ("better than the base and slower", ended(98.0, trace.JUDGED - 1))
+    judged = ("judged", ended(300.0, trace.JUDGED))
+    quiet = ("noise", ended(1.0, mean=0.99 * trace.QUIET))
+    falling = ("still falling", ended(40.0, trace.STEPS))
+    found = trace._worth_more([worse, early, good_early, judged, quiet, falling, *rest], base)
+    assert [name for name, _ in found] == [*(name for name, _ in rest), "early"]
+
+
+def test_from_the_declared_law_those_not_too_far_off_are_worth_more_steps():
+    base = SimpleNamespace(fit=SimpleNamespace(cost=100.0))
+    rest = [(f"rival {i}", ended(150.0 + i)) for i in range(trace.SHAKEN)]
+    more = ("one more", ended(300.0, 1))
+    contact = ("contact_compliance", ended(99.0 * trace.FARTHEST))
+    farther = ("contact_compliance", ended(101.0 * trace.FARTHEST))
+    found = trace._worth_more([more, farther, contact, *rest], base, afresh=True)
+    assert found == [*rest, contact]
+
+
+@pytest.mark.parametrize("afresh", [False, True])
+def test_a_stalled_rival_goes_on_from_where_it_is_for_the_steps_that_are_left(afresh):
+    search, base = Search(), trial((), 5000.0)
+    one = trial(("sensor_lag",), 4000.0)
+    one.fit.iterations, one.fit.vector = 5, "where it is"
+    trace._shaken(search, ("sensor_lag", one), base=base, afresh=afresh)
+    asked = search.options[0]
+    assert asked["iterations"] == (trace.STEPS // 2 if afresh else trace.STEPS) - 5
+    assert (asked["rounds"], asked["vector"], asked["windows_of"]) == (1, "where it is", one)
+    assert asked["worst"] == (math.inf if afresh else 0.985 * 5000.0)
 
 
 @pytest.mark.parametrize(("share", "bic", "polished"), [(0.99, 2000, 1), (1.01, 2000, 0), (1.01, 1300, 1)])

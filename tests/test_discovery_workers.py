@@ -89,7 +89,7 @@ def test_results_come_in_order_and_are_computed_elsewhere(data):
 def test_alone_only_what_is_asked_for_is_computed(data):
     search, done, said = search_in(data, 1), [], []
     search.progress = said.append
-    for k, task in each(search, lambda _, k: done.append(k), range(5), str):
+    for k, task in each(search, lambda _, k: done.append(k), range(5), str, ahead=3):
         if k == 2:
             break
         task.result()
@@ -97,17 +97,18 @@ def test_alone_only_what_is_asked_for_is_computed(data):
     assert said == ["0", "1", "2"]
 
 
-def test_what_is_not_needed_any_more_is_cancelled():
+@pytest.mark.parametrize(("ahead", "begun"), [(1, [2, 3]), (2, [2, 3, 4, 5, 6])])
+def test_what_is_not_needed_any_more_is_cancelled(ahead, begun):
     cancelled = []
 
     def submit(_function, item):
         return SimpleNamespace(result=lambda: item, cancel=lambda: cancelled.append(item))
 
     search = SimpleNamespace(submit=submit, at_once=3, progress=lambda _: None)
-    for k, _ in each(search, square, range(9)):
+    for k, _ in each(search, square, range(9), ahead=ahead):
         if k == 1:
             break
-    assert cancelled == [2, 3]
+    assert cancelled == begun
 
 
 def test_the_time_of_workers_is_off_the_budget(data):
@@ -187,14 +188,28 @@ def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_
     def run(_search, one, *, base, afresh=False):
         tried.append((one[0], afresh))
         moved = {"static_aging": 0.6, "sensor_lag": 0.2 if afresh else 1.0}.get(one[0], 1.0)
-        fit = SimpleNamespace(cost=moved * base.fit.cost)
-        return SimpleNamespace(names=(one[0],), fit=fit, chi2=moved * base.chi2, bic=moved)
+        fit = SimpleNamespace(cost=moved * base.fit.cost, iterations=trace.STEPS)
+        mean = moved * base.mean
+        return SimpleNamespace(names=(one[0],), fit=fit, chi2=moved * base.chi2, bic=moved, mean=mean)
 
     monkeypatch.setattr(trace, "_screened", run)
     found = screen(search, base)
     assert [one.names for one in found[:2]] == [("sensor_lag",), ("static_aging",)]
     assert ("static_aging", True) not in tried
     assert {("sensor_lag", True), ("belt_seam", False), ("belt_seam", True)} <= set(tried)
+
+
+def test_what_is_computed_of_a_trial_is_computed_once(data):
+    search, computed = search_in(data, 1), []
+    one, same = trial(2.0), trial(2.0)
+
+    def compute(value):
+        return lambda: computed.append(value) or value
+
+    assert [search.once("a", one, compute(k)) for k in range(2)] == [0, 0]
+    assert search.once("b", one, compute(2)) == 2
+    assert search.once("a", same, compute(3)) == 3  # another, though it is equal
+    assert computed == [0, 2, 3]
 
 
 def test_a_worker_ends_with_the_process_that_started_it(tmp_path):

@@ -76,7 +76,8 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
         while left and not (found and _promising(found, null)):
             search.extend(ANOTHER[len(left) < len(bases)])
             found += _pairs_on(search, left.pop(0))
-        close = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if pairs else 4)
+        few = pairs or not (found and _promising(found, null))
+        close = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if few else 4)
         pairs = sorted([*pairs, *close], key=lambda one: one.bic)
     singles = _eliminated(search, pairs[0]) if pairs else []
     freed = min(singles, key=lambda one: one.fit.cost, default=None)

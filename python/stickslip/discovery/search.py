@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ ALMOST = 1.5  # and below which it is worth two more turns
 TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
 BESIDE = 1.03  # of a hopeless cost: a fit that stalls within that stands where it began, windows and all
 SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
+JUDGED = 4  # steps after which a fit may be given up
 MORE = 6  # times that a fit goes on while it still falls fast
 
 
@@ -110,6 +111,7 @@ class Search:
     ripples: list[Start] | None = None  # lines that the readings themselves show, once they are looked for
     workers: Workers = field(default_factory=lambda: Workers(1))
     spent: float = 0.0  # processor seconds of other processes
+    known: list[tuple[str, Trial, object]] = field(default_factory=list)  # what was computed of a trial
 
     @property
     def left(self) -> float:
@@ -140,6 +142,15 @@ class Search:
         for one in value if isinstance(value, tuple) else (value,):
             if isinstance(one, Trial):
                 one.fit.engine.data, one.fit.engine.threads = self.data, self.threads
+
+    def once(self, what: str, of: Trial, compute: Callable[[], Result]) -> Result:
+        """What is computed of a trial, from memory if it has been."""
+        for name, trial, value in self.known:
+            if name == what and trial is of:
+                return cast(Result, value)
+        found = compute()
+        self.known.append((what, of, found))
+        return found
 
     def extend(self, seconds: float) -> None:
         """See to it that at least so many processor seconds are left."""
@@ -319,7 +330,7 @@ def _from(window: Window, known: Window | None) -> Window:
 
 @dataclass
 class _Patience:
-    """When to give a fit up: no better than `worst` after four turns and no longer falling fast, or out of time."""
+    """When to give a fit up: no better than `worst` after a few turns and no longer falling fast, or out of time."""
 
     worst: float
     late: Callable[[], bool]
@@ -327,7 +338,7 @@ class _Patience:
 
     def __call__(self, done: int, cost: float) -> bool:
         falling, self.last = cost < 0.8 * self.last, cost
-        return (done >= 4 and cost > self.worst and not falling) or self.late()
+        return (done >= JUDGED and cost > self.worst and not falling) or self.late()
 
 
 def _names(h: Hypothesis, learned: tuple[Learned, ...]) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from stickslip.discovery.window import Window, moved, window_penalties
 Floats = NDArray[np.float64]
 EDGE = 1e-9  # from a bound, in the fitted coordinate
 RESCUES = 2  # steps tried again with the windows' own states brought after them, before they are shortened
+QUIET = 1.02  # of the readings: a cost below is not worth another search
 KNEE = 1.5  # of the median chi-squared per reading of the windows
 
 
@@ -78,7 +79,7 @@ def fit(
     done = _descend(engine, point, 0, iterations, tolerance, give_up)
     readings = sum(b.r.size for b in point.blocks)
     for _ in range(rounds):
-        if done >= iterations or point.cost < 1.02 * readings:
+        if done >= iterations or point.cost < QUIET * readings:
             break
         if (give_up is not None and give_up(done, point.cost)) or not (worth is None or worth(point.cost)):
             break

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, JUDGED, SHORT, Search, Trial
+from stickslip.discovery.solve import QUIET
 from stickslip.discovery.workers import each
 from stickslip.effects import CATALOGUE, Effect
 from stickslip.errors import StickslipError
@@ -30,6 +31,10 @@ CRUDELY = (
     0.01  # of what a base leaves over the noise: a rival that falls by less in a step is ranked as it is
 )
 LITTLE = 20.0  # of chi-squared: about what a name must gain
+STEPS = 24  # of a rival, before it is ranked
+SHAKEN = 8  # rivals whose windows are sought anew before they are ranked
+AHEAD = 3  # rivals begun for each process: some take a hundred times as long as others
+LITTLE_ALONE = 0.9  # of the cost of the declared law: an effect that leaves more by itself explains little
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
 OUTRUN = 1.5  # of the cost of what explains all: a rival that stalls beyond does not do so too
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
@@ -69,37 +74,73 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
         found, search.ripples = lines.result()
         yield from found
 
-    tried, best = [], dict[str, Trial]()
-
-    def take(name: str, trial: Trial | None) -> None:
-        if trial is not None and (name not in best or trial.fit.cost < best[name].fit.cost):
-            best[name] = trial
-
     def say(one: tuple[str, Start]) -> str:
         return f"trying {' + '.join([*base.names, one[0]])}"
 
-    for one, task in each(search, partial(_screened, base=part), starts(), say):
+    tried, best = [], dict[str, Trial]()
+    ends: list[tuple[str, Trial]] = []
+    for one, task in each(search, partial(_screened, base=part), starts(), say, AHEAD):
         tried.append(one)
-        take(one[0], task.result())
-    for one, task in each(
-        search, partial(_screened, base=part, afresh=True), _anew(search, part, tried, best), say
-    ):
-        take(one[0], task.result())
+        _take(best, ends, one[0], task.result())
+    for end, task in each(search, partial(_shaken, base=part), _worth_more(ends, part), ahead=AHEAD):
+        _take(best, ends, end[0], task.result())
+    anew, ends = _anew(search, part, tried, best), []
+    for one, task in each(search, partial(_screened, base=part, afresh=True), anew, say, AHEAD):
+        _take(best, ends, one[0], task.result())
+    again = partial(_shaken, base=part, afresh=True)
+    for end, task in each(search, again, _worth_more(ends, part, afresh=True), ahead=AHEAD):
+        _take(best, ends, end[0], task.result())
     search.screened += best.values()
     return sorted(best.values(), key=lambda one: one.bic)
+
+
+def _take(best: dict[str, Trial], ends: list[tuple[str, Trial]], name: str, trial: Trial | None) -> None:
+    """Note where a rival has ended, and if that is the best of its name."""
+    if trial is not None:
+        ends.append((name, trial))
+        if name not in best or trial.fit.cost < best[name].fit.cost:
+            best[name] = trial
+
+
+def _worth_more(
+    ends: Sequence[tuple[str, Trial]], base: Trial, afresh: bool = False
+) -> list[tuple[str, Trial]]:
+    """The rivals of several that are worth the search for better states of their windows: the best, and those that
+    ended before they could be judged.
+    """
+    able = [one for one in ends if one[1].mean > QUIET and one[1].fit.iterations < _steps(one[0], afresh)]
+    able.sort(key=lambda one: one[1].fit.cost)
+    if afresh:
+        able = [one for one in able if one[1].fit.cost < FARTHEST * base.fit.cost]
+        return able[:SHAKEN] + [one for one in able[SHAKEN:] if one[0] in OTHER]
+    early = [
+        one for one in able[SHAKEN:] if one[1].fit.cost > base.fit.cost and one[1].fit.iterations < JUDGED
+    ]
+    return able[:SHAKEN] + early
 
 
 def _anew(
     search: Search, base: Trial, tried: Sequence[tuple[str, Start]], best: Mapping[str, Trial]
 ) -> list[tuple[str, Start]]:
-    """What is to be tried from the declared law as well: all that stalled, where every one did; and another contact."""
+    """What is to be tried from the declared law as well: all that stalled, where every one did; and another contact,
+    unless it is known to explain little by itself.
+    """
     cost = {name: trial.fit.cost / base.fit.cost for name, trial in best.items()}
+    hopeless = OTHER & _little_alone(search) if base.names else frozenset[str]()
     if _stuck(base, best.values()):
         search.extend(AFRESH)
-        return [one for one in tried if MOVED < cost.get(one[0], 1.0) < FARTHEST]
+        return [one for one in tried if one[0] not in hopeless and MOVED < cost.get(one[0], 1.0) < FARTHEST]
     least = min((one.chi2 for one in best.values()), default=base.chi2)
     plain = base.excess > CLEAN and min(least, base.chi2) > NEARLY
-    return [one for one in tried if plain and one[0] in OTHER]
+    return [one for one in tried if plain and one[0] in OTHER - hopeless]
+
+
+def _little_alone(search: Search) -> frozenset[str]:
+    """Effects that alone left most of what the declared law leaves."""
+    null = search.tried[()]
+    return frozenset(
+        one.names[0] for one in search.screened if len(one.names) == 1 and one.mean > LITTLE_ALONE * null.mean
+    )
 
 
 def _promising_first(search: Search) -> list[str]:
@@ -117,16 +158,45 @@ def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
 def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
     """An effect added to the base, from the base's law or `afresh` from the declared one."""
     model = search.model if afresh else base.hypothesis.model
-    # most stop far earlier than 24 steps; one that is still falling must not be ranked yet
     return search.run(
         hypothesis(model, [*starts_of(base), one[1]], search.model),
         cycles=SHORT,
-        iterations=12 if afresh and one[0] not in OTHER else 24,
-        tolerance=CRUDELY * max(base.fit.cost - base.fit.readings, LITTLE) / base.fit.cost,
-        rounds=1,
+        iterations=_steps(one[0], afresh),
+        tolerance=_crudely(base),
+        rounds=0,
         windows_of=base,
-        worst=math.inf if afresh else (0.985 if base.excess > CLEAN else 1.01) * base.fit.cost,
+        worst=math.inf if afresh else _no_better(base),
     )
+
+
+def _shaken(search: Search, one: tuple[str, Trial], *, base: Trial, afresh: bool = False) -> Trial | None:
+    """A rival that has stalled, fitted on with the states of its windows sought anew."""
+    name, trial = one
+    return search.run(
+        trial.hypothesis,
+        cycles=SHORT,
+        iterations=_steps(name, afresh) - trial.fit.iterations,
+        tolerance=_crudely(base),
+        rounds=1,
+        windows_of=trial,
+        vector=trial.fit.vector,
+        worst=math.inf if afresh else _no_better(base),
+    )
+
+
+def _steps(name: str, afresh: bool) -> int:
+    """Of a rival, before it is ranked: most stop far earlier; one that is still falling must not be ranked yet."""
+    return STEPS // 2 if afresh and name not in OTHER else STEPS
+
+
+def _crudely(base: Trial) -> float:
+    """The relative fall of the cost in a step at which a rival is ranked."""
+    return CRUDELY * max(base.fit.cost - base.fit.readings, LITTLE) / base.fit.cost
+
+
+def _no_better(base: Trial) -> float:
+    """The cost beyond which a rival is no better than its base."""
+    return (0.985 if base.excess > CLEAN else 1.01) * base.fit.cost
 
 
 def _lines(

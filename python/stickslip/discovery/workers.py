@@ -125,16 +125,21 @@ def each(
     function: Callable[[Search, Item], Result],
     items: Iterable[Item],
     say: Callable[[Item], str] | None = None,
+    ahead: int = 1,
 ) -> Iterator[tuple[Item, Task[Result]]]:
-    """Items with function(search, item) as tasks, in their order; some are begun before they are asked for."""
+    """Items with function(search, item) as tasks, in their order; some are begun before they are asked for.
+
+    As many as there are processes; `ahead` times as many where all will be asked for and some take far longer.
+    """
     todo, under_way = iter(items), deque[tuple[Item, Task[Result]]]()
+    most = search.at_once if search.at_once == 1 else ahead * search.at_once
     try:
         while True:
             for item in todo:
                 if say is not None:
                     search.progress(say(item))
                 under_way.append((item, search.submit(function, item)))
-                if len(under_way) >= search.at_once:
+                if len(under_way) >= most:
                     break
             if not under_way:
                 return
