@@ -60,7 +60,7 @@ def search():
 
     given = SimpleNamespace(
         left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished,
-        submit=submit, at_once=1,
+        submit=submit, at_once=1, once=lambda _what, _of, compute: compute(),
     )  # fmt: skip
     return given
 
@@ -222,16 +222,18 @@ def test_a_wrong_number_of_the_rig_is_chosen_where_it_explains_more_with_less(
 
 
 @pytest.mark.parametrize(
-    ("left", "named", "order"),
+    ("left", "named", "order", "wandering"),
     [
-        (0.9 * SURPASSED, 0.5, []),
-        (1.1 * SURPASSED, 0.5, [1]),
-        (1.1 * OUTDONE, 1.1 * MOST_LEFT, ["repeats", 3]),
-        (1.1 * OUTDONE, 0.9 * MOST_LEFT, [3, "repeats"]),
-        (1.1 * OUTDONE, 0.9 * STANDS_IN, [3]),
+        (0.9 * SURPASSED, 0.5, [], None),
+        (1.1 * SURPASSED, 0.5, [1], None),
+        (1.1 * OUTDONE, 1.1 * MOST_LEFT, ["repeats", 3], None),
+        (1.1 * OUTDONE, 0.9 * MOST_LEFT, [3, "repeats"], None),
+        (1.1 * OUTDONE, 0.9 * STANDS_IN, [3], None),
+        (1.1 * OUTDONE, 1.1 * MOST_LEFT, [3], "contact"),  # what wanders does not repeat
+        (1.1 * OUTDONE, 0.9 * MOST_LEFT, [3], "contact"),
     ],
 )
-def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, order):
+def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, order, wandering):
     """`left` is the share that a curve leaves of what the best name leaves, `named` what that leaves of all."""
 
     def fitted(names, chi2):
@@ -250,6 +252,7 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
         choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1 + 100 * left))]
     )
     monkeypatch.setattr(choice, "learn_recurring", lambda *_: sought.append("repeats") or [])
+    monkeypatch.setattr(choice, "promises", lambda *_: SimpleNamespace(wandering=wandering))
     monkeypatch.setattr(choice, "decide_pairs", pairs)
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)

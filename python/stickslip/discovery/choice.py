@@ -105,7 +105,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     if not curved and outdone > SURPASSED:
         alone = outdone > unlisted.OUTDONE
         unnamed = best.chi2 - 1 > MOST_LEFT * (null.chi2 - 1)
-        if alone and unnamed:
+        if alone and unnamed and not promises(search, null).wandering:
             curves += learn_recurring(search, null)
             if _settles(curves, best, null):
                 return _curve_of(null, curves, trials)
@@ -113,7 +113,8 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         best = trials[0]
         if explained(best, null):
             return Choice(null, best, None, trials)
-        if alone and not unnamed and best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
+        far = best.chi2 - 1 > STANDS_IN * (null.chi2 - 1)
+        if alone and not unnamed and far and not promises(search, null).wandering:
             search.extend(REPEATS)
             curves += learn_recurring(search, null)
         if len(best.names) == 1 and best.fit.cost < 0.5 * null.fit.cost and search.left > 0:

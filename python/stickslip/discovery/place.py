@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from functools import partial
 
-from stickslip.discovery.recurring import PLACES, cost_of_line, line_at
+from stickslip.discovery.recurring import cost_of_line, strongest_lines
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import MARGIN
-from stickslip.discovery.unlisted import Term, gain_by_window, scored, terms
+from stickslip.discovery.unlisted import Term, gain_by_window, scores, terms
 from stickslip.discovery.workers import each
 
 REPEATS = 0.6  # of what a number for every window promises: where a line promises more, it repeats
@@ -39,14 +39,14 @@ class Promises:
 
 def promises(search: Search, null: Trial) -> Promises:
     """What each place promises beside the declared law."""
+    return search.once("promises", null, lambda: _promises(search, null))
+
+
+def _promises(search: Search, null: Trial) -> Promises:
     penalty = math.log(null.fit.readings)
-    every = list(terms(null))
-    curves = [
-        (task.result() - len(term.knots) * penalty, term)
-        for term, task in each(search, partial(scored, base=null), every)
-    ]
-    lines = {where: task.result().gain for where, task in each(search, partial(line_at, base=null), PLACES)}
-    in_time = [term for term in every if term.variable == "t"]
+    curves = [(gain - len(term.knots) * penalty, term) for gain, term in scores(search, null)]
+    lines = {where: line.gain for where, line in strongest_lines(search, null).items()}
+    in_time = [term for term in terms(null) if term.variable == "t"]
     windows = {
         term.where: task.result() - len(null.fit.windows) * penalty
         for term, task in each(search, partial(_by_window, base=null), in_time)

@@ -29,10 +29,9 @@ def learn_recurring(search: Search, base: Trial, beat: Trial | None = None) -> l
 
     Where there is a name to `beat` they begin with its law and windows, and are given up where they stall far above it.
     """
-    say = lambda where: f"looking for what repeats in time: {where}"  # noqa: E731
-    lines = [(where, task.result()) for where, task in each(search, partial(line_at, base=base), PLACES, say)]
-    least = max(cost_of_line(base), NEXT * max(line.gain for _, line in lines))
-    shown = sorted((one for one in lines if one[1].gain > least), key=lambda one: -one[1].gain)
+    lines = strongest_lines(search, base)
+    least = max(cost_of_line(base), NEXT * max(line.gain for line in lines.values()))
+    shown = sorted((one for one in lines.items() if one[1].gain > least), key=lambda one: -one[1].gain)
     say_where = lambda one: f"learning what repeats in time: {one[0]}"  # noqa: E731
     learned = [
         task.result() for _, task in each(search, partial(_learned, base=base, beat=beat), shown, say_where)
@@ -45,8 +44,14 @@ def cost_of_line(base: Trial) -> float:
     return (2 * len(base.fit.engine.data) + 1) * math.log(base.fit.readings) + MARGIN
 
 
-def line_at(_: Search, where: str, *, base: Trial) -> Line:
-    """The strongest line there, as a task."""
+def strongest_lines(search: Search, base: Trial) -> dict[str, Line]:
+    """The strongest line at each place."""
+    say = lambda where: f"looking for what repeats in time: {where}"  # noqa: E731
+    tasks = partial(each, search, partial(_line_at, base=base), PLACES, say)
+    return search.once("lines", base, lambda: {where: task.result() for where, task in tasks()})
+
+
+def _line_at(_: Search, where: str, *, base: Trial) -> Line:
     return strongest_line(base.fit, where)
 
 

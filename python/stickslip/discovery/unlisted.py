@@ -172,9 +172,7 @@ class Crude:
 
 def crude(search: Search, base: Trial, most: int = 6) -> Crude:
     """Curves added to `base`: screened by their scores, the best `most` fitted."""
-    say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
-    scores = each(search, partial(scored, base=base), terms(base), say)
-    promised = sorted(((task.result(), term) for term, task in scores), key=lambda one: -one[0])
+    promised = scores(search, base)
     found: list[tuple[Term, Trial]] = []
     say = lambda term: f"learning a curve: {term.where} against {term.variable}"  # noqa: E731
     quick = partial(_quickly, base=base, first=promised[0][1])
@@ -242,8 +240,18 @@ def _worth(
             yield term, trial, 0
 
 
-def scored(_: Search, term: Term, *, base: Trial) -> float:
-    """`gain`, as a task."""
+def scores(search: Search, base: Trial) -> list[tuple[float, Term]]:
+    """Curves that may be added to `base` with the `gain` of each, greatest first."""
+    say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
+    tasks = partial(each, search, partial(_scored, base=base), terms(base), say)
+    return search.once(
+        "scores",
+        base,
+        lambda: sorted(((task.result(), term) for term, task in tasks()), key=lambda one: -one[0]),
+    )
+
+
+def _scored(_: Search, term: Term, *, base: Trial) -> float:
     return gain(base, term)
 
 
