@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from stickslip.rig import AnyRig, Rig
 from stickslip.scale import law_scale, scales, to_digits
 from stickslip.shooting import FARTHEST, Array
 from stickslip.units import Channel
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Status = Literal["identified", "weak", "unidentified"]
 Branch = Literal["minus", "plus"]
@@ -245,6 +248,12 @@ class Identified:
             lines.append(f"branch {'v_w < 0' if branch == 'minus' else 'v_w > 0'}: {seen}")
         lines.append(f"chi2 per degree of freedom: {self.reduced_chi2:.4g}")
         return "\n".join([*lines, *self.messages])
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each number of the law, in the model's own units: the fields of its `Estimate`."""
+        import pandas as pd  # slow to import
+
+        return pd.DataFrame([vars(one) for one in self.estimates.values()], index=list(self.estimates))
 
     def to_dict(self) -> dict[str, object]:
         """All numbers, for JSON."""

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,9 @@ from stickslip.errors import InputError, ModelWarning, number
 from stickslip.friction_sign import driving_friction
 from stickslip.lowering import HIDDEN, Lowered, lower
 from stickslip.model import Model
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Floats = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -99,6 +102,8 @@ class Trajectory:
     hidden_sensitivity : name -> (n, p).
     status : how it ended.
     steps : number of integration steps.
+    sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
+    hidden_names : hidden states that an effect of the model has; of the others nothing hangs.
     """
 
     t: Floats
@@ -112,6 +117,16 @@ class Trajectory:
     status: Status
     steps: int
     sensitivity_names: tuple[str, ...]
+    state_names: tuple[str, ...]
+    hidden_names: tuple[str, ...]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each time: t, the states by their names, mode, and the hidden states that the effects have."""
+        import pandas as pd  # slow to import
+
+        states = dict(zip(self.state_names, self.state.T, strict=True))
+        hidden = {name: self.hidden[name] for name in self.hidden_names}
+        return pd.DataFrame({"t": self.t, **states, "mode": self.mode, **hidden})
 
     def __repr__(self) -> str:
         n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
@@ -226,7 +241,7 @@ def simulate(
         fixed_step=0.0 if step is None else number("step", step, above=0),
         max_steps=whole_number("max_steps", max_steps),
     )
-    return _trajectory(raw, lowered.dimension, names)
+    return _trajectory(raw, model, names)
 
 
 _CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}
@@ -254,7 +269,7 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
         return lowered.initial([0.0] * len(names))
     given = vector("initial", initial, f"one start ({', '.join(names)})")
     most = len(names) + len(HIDDEN)
-    owned = {name for term in model.effects if isinstance(term, Effect) for name in term.kind.hidden}
+    owned = _owned(model)
     if not len(names) <= given.size <= most:
         raise InputError(
             f"has {given.size} numbers; give {len(names)} ({', '.join(names)}), or up to {most} with the "
@@ -312,7 +327,8 @@ def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
     return clipped
 
 
-def _trajectory(raw: dict[str, Any], d: int, names: tuple[str, ...]) -> Trajectory:
+def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...]) -> Trajectory:
+    d = len(model.rig.state_names)
     state: Floats = raw["state"]
     sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
     events: Floats = raw["transition_sensitivity"]  # (k, 1 + states, p)
@@ -341,4 +357,14 @@ def _trajectory(raw: dict[str, Any], d: int, names: tuple[str, ...]) -> Trajecto
         status=Status[raw["outcome"].name],
         steps=int(raw["steps"]),
         sensitivity_names=names,
+        state_names=model.rig.state_names,
+        hidden_names=_owned(model),
     )
+
+
+def _owned(model: Model) -> tuple[str, ...]:
+    """Hidden states that an effect of the model has."""
+    if not model.effects:
+        return ()
+    names = {name for term in model.effects if isinstance(term, Effect) for name in term.kind.hidden}
+    return tuple(name for name in HIDDEN if name in names)
