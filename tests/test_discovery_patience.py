@@ -253,20 +253,31 @@ def test_another_contact_is_tried_afresh_beside_an_effect_only_if_it_explains_mu
 
 
 def ended(cost, iterations=10, mean=50.0):
+    """A rival of a base that costs 100."""
     return SimpleNamespace(mean=mean, fit=SimpleNamespace(cost=cost, iterations=iterations))
 
 
 def test_the_best_rivals_and_those_not_judged_yet_are_worth_more_steps():
-    base = SimpleNamespace(fit=SimpleNamespace(cost=100.0))
+    base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=100.0))
     rest = [(f"rival {i}", ended(50.0 + i)) for i in range(trace.SHAKEN)]
-    worse = ("worse", ended(99.0))
+    worse = ("worse", ended(97.0))
     early = ("early", ended(300.0, trace.JUDGED - 1))
     good_early = ("better than the base and slower", ended(98.0, trace.JUDGED - 1))
+    idle = ("where the base is", ended(100.1, 1))
     judged = ("judged", ended(300.0, trace.JUDGED))
     quiet = ("noise", ended(1.0, mean=0.99 * trace.QUIET))
     falling = ("still falling", ended(40.0, trace.STEPS))
-    found = trace._worth_more([worse, early, good_early, judged, quiet, falling, *rest], base)
+    found = trace._worth_more([worse, early, good_early, idle, judged, quiet, falling, *rest], base)
     assert [name for name, _ in found] == [*(name for name, _ in rest), "early"]
+    many = [("early", ended(300.0 + i, 1)) for i in range(2 * trace.SHAKEN)]
+    assert trace._worth_more([*many, *rest], base) == rest + many[: trace.SHAKEN]
+
+
+def test_a_rival_that_stands_where_the_base_does_is_not_among_the_best():
+    base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=100.0))
+    moved = ended(98.0)
+    assert trace._worth_more([("idle", ended(99.0)), ("moved", moved)], base) == [("moved", moved)]
+    assert len(trace._worth_more([("idle", ended(99.0))], base, afresh=True)) == 1
 
 
 def test_from_the_declared_law_those_not_too_far_off_are_worth_more_steps():

@@ -88,6 +88,12 @@ def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, m
     assert [term.variable for term, _ in curves] == ["y1", "x1", "x2"]
 
 
+def search_of(null):
+    """One whose time is up; it notes what more it is given."""
+    given = []
+    return SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=given.append, given=given)
+
+
 def quiet(monkeypatch, pairs=(), beyond=1.0):
     """No number of the rig is wrong; crude curves leave `beyond` of what the best name leaves."""
     monkeypatch.setattr(choice, "freed", lambda *_, **__: [])
@@ -119,7 +125,7 @@ def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
     monkeypatch.setattr(choice, "beside", lambda *_: [again])
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    search = SimpleNamespace(tried={(): null}, data=[])
+    search = search_of(null)
     return choice._choose(search, [best]).trial.names, bool(learned)
 
 
@@ -146,7 +152,7 @@ def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch,
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 0.99, 0.0))])
     monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    search = search_of(null)
     assert choice._choose(search, [best, null]).trial.names == names
 
 
@@ -163,7 +169,7 @@ def test_a_likely_pair_that_leaves_a_little_is_held_against_curves(monkeypatch, 
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1.0, 0.0))])
     monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    search = SimpleNamespace(tried={(): null}, data=[])
+    search = search_of(null)
     assert choice._choose(search, [best, null]).trial.names == names
 
 
@@ -194,7 +200,7 @@ def test_a_wrong_number_within_the_noise_ends_the_search(monkeypatch, left, name
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: curve)
     monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    search = search_of(null)
     assert choice._choose(search, [best, null]).trial.names == (named,)
 
 
@@ -256,8 +262,9 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
     monkeypatch.setattr(choice, "decide_pairs", pairs)
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    search = SimpleNamespace(tried={(): null}, data=[], left=0.0, extend=lambda _: None)
+    search = search_of(null)
     found = choice._choose(search, [best, null])
+    assert search.given == [choice.CURVES] + [choice.REPEATS] * (order == [3, "repeats"])
     assert sought == order
     assert found.trial.names == ("c",)
 
@@ -279,4 +286,4 @@ def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsew
     monkeypatch.setattr(choice, "beside", lambda *_: [best])
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
-    assert choice._choose(SimpleNamespace(tried={(): null}, data=[]), [best]).trial.names == (chosen,)
+    assert choice._choose(search_of(null), [best]).trial.names == (chosen,)

@@ -134,7 +134,8 @@ def errors_table(found: Found) -> Table:
 )
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
 @click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
-def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -> None:
+@click.option("--figure", is_flag=True, help="Also draw the forecast after the end of the run, beside OUT.")
+def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, figure: bool) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
     Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
@@ -165,6 +166,11 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
         warnings.simplefilter("always", ModelWarning)
         frame = predict(loaded, past, belt_speed=v_b, horizon=ahead)
     write_csv(frame, out, 10)
+    written = [out]
+    if figure:
+        from stickslip import plot  # matplotlib is slow to import
+
+        written += plot.save_figure(plot.forecast(past, frame), out.with_suffix(""))
     for doubt in doubts:
         console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
     t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
@@ -178,7 +184,8 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path) -
         soft_wrap=True,
     )
     console.print("written:")
-    console.print(f"  {out}", soft_wrap=True, markup=False)
+    for path in written:
+        console.print(f"  {path}", soft_wrap=True, markup=False)
 
 
 def _column(past: Recording, name: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from pathlib import Path
-from typing import Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import matplotlib as mpl
 import numpy as np
@@ -20,10 +20,14 @@ from stickslip.compare import Comparison, per_model, speed_unit
 from stickslip.dominant import dominant
 from stickslip.files import whole
 from stickslip.identified import BRANCHES, Branch, Identified
+from stickslip.recording import Recording
 from stickslip.scale import Quantity, Scale, scales
 from stickslip.segments import Track
 from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MEASURED, SIMULATED, BAND, LIMIT, GREY = "#0072B2", "#D55E00", "#E69F00", "#009E73", "#555555"
 STYLE: dict[Any, Any] = {  # matplotlib's own stubs spell every key out
@@ -326,6 +330,39 @@ def trajectory(
     right.set_ylabel(label("$x_2$", v.unit))
     figure.legend(loc="outside upper center", ncols=4)
     return figure
+
+
+@_styled
+def forecast(past: Recording, following: pd.DataFrame) -> Figure:
+    """A forecast after the end of the record that it follows from, channel by channel, in the record's own units.
+
+    Parameters
+    ----------
+    past
+        The record.
+    following
+        What `stickslip.forecast` gave for it. Of the record the last part is drawn, as long as the forecast.
+    """
+    times, ahead = past.raw["t"], following["t"].to_numpy()
+    part = times >= 2 * times[-1] - ahead[-1]
+    names = [str(name) for name in following if name != "t"]
+    figure, axes = _figure(7.2, 1.4 + 1.6 * len(names), len(names), 1)
+    for ax, name in zip(axes, names, strict=True):
+        readings = past.raw[name]
+        ax.plot(times[part], readings[part], color=MEASURED, lw=2.2, alpha=0.45, label="measured")
+        joined = np.append(readings[-1], following[name])
+        ax.plot(np.append(times[-1], ahead), joined, color=SIMULATED, lw=1.2, label="forecast")
+        ax.axvline(float(times[-1]), color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
+        ax.set_ylabel(_label_of(past, name))
+    axes[-1].set_xlabel(_label_of(past, "t"))
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
+
+
+def _label_of(recording: Recording, name: str) -> str:
+    """A column's symbol, with its unit unless the column is a multiple of that."""
+    symbols = {"t": "time $t$", "x1": "$x_1$", "y1": "$y_1$", "spring_force": "spring force"}
+    return label(symbols[name], recording.unit(name) if recording.channels[name].scale == 1 else "")
 
 
 def _with_corners(run: Trajectory) -> tuple[Array, Array]:

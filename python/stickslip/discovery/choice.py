@@ -36,6 +36,7 @@ ON_TRACK = (
     0.3  # share of what the best name leaves: where a crude curve leaves less, curves come before pairs
 )
 SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
+CURVES = 30.0  # processor seconds for curves, at least, where the names took all there were
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
 DECISIVE = 100.0  # of BIC, by which a curve within the noise must surpass names that are not
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
@@ -86,6 +87,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         wrong = freed(search, best)
         if wrong and wrong[0].excess < CLEAN:  # one number: no pair and no curve does that with less
             return Choice(null, wrong[0], None, [*wrong, *trials])
+    search.extend(CURVES)
     crude = unlisted.crude(search, null)
     if not explained(best, null) and best.names and crude.beyond(best) > ON_TRACK:
         pairs = likely_pairs(search, trials)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.search import CLEAN, JUDGED, SHORT, Search, Trial
+from stickslip.discovery.search import BESIDE, CLEAN, JUDGED, SHORT, Search, Trial
 from stickslip.discovery.solve import QUIET
 from stickslip.discovery.workers import each
 from stickslip.effects import CATALOGUE, Effect
@@ -32,7 +32,7 @@ CRUDELY = (
 )
 LITTLE = 20.0  # of chi-squared: about what a name must gain
 STEPS = 24  # of a rival, before it is ranked
-SHAKEN = 8  # rivals whose windows are sought anew before they are ranked
+SHAKEN = 8  # rivals whose windows are sought anew before they are ranked; and of those not judged yet
 AHEAD = 3  # rivals begun for each process: some take a hundred times as long as others
 LITTLE_ALONE = 0.9  # of the cost of the declared law: an effect that leaves more by itself explains little
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
@@ -106,17 +106,17 @@ def _worth_more(
     ends: Sequence[tuple[str, Trial]], base: Trial, afresh: bool = False
 ) -> list[tuple[str, Trial]]:
     """The rivals of several that are worth the search for better states of their windows: the best, and those that
-    ended before they could be judged.
+    ended before they could be judged; but none that stands where the base does.
     """
     able = [one for one in ends if one[1].mean > QUIET and one[1].fit.iterations < _steps(one[0], afresh)]
     able.sort(key=lambda one: one[1].fit.cost)
     if afresh:
         able = [one for one in able if one[1].fit.cost < FARTHEST * base.fit.cost]
         return able[:SHAKEN] + [one for one in able[SHAKEN:] if one[0] in OTHER]
-    early = [
-        one for one in able[SHAKEN:] if one[1].fit.cost > base.fit.cost and one[1].fit.iterations < JUDGED
-    ]
-    return able[:SHAKEN] + early
+    hopeless = _no_better(base)
+    moved = [one for one in able if not hopeless < one[1].fit.cost < BESIDE * hopeless]
+    early = [one for one in moved[SHAKEN:] if one[1].fit.cost > hopeless and one[1].fit.iterations < JUDGED]
+    return moved[:SHAKEN] + early[:SHAKEN]
 
 
 def _anew(
