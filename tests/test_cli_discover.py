@@ -16,6 +16,7 @@ from click.testing import CliRunner, Result
 
 import found_by_hand
 import stickslip as ss
+from stickslip import plot
 from stickslip.cli import main
 from stickslip.discovery.result import Found
 from stickslip.files import time_digits
@@ -183,6 +184,28 @@ def test_a_forecast_from_unix_time_stamps_can_be_read_again(
     np.testing.assert_allclose(np.diff(ahead["t"]), step, rtol=1e-3)
     again = invoke("forecast", model, tmp_path / "next.csv", *asked[:-1], tmp_path / "then.csv")
     assert again.exit_code == 0, again.output
+
+
+def test_a_forecast_is_drawn_behind_the_record(tmp_path: Path, past: tuple[Path, Path, float]) -> None:
+    model, run, speed = past
+    out = tmp_path / "next.csv"
+    asked = ("--belt-speed", speed, "--horizon", 1.0, "--out", out, "--figure")
+    result = invoke("forecast", model, run, *asked)
+    assert result.exit_code == 0, result.output
+    assert result.output.split()[-3:] == [str(out.with_suffix(kind)) for kind in (".csv", ".svg", ".png")]
+    loaded, ahead = ss.load_model(model), pd.read_csv(out)
+    record = ss.load_recording(run, loaded.rig, channels=loaded.channels, belt_speed=f"{speed} m/s")
+    figure = plot.forecast(record, ahead)
+    assert [ax.get_ylabel() for ax in figure.axes] == [f"${c}_1$ [mm]" for c in "xy"]
+    assert figure.axes[-1].get_xlabel() == "time $t$ [s]"
+    for ax, name in zip(figure.axes, ("x1", "y1"), strict=True):
+        (t, seen), (later, forecast), (now, _) = (np.asarray(one.get_data()) for one in ax.lines)
+        assert set(now) == {t[-1]} == {later[0]} == {record.raw["t"][-1]}
+        np.testing.assert_array_equal(seen, record.raw[name][-len(seen) :])
+        assert later[-1] - now[0] == pytest.approx(
+            now[0] - t[0], rel=0.01
+        )  # as much of the past as of the future
+        np.testing.assert_array_equal(forecast[1:], ahead[name])
 
 
 def test_times_are_written_as_finely_as_they_lie() -> None:
