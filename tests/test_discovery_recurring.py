@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from discover_cases import LAW, NOISE, RIG, make_case
 from stickslip import Model, effect, reference, simulate, tabulated
-from stickslip.discovery import unlisted
+from stickslip.discovery import recurring, unlisted
 from stickslip.discovery.choice import choose
 from stickslip.discovery.data import prepare
-from stickslip.discovery.periodic import TABLE_KNOTS, periodic_starts
+from stickslip.discovery.periodic import TABLE_KNOTS, Line, periodic_starts
 from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.recurring import learn_recurring
 from stickslip.discovery.rivals import hypothesis
@@ -90,6 +93,27 @@ def test_beside_a_name_that_explains_all_no_time_is_lost():
         assert trial.fit.cost > OUTRUN * named.fit.cost
         assert len(term.knots) == TABLE_KNOTS + 1  # no finer one is tried
     assert len(found) > 1
+
+
+def test_a_curve_held_against_a_name_begins_there_and_is_given_up_far_above_it(monkeypatch):
+    search = search_of(make_case(length=20.0))
+    null = declared(search)
+    begun, asked = replace(null), []
+    line = Line(100.0, 2.3, np.full((len(search.data), 2), 0.1))
+
+    def run(_h, **options):
+        asked.append(options)
+        return begun if options["iterations"] == 0 else None
+
+    monkeypatch.setattr(search, "run", run)
+    assert recurring._learned(search, ("block", line), base=null, beat=null) is None
+    there, curve = asked
+    assert there["windows_of"] is null
+    assert curve["windows_of"] is begun
+    assert curve["worst"] == OUTRUN * null.fit.cost
+    asked.clear()
+    recurring._learned(search, ("block", line), base=null)
+    assert [(one["windows_of"] is null, one["worst"]) for one in asked] == [(True, math.inf)]
 
 
 def test_a_sine_is_called_one():
