@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import choice, unlisted
-from stickslip.discovery.choice import DECISIVE, DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
+from stickslip.discovery.choice import BETTER, DECISIVE, DOUBTFUL, MOST_LEFT, ON_TRACK, STANDS_IN, SURPASSED
 from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import OUTDONE, PROMISING, STALLED, Term, _worth, learn
@@ -174,17 +174,33 @@ def test_a_likely_pair_that_leaves_a_little_is_held_against_curves(monkeypatch, 
 
 
 @pytest.mark.parametrize(
-    ("curve_excess", "named_excess", "ahead", "within"),
+    ("curve_excess", "named_excess", "ahead", "surpasses"),
     [
-        (0.9 * CLEAN, 1.1 * CLEAN, 1.1 * DECISIVE, True),
-        (1.1 * CLEAN, 1.1 * CLEAN, 1.1 * DECISIVE, False),
-        (0.9 * CLEAN, 0.9 * CLEAN, 1.1 * DECISIVE, False),
-        (0.9 * CLEAN, 1.1 * CLEAN, 0.9 * DECISIVE, False),
+        (0.9 * CLEAN, 1.1 * DOUBTFUL, 1.1 * DECISIVE, True),
+        (1.1 * CLEAN, 9.0 * CLEAN, 1.1 * DECISIVE, False),
+        (0.9 * CLEAN, 0.9 * DOUBTFUL, 1.1 * DECISIVE, False),
+        (0.9 * CLEAN, 1.1 * DOUBTFUL, 0.9 * DECISIVE, False),
     ],
 )
-def test_a_curve_within_the_noise_surpasses_names_that_are_not(curve_excess, named_excess, ahead, within):
-    curve = SimpleNamespace(excess=curve_excess, bic=1000.0 - ahead)
-    assert choice._within(curve, SimpleNamespace(excess=named_excess, bic=1000.0)) == within
+def test_a_curve_within_the_noise_surpasses_names_that_leave_a_little(
+    curve_excess, named_excess, ahead, surpasses
+):
+    curve = SimpleNamespace(excess=curve_excess, bic=1000.0 - ahead, chi2=1.015)
+    named = SimpleNamespace(excess=named_excess, bic=1000.0, chi2=1.025)
+    assert choice._surpasses(curve, named) == surpasses
+
+
+@pytest.mark.parametrize(
+    ("left", "ahead", "surpasses"),
+    [
+        (0.9 * BETTER, 1.1 * MARGIN, True),
+        (1.1 * BETTER, 1.1 * MARGIN, False),
+        (0.9 * BETTER, 0.9 * MARGIN, False),
+    ],
+)
+def test_a_curve_that_leaves_less_than_half_surpasses_names(left, ahead, surpasses):
+    curve = SimpleNamespace(excess=100.0, bic=1000.0 - ahead, chi2=1 + left)
+    assert choice._surpasses(curve, SimpleNamespace(excess=200.0, bic=1000.0, chi2=2.0)) == surpasses
 
 
 @pytest.mark.parametrize(("left", "named"), [(0.9 * CLEAN, "alpha2"), (1.1 * CLEAN, "c")])

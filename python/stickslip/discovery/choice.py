@@ -38,7 +38,7 @@ ON_TRACK = (
 SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
 CURVES = 30.0  # processor seconds for curves, at least, where the names took all there were
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
-DECISIVE = 100.0  # of BIC, by which a curve within the noise must surpass names that are not
+DECISIVE = 100.0  # of BIC, by which a curve within the noise must surpass names that leave a little
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
 
@@ -101,7 +101,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     curved = _settles(curves, best, null)
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]
-    if explained(best, null) and not (curved and _clearly(curves[0][1], best)):
+    if explained(best, null) and not (curved and _surpasses(curves[0][1], best)):
         return Choice(null, best, None, trials)
     outdone = min((unlisted.beyond(t, best) for _, t in curves), default=1.0)
     if not curved and outdone > SURPASSED:
@@ -123,7 +123,7 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
             curves += unlisted.learn(search, best, 3)
     curves.sort(key=lambda one: one[1].bic)
     absurd(min([best, *(t for _, t in curves)], key=lambda one: one.fit.cost), search.data)
-    if curves and (_clearly(curves[0][1], best) or _within(curves[0][1], best)):
+    if curves and _surpasses(curves[0][1], best):
         return _curve_of(null, curves, trials)
     if best.chi2 - 1 > MOST_LEFT * (
         null.chi2 - 1
@@ -136,9 +136,9 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
 
 
 def _settles(curves: list[tuple[unlisted.Term, Trial]], best: Trial, null: Trial) -> bool:
-    """Does the best of the curves explain everything, clearly better than the best of the named?"""
+    """Does the best of the curves explain everything, and surpass the best of the named?"""
     least = min((t for _, t in curves), key=lambda one: one.bic, default=None)
-    return least is not None and _clearly(least, best) and explained(least, null)
+    return least is not None and _surpasses(least, best) and explained(least, null)
 
 
 def _curve_of(null: Trial, curves: list[tuple[unlisted.Term, Trial]], trials: list[Trial]) -> Choice:
@@ -195,11 +195,11 @@ def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[s
     return kind.where, kind.depends_on
 
 
-def _within(curve: Trial, named: Trial) -> bool:
-    """Is a learned curve within the noise where the best of the named, pairs too, is not, and far more likely?"""
-    return curve.excess < CLEAN < named.excess and curve.bic < named.bic - DECISIVE
+def _surpasses(curve: Trial, named: Trial) -> bool:
+    """Does a learned curve do clearly better than the best of the named, pairs too?
 
-
-def _clearly(curve: Trial, named: Trial) -> bool:
-    """Does a learned curve do clearly better than the best of the named?"""
-    return curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9)
+    It leaves less than half. Or it is within the noise and far more likely, and they leave more than a sampling error.
+    """
+    if curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9):
+        return True
+    return curve.excess < CLEAN and named.excess > DOUBTFUL and curve.bic < named.bic - DECISIVE
