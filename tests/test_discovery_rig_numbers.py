@@ -80,7 +80,9 @@ def test_each_number_is_found_beside_the_law(wrong: dict[str, float]) -> None:
     null = declared(search)
     assert null is not None
     assert not explained(null, null)
-    best = rig_numbers.freed(search, null)[0]
+    every = rig_numbers.freed(search, null)
+    best = every[0]
+    assert search.freed == every  # rivals of it, and rows of the ranking
     assert explained(best, null)
     assert set(wrong) <= set(best.names)
     for name, one in rig_numbers.numbers(best).items():

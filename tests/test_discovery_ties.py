@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import evidence
+from stickslip.discovery import evidence, loop
+from stickslip.discovery.choice import Choice
 from stickslip.discovery.evidence import TIED, alternatives
 from stickslip.discovery.unlisted import READINGS, TERMS, Term, called
 
@@ -38,8 +39,8 @@ def test_a_curve_at_another_place_that_does_as_well_is_tied():
     chosen = trial(("tabulated_block_x1",), 1000.0)
     rivals = [
         chosen,
+        trial(("tabulated_contact_x1",), 1000.0 + 2.5 * TIED),  # the same as the next, cruder
         trial(("tabulated_contact_x1",), 1000.0 + 0.9 * TIED),
-        trial(("tabulated_contact_x1",), 1400.0),  # the same, cruder
         trial(("sensor_crosstalk",), 1000.0 + 2.9 * TIED),
         trial(("belt_seam",), 1000.0 + 3.1 * TIED),
         trial(("belt_seam",), 500.0, partial=True),  # of half of the readings
@@ -54,6 +55,27 @@ def test_a_curve_at_another_place_that_does_as_well_is_tied():
     assert found[0].odds == pytest.approx(math.exp(-0.45 * TIED))
     assert found[0].parameters == {}
     assert found[1].parameters == {"sensor_crosstalk of 1": 1.0}
+
+
+def test_a_learned_curve_is_held_against_names_and_curves_alike(monkeypatch):
+    chosen, other, named = (
+        trial((n,), 1000.0) for n in ("tabulated_block_x1", "tabulated_contact_x1", "belt_seam")
+    )
+    monkeypatch.setattr(loop.ev, "evidence", lambda *_: SimpleNamespace(weight=1.0))
+    monkeypatch.setattr(
+        loop.ev, "alternatives", lambda _, rivals, name: (name, *(one.names[0] for one in rivals))
+    )
+    monkeypatch.setattr(
+        loop.unlisted, "curve", lambda *_: SimpleNamespace(term="f(x1)", period=None, guess=None)
+    )
+    monkeypatch.setattr(loop, "of_effect", lambda *_: {})
+    monkeypatch.setattr(loop, "phases", lambda *_: {})
+    made = Choice(trial((), 9000.0), chosen, Term("block", "x1", (0.0, 1.0)), [chosen, other])
+    search = SimpleNamespace(tried={named.names: named})
+    (found,) = loop._effects(search, made, chosen, 10.0)
+    name, *rivals = found.alternatives
+    assert name == "tabulated_block_x1"
+    assert set(rivals) == {"belt_seam", "tabulated_block_x1", "tabulated_contact_x1"}
 
 
 def test_of_two_effects_each_has_rivals_beside_the_other():
