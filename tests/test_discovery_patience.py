@@ -21,6 +21,7 @@ from stickslip.discovery.pairs import (
     decide_pairs,
     likely_pairs,
 )
+from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import BEYOND, FAR, FARTHEST, MARGIN, closely
 from stickslip.discovery.unlisted import KNOTS, RESOLVED, Term, _finer, knots_for
 
@@ -253,7 +254,6 @@ def test_another_contact_is_tried_afresh_beside_an_effect_only_if_it_explains_mu
 
 
 def ended(cost, iterations=10, mean=50.0):
-    """A rival of a base that costs 100."""
     return SimpleNamespace(mean=mean, fit=SimpleNamespace(cost=cost, iterations=iterations))
 
 
@@ -275,8 +275,8 @@ def test_the_best_rivals_and_those_not_judged_yet_are_worth_more_steps():
 
 def test_a_rival_that_stands_where_the_base_does_is_not_among_the_best():
     base = SimpleNamespace(excess=100.0, fit=SimpleNamespace(cost=100.0))
-    moved = ended(98.0)
-    assert trace._worth_more([("idle", ended(99.0)), ("moved", moved)], base) == [("moved", moved)]
+    moved = ("moved", ended(98.0))
+    assert trace._worth_more([("idle", ended(99.0)), moved], base) == [moved]
     assert len(trace._worth_more([("idle", ended(99.0))], base, afresh=True)) == 1
 
 
@@ -292,8 +292,7 @@ def test_from_the_declared_law_those_not_too_far_off_are_worth_more_steps():
 
 @pytest.mark.parametrize("afresh", [False, True])
 def test_a_stalled_rival_goes_on_from_where_it_is_for_the_steps_that_are_left(afresh):
-    search, base = Search(), trial((), 5000.0)
-    one = trial(("sensor_lag",), 4000.0)
+    search, base, one = Search(), trial((), 5000.0), trial(("sensor_lag",), 4000.0)
     one.fit.iterations, one.fit.vector = 5, "where it is"
     trace._shaken(search, ("sensor_lag", one), base=base, afresh=afresh)
     asked = search.options[0]
@@ -336,14 +335,15 @@ def test_likely_pairs_are_fitted_closely_only_if_one_all_but_reaches_the_noise(m
     monkeypatch.setattr(pairs, "polished", polished)
     monkeypatch.setattr(pairs, "_eliminated", lambda *_: [])
     monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
-    for left, names in ((0.9 * LIKELY, [("a", "z"), ("a",)]), (1.1 * LIKELY, [])):
+    both = [("a", "z"), ("a",)]
+    for left, excess, names in ((0.9, 100, both), (1.1, 100, []), (1.1, 0.9 * CLEAN, both)):
         search = Search()
         search.tried[()] = trial((), 100 * CLEAN_COST)
         base = trial(("a",), 30 * CLEAN_COST)
-        crude = trial(("a", "z"), (1 + 29 * left) * CLEAN_COST)
+        crude = trial(("a", "z"), (1 + 29 * left * LIKELY) * CLEAN_COST, excess)
         monkeypatch.setattr(pairs, "screen", lambda *_, crude=crude: [crude])
         assert [one.names for one in likely_pairs(search, [base])] == names
-    assert fitted == [("a", "z")]
+    assert fitted == 2 * [("a", "z")]
 
 
 @pytest.mark.parametrize(("next_best", "sought"), [(0.99 * RIVAL, "ab"), (1.01 * RIVAL, "a")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -202,6 +203,24 @@ def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) ->
     found = ss.discover(case, threads=1)
     assert [one.name for one in found.effects] == ["block_viscous_damping"]
     assert any("beta3 is 4 rather than 4: check it" in one for one in found.messages)
+
+
+def test_a_number_at_its_bound_is_still_one_of_a_rig() -> None:
+    """Rounding in the logarithm put eta12 a hair below eta1: the search ended with an error instead of a verdict."""
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        eta1 = rng.uniform(0.01, 0.3)
+        rig = replace(
+            RIG, alpha1=1 + rng.uniform(0, 9), beta3=1 + rng.uniform(0, 9), eta1=eta1, eta12=1.5 * eta1
+        )
+        for name in ("alpha1", "alpha2", "beta3", "eta1", "eta12"):
+            one = rig_numbers.unknown(rig, name)
+            for end in one.bounds:
+                assert getattr(replace(rig, **{name: one.value(one.coordinate(end))}), name) > 0
+        between = math.sqrt(rig.eta1 * rig.eta12)
+        low, high = (rig_numbers.unknown(rig, name, between) for name in ("eta1", "eta12"))
+        top, bottom = low.value(low.coordinate(low.bounds[1])), high.value(high.coordinate(high.bounds[0]))
+        assert replace(rig, eta1=top, eta12=bottom).eta12 >= top
 
 
 def _freed_beta3(search: Search) -> Trial:

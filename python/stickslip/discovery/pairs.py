@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from functools import partial
 
 from stickslip.discovery.rivals import Start, hypothesis
-from stickslip.discovery.search import SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.trace import MARGIN, NEARLY, explained, polished, screen, starts_of
 from stickslip.discovery.workers import each
 
 PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
-LIKELY = 0.1  # of the excess of their base: crude pairs that leave less are fitted closely before any curve
+LIKELY = 0.1  # of the excess of their base: crude pairs that leave less, or noise, are fitted closely before any curve
 RIVAL = 2.0  # of the cost of the best effect: pairs on the next are as likely where it leaves less
 SAME = 0.95  # of the cost that a base had: one that leaves less has other pairs
 FREED = 0.5  # of the cost of the best effect: one that then leaves less alone is another to build pairs on
@@ -35,7 +35,8 @@ def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
             break
         search.extend(ANOTHER[base is not bases[0]])
         found = _pairs_on(search, base)
-        if not found or min(one.chi2 for one in found) - 1 > LIKELY * (base.chi2 - 1):
+        least = min(found, key=lambda one: one.chi2, default=base)
+        if least.excess > CLEAN and least.chi2 - 1 > LIKELY * (base.chi2 - 1):
             continue
         pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
         if not pairs or not explained(pairs[0], null):

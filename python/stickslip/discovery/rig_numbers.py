@@ -20,6 +20,7 @@ from stickslip.rig import AnyRig, Rig
 
 FACTOR = 10.0  # by which a declared number may be wrong
 EDGE = 1e-6  # of a number: nearer to its bound it is at it
+ROUNDING = 1e-9  # of a number: so far its search stays inside of what a rig may have
 APART = 3  # times that the bound between two numbers is moved
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
 REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
@@ -112,7 +113,8 @@ def unknown(rig: Rig, name: str, between: float | None = None) -> Unknown:
     most = rig.eta12 if name == "eta1" else math.inf
     if between is not None:
         least, most = (between, math.inf) if name == "eta12" else (0.0, between)
-    low, high = max(least, value / FACTOR), min(most, value * FACTOR)
+    # within what the rig takes after rounding in the logarithm too
+    low, high = max(least * (1 + ROUNDING), value / FACTOR), min(most * (1 - ROUNDING), value * FACTOR)
     start = min(max(value, low), high)
     return Unknown(name, start, True, math.log(value), 1.0, bounds=(low, high))
 
