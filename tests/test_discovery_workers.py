@@ -199,6 +199,34 @@ def test_rivals_that_did_not_move_from_a_stuck_base_are_tried_from_the_declared_
     assert {("sensor_lag", True), ("belt_seam", False), ("belt_seam", True)} <= set(tried)
 
 
+def test_rivals_are_ranked_by_where_they_end_once_they_are_shaken(data, monkeypatch):
+    """One stalls at 0.8 of the base's cost and goes on to 0.3; from the declared law another, from 2.0 to 0.1."""
+    search, shaken = search_in(data, 1), []
+    base = declared(search)
+
+    def ended(name, share):
+        fit = SimpleNamespace(cost=share * base.fit.cost, iterations=5)
+        return SimpleNamespace(
+            names=(name,), fit=fit, chi2=share * base.chi2, bic=share, mean=share * base.mean
+        )
+
+    def run(_search, one, *, afresh=False, **_):
+        return ended(one[0], 2.0 if afresh else 0.8 if one[0] == "static_aging" else 1.0)
+
+    def shake(_search, one, *, afresh=False, **_):
+        shaken.append((one[0], afresh))
+        return ended(one[0], 0.1 if afresh else 0.3) if one[0] in ("static_aging", "sensor_lag") else one[1]
+
+    monkeypatch.setattr(trace, "_screened", run)
+    monkeypatch.setattr(trace, "_shaken", shake)
+    monkeypatch.setattr(trace, "_anew", lambda _search, _base, tried, _best: [tried[0], ("sensor_lag", None)])
+    found = screen(search, base)
+    assert [(one.names[0], one.bic) for one in found[:2]] == [("sensor_lag", 0.1), ("static_aging", 0.3)]
+    assert ("static_aging", False) in shaken
+    assert ("sensor_lag", True) in shaken
+    assert ("sensor_lag", False) not in shaken  # it stood where the base does
+
+
 def test_what_is_computed_of_a_trial_is_computed_once(data):
     search, computed = search_in(data, 1), []
     one, same = trial(2.0), trial(2.0)

@@ -193,7 +193,7 @@ class Search:
             tolerance=tolerance,
             rounds=rounds,
             give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
-            worth=lambda cost: not worst < cost < BESIDE * worst,
+            worth=lambda cost: not stands(cost, worst),
         )
         part = windows_of is not None and windows_of.partial
         return None if found is None else Trial(_names(h, learned), found, part)
@@ -315,6 +315,11 @@ class Search:
             learned=trial.fit.engine.learned,
             vector=trial.fit.vector,
         )
+
+
+def stands(cost: float, worst: float) -> bool:
+    """Is a cost just beyond the hopeless one, so that the fit stands where it began, windows and all?"""
+    return worst < cost < BESIDE * worst
 
 
 def _silent(_: str) -> None:

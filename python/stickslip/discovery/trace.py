@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.search import BESIDE, CLEAN, JUDGED, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, JUDGED, SHORT, Search, Trial, stands
 from stickslip.discovery.solve import QUIET
 from stickslip.discovery.workers import each
 from stickslip.effects import CATALOGUE, Effect
@@ -114,7 +114,7 @@ def _worth_more(
         able = [one for one in able if one[1].fit.cost < FARTHEST * base.fit.cost]
         return able[:SHAKEN] + [one for one in able[SHAKEN:] if one[0] in OTHER]
     hopeless = _no_better(base)
-    moved = [one for one in able if not hopeless < one[1].fit.cost < BESIDE * hopeless]
+    moved = [one for one in able if not stands(one[1].fit.cost, hopeless)]
     early = [one for one in moved[SHAKEN:] if one[1].fit.cost > hopeless and one[1].fit.iterations < JUDGED]
     return moved[:SHAKEN] + early[:SHAKEN]
 
