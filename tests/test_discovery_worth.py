@@ -51,8 +51,8 @@ def search():
     """One that notes which curves it is asked to polish."""
     polished = []
 
-    def polish(one, *, turns):
-        polished.append((one, turns))
+    def polish(one, *, turns, further):
+        polished.append((one, turns, further))
         return one
 
     def submit(function, *args):
@@ -84,7 +84,7 @@ def test_the_curve_that_promises_most_is_fitted_patiently_then_closely(search, m
     assert "worst" not in patient
     assert all(one["worst"] < base.fit.cost for one in quick)
     assert all(patient[name] > one[name] for one in quick for name in ("iterations", "rounds"))
-    assert search.polished == [(trials["y1"], 1), (trials["x1"], 1), (trials["x2"], 0)]
+    assert search.polished == [(trials["y1"], 1, 0), (trials["x1"], 1, 0), (trials["x2"], 0, 0)]
     assert [term.variable for term, _ in curves] == ["y1", "x1", "x2"]
 
 

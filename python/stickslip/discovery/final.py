@@ -28,13 +28,20 @@ def final(search: Search, trial: Trial) -> Trial:
         short = again
     enough = max(short.excess, 0.0) + 0.8
     law = search.with_declared_law(short).fit.vector
-    for whole in (True, False) if short.excess < CLEAN else (False,):
+    learned = _learned(trial)
+    ways = (True, False) if short.excess < CLEAN else (False,)
+    # of a curve nothing else is to be done meanwhile
+    begun = {
+        whole: search.submit(_long, short, trial=trial, whole=whole)
+        for whole in (ways[1:] if learned else ())
+    }
+    for whole in ways:
         long = partial(_finely, trial=trial, cycles=LONG, whole=whole)
-        first = long(search, short.fit.vector, states_of=short)
-        if first is None:
+        known = begun.get(whole)
+        best = known.result() if known else _long(search, short, trial=trial, whole=whole)
+        if best is None:
             continue
-        best = search.trimmed(first)
-        if short.excess < 5 * CLEAN and not any(map(unlisted.is_tabulated, trial.names)):
+        if short.excess < 5 * CLEAN and not learned:
             # the narrow valleys of (4.1) end a fit early: from other sides too
             worst = WORSE * best.fit.cost
             tasks = (
@@ -48,11 +55,18 @@ def final(search: Search, trial: Trial) -> Trial:
     return short
 
 
+def _long(search: Search, short: Trial, *, trial: Trial, whole: bool) -> Trial | None:
+    """The trial on long windows from where it is on short ones."""
+    first = _finely(search, short.fit.vector, trial=trial, cycles=LONG, whole=whole, states_of=short)
+    return None if first is None else search.trimmed(first)
+
+
 def _finely(search: Search, vector: Floats, *, trial: Trial, **options: Any) -> Trial | None:
     """The trial from these numbers to its very end."""
     near = trial.excess < FAR_OFF * CLEAN  # beyond, a few digits more of the numbers mean nothing
+    exact = 1e-7 if _learned(trial) else 1e-9  # a curve's values are in its band
     return search.run(
-        trial.hypothesis, tolerance=1e-9 if near else 1e-5, rounds=3 if near else 1,
+        trial.hypothesis, tolerance=exact if near else 1e-5, rounds=3 if near else 1,
         vector=vector, anyway=True, learned=trial.fit.engine.learned, **options,
     )  # fmt: skip
 
@@ -65,3 +79,8 @@ def _in_order(trial: Trial) -> Floats:
         for one, other in (("A1", "A2"), ("t1", "t2")):
             vector[[at[one], at[other]]] = vector[[at[other], at[one]]]
     return vector
+
+
+def _learned(trial: Trial) -> bool:
+    """Is there a curve in it?"""
+    return any(map(unlisted.is_tabulated, trial.names))

@@ -29,7 +29,7 @@ Rest = ParamSpec("Rest")
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
 CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
-ALMOST = 1.5  # and below which it is worth two more turns
+ALMOST = 1.5  # and below which it is worth more turns
 TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
 BESIDE = 1.03  # of a hopeless cost: a fit that stalls within that stands where it began, windows and all
 SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
@@ -203,10 +203,13 @@ class Search:
         if trial is not None and (key not in self.tried or trial.fit.cost < self.tried[key].fit.cost):
             self.tried[key] = trial
 
-    def polish(self, trial: Trial, turns: int = 2, closed: bool = False) -> Trial:
-        """The trial closely fitted on short windows, if not yet; long ones in between shake it out of poor minima."""
+    def polish(self, trial: Trial, turns: int = 2, closed: bool = False, further: int = 2) -> Trial:
+        """The trial closely fitted on short windows, if not yet; long ones in between shake it out of poor minima.
+
+        One that comes near the noise has `further` turns.
+        """
         best, idle = trial if closed else self.close(trial), 0
-        for turn in range(turns + 2):
+        for turn in range(turns + further):
             if best.excess < CLEAN or best.chi2 > (NEAR if turn < turns else ALMOST) or self.left < 0:
                 break
             before = best.fit.cost
@@ -274,16 +277,17 @@ class Search:
 
     def close(self, trial: Trial) -> Trial:
         """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
-        if trial.partial:
-            trial = self._again(trial, SHORT, None, 25, trial) or trial
-        best = self._again(trial, SHORT, trial, 25) or trial
+        done = False
+        if trial.partial and (whole := self._again(trial, SHORT, None, 25, trial)):
+            done = whole.fit.iterations < 25 and _tolerance(whole) == _tolerance(trial)
+            trial = whole
+        last, best = trial, trial if done else self._again(trial, SHORT, trial, 25) or trial
         for _ in range(MORE):
-            if best.excess < CLEAN or best.fit.iterations < 25 or self.left < 0:
+            if best.excess < CLEAN or best.fit.iterations < 25 or best.fit.cost > 0.7 * last.fit.cost:
                 break
-            on = self._again(best, SHORT, best, 25)
-            if on is None or on.fit.cost > 0.7 * best.fit.cost:
+            if self.left < 0:
                 break
-            best = on
+            last, best = best, self._again(best, SHORT, best, 25) or best
         if best.excess < CLEAN or not trial.names:
             return best
         fresh = self._again(self.with_declared_law(trial), SHORT, None, 25)
@@ -309,12 +313,17 @@ class Search:
             trial.hypothesis,
             cycles=cycles,
             iterations=iterations,
-            tolerance=2e-5 if trial.chi2 < NEAR else 1e-3,
+            tolerance=_tolerance(trial),
             windows_of=windows_of,
             states_of=states_of,
             learned=trial.fit.engine.learned,
             vector=trial.fit.vector,
         )
+
+
+def _tolerance(trial: Trial) -> float:
+    """Of a close fit from a trial."""
+    return 2e-5 if trial.chi2 < NEAR else 1e-3
 
 
 def stands(cost: float, worst: float) -> bool:

@@ -263,7 +263,9 @@ def _quickly(search: Search, term: Term, *, base: Trial, first: Term) -> Trial |
 
 
 def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
-    return search.polish(one[1], turns=one[2])
+    return search.polish(
+        one[1], turns=one[2], further=0
+    )  # where it comes near the noise, finer knots do more
 
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:

@@ -1,0 +1,128 @@
+"""How far a trial is fitted on: closely, from other sides, and a curve for the report."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from stickslip.discovery import final as last
+from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, Search
+
+READINGS = 1000
+
+
+def trial(chi2, *, iterations=25, partial=False, names=(), label=""):
+    return SimpleNamespace(
+        names=names, chi2=chi2, mean=chi2, partial=partial, label=label, excess=(chi2 - 1) * 22.4,
+        fit=SimpleNamespace(cost=chi2 * READINGS, iterations=iterations, readings=READINGS),
+    )  # fmt: skip
+
+
+class Scripted(Search):
+    """Fits that end as they are told; it notes from where each began."""
+
+    def __init__(self, *ends):
+        super().__init__([], None, 1, lambda _: None, 1e6)
+        self.ends, self.begun = list(ends), []
+
+    def _again(self, trial, *_):
+        self.begun.append(trial)
+        return self.ends.pop(0)
+
+    def with_declared_law(self, trial):
+        return trial
+
+    def trimmed(self, trial):
+        return trial
+
+    def _rephased(self, trial):
+        return trial
+
+
+def test_a_fit_goes_on_while_it_falls_fast():
+    ends = [trial(c) for c in (60.0, 40.0, 35.0)]
+    search = Scripted(*ends)
+    assert search.close(trial(100.0)) is ends[2]
+    assert search.begun[1:] == ends[:2]
+
+
+def test_a_fit_that_hardly_falls_is_not_fitted_on():
+    search = Scripted(end := trial(71.0))
+    assert search.close(trial(100.0)) is end
+    assert len(search.begun) == 1
+
+
+@pytest.mark.parametrize("chi2", [1.0 + 0.9 * CLEAN / 22.4, 60.0])
+def test_a_fit_that_ended_by_itself_or_reached_the_noise_is_not_fitted_on(chi2):
+    search = Scripted(trial(chi2, iterations=24 if chi2 > 2 else 25))
+    search.close(trial(100.0))
+    assert len(search.begun) == 1
+
+
+def test_a_fit_goes_on_so_many_times_at_most():
+    search = Scripted(*(trial(100.0 * 0.6**k) for k in range(MORE + 1)))
+    search.close(trial(1000.0))
+    assert not search.ends
+
+
+@pytest.mark.parametrize(
+    ("iterations", "half", "whole", "fits"),
+    [
+        (24, 2 * NEAR, 2.1 * NEAR, 1),  # ended by itself
+        (25, 2 * NEAR, 2.1 * NEAR, 2),
+        (24, 1.1 * NEAR, 0.9 * NEAR, 2),  # and was not fitted as closely as what it is now
+        (24, 0.8 * NEAR, 0.9 * NEAR, 1),
+    ],
+)
+def test_what_has_ended_on_all_windows_is_not_fitted_there_again(iterations, half, whole, fits):
+    ended = trial(whole, iterations=iterations)
+    search = Scripted(*[ended] * fits)
+    assert search.close(trial(half, partial=True)) is ended
+    assert len(search.begun) == fits
+
+
+def test_a_named_trial_is_fitted_afresh_too_and_the_better_stands():
+    ends = [trial(50.0, iterations=9, names=("a",)), trial(30.0, names=("a",))]
+    search = Scripted(*ends)
+    assert search.close(trial(100.0, names=("a",))) is ends[1]
+    assert search.begun[1].chi2 == 100.0
+
+
+@pytest.mark.parametrize(("turns", "further", "fits"), [(1, 2, 3), (1, 0, 1), (0, 2, 2), (0, 0, 0)])
+def test_what_comes_near_the_noise_has_further_turns(turns, further, fits):
+    chi2 = 0.99 * ALMOST
+
+    class Falling(Scripted):
+        def _again(self, one, *_):
+            self.begun.append(one)
+            return trial(0.99 * one.chi2)
+
+    search = Falling()
+    search.polish(trial(chi2), turns=turns, closed=True, further=further)
+    assert len(search.begun) == 3 * fits  # out and back, and back with the declared law
+
+
+@pytest.mark.parametrize(
+    ("whole", "long", "chosen"), [(1.0, 1.0, "whole"), (1.3, 1.0, "long"), (1.3, 1.3, "short")]
+)
+@pytest.mark.parametrize("name", ["tabulated_block_x1", "static_aging"])
+def test_the_last_fit_is_on_the_longest_windows_that_it_fits_as_well(monkeypatch, whole, long, chosen, name):
+    short = trial(1.0, names=(name,), label="short")
+    ends = {True: trial(whole, names=(name,), label="whole"), False: trial(long, names=(name,), label="long")}
+    begun = []
+
+    def finely(_search, _vector, *, whole=None, **_):
+        return short if whole is None else ends[whole]
+
+    def submit(function, *args, **options):
+        begun.append(options.get("whole"))
+        return SimpleNamespace(result=lambda: function(search, *args, **options))
+
+    monkeypatch.setattr(last, "_finely", finely)
+    monkeypatch.setattr(last, "_in_order", lambda one: one.fit.vector)
+    for one in (short, *ends.values()):
+        one.fit.vector = None
+    search = SimpleNamespace(trimmed=lambda one: one, with_declared_law=lambda one: one, submit=submit)
+    assert last.final(search, short).label == chosen
+    assert (begun == [False]) == name.startswith("tabulated")  # both at once, as nothing else is to be done
