@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import final as last
-from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, Search
+from stickslip.discovery import unlisted
+from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, SAME, Search
 
 READINGS = 1000
 
@@ -101,6 +102,18 @@ def test_what_comes_near_the_noise_has_further_turns(turns, further, fits):
     search = Falling()
     search.polish(trial(chi2), turns=turns, closed=True, further=further)
     assert len(search.begun) == 3 * fits  # out and back, and back with the declared law
+
+
+@pytest.mark.parametrize(
+    ("afresh", "fits"), [(1.0 + 0.9 * SAME, 2), (1.0 - 0.9 * SAME, 2), (1.0 + 1.1 * SAME, 5), (0.9, 5)]
+)
+def test_a_curve_whose_two_sides_lead_to_the_same_minimum_is_not_fitted_on(afresh, fits):
+    one, other = trial(2.0, iterations=9, names=("a",)), trial(2.0 * afresh, iterations=9, names=("a",))
+    search = Scripted(one, other, *[trial(3.0)] * 3)
+    assert unlisted._closely(search, (None, trial(2.2, names=("a",)), 1)) is min(
+        one, other, key=lambda end: end.chi2
+    )
+    assert len(search.begun) == fits
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,7 @@ def learned(monkeypatch, fine_bic):
         budget=100.0,
         progress=lambda _: None,
         polish=lambda one, **_: one,
+        sides=lambda one: [one],
         submit=submit,
         at_once=1,
         once=lambda _what, _of, compute: compute(),
@@ -88,7 +89,7 @@ def test_a_curve_is_fitted_again_while_the_motion_reaches_further(monkeypatch):
         return trial(5.0 / fitted[-1], 50.0, 900.0 / fitted[-1])
 
     monkeypatch.setattr(unlisted, "with_term", with_term)
-    search = SimpleNamespace(polish=lambda one, **_: one)
+    search = SimpleNamespace(polish=lambda one, **_: one, sides=lambda one: [one])
     coarse = Term("y1 channel", "x1", knots_for(SEEN, KNOTS)), trial(9.0, 90.0, 1000.0)
     term, best = unlisted._finer(search, coarse, base=None)
     assert fitted == pytest.approx([1.2, 1.5])

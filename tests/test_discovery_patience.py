@@ -308,7 +308,7 @@ def test_fine_knots_are_polished_where_they_change_something(monkeypatch, share,
     monkeypatch.setattr(unlisted, "with_term", lambda *_, **__: added)
     monkeypatch.setattr(unlisted, "ranges", lambda _: {"x1": [0.0, 1.0]})
     asked = []
-    search = SimpleNamespace(polish=lambda one, turns: asked.append(turns) or one)
+    search = SimpleNamespace(sides=lambda one: asked.append(one) or [one, one])
     term = Term("block", "x1", knots_for([0.0, 1.0], KNOTS))
     found = _finer(search, (term, coarse), base=coarse)
     assert len(asked) == polished

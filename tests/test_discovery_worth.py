@@ -51,7 +51,8 @@ def search():
     """One that notes which curves it is asked to polish."""
     polished = []
 
-    def polish(one, *, turns, further):
+    def polish(one, *, turns, closed, further):
+        assert closed
         polished.append((one, turns, further))
         return one
 
@@ -59,7 +60,7 @@ def search():
         return SimpleNamespace(result=lambda: function(given, *args), cancel=lambda: None)
 
     given = SimpleNamespace(
-        left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished,
+        left=100.0, budget=100.0, progress=lambda _: None, polish=polish, polished=polished, sides=lambda one: [one],
         submit=submit, at_once=1, once=lambda _what, _of, compute: compute(),
     )  # fmt: skip
     return given

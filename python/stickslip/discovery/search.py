@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Concatenate, ParamSpec, TypeVar, cast
 
@@ -230,7 +230,7 @@ class Search:
                 if short is not None:
                     ends.append(short.fit.cost)
                     best = short if short.fit.cost < best.fit.cost else best
-            if len(ends) == 3 and max(ends) < (1 + SAME) * min(ends):
+            if len(ends) == 3 and same(ends):
                 break  # reached from three sides
             if best.fit.cost > 0.998 * before:
                 idle += 1
@@ -276,7 +276,11 @@ class Search:
         return trial if again is None or again.cost > trial.fit.cost else Trial(trial.names, again)
 
     def close(self, trial: Trial) -> Trial:
-        """The trial fitted on from where it is, and afresh with its law from the declared start; the better."""
+        """The better of both `sides`."""
+        return min(self.sides(trial), key=lambda one: one.fit.cost)
+
+    def sides(self, trial: Trial) -> list[Trial]:
+        """The trial fitted on from where it is; and, above the noise, afresh with its law from the declared start."""
         done = False
         if trial.partial and (whole := self._again(trial, SHORT, None, 25, trial)):
             done = whole.fit.iterations < 25 and _tolerance(whole) == _tolerance(trial)
@@ -289,9 +293,9 @@ class Search:
                 break
             last, best = best, self._again(best, SHORT, best, 25) or best
         if best.excess < CLEAN or not trial.names:
-            return best
+            return [best]
         fresh = self._again(self.with_declared_law(trial), SHORT, None, 25)
-        return fresh if fresh is not None and fresh.fit.cost < best.fit.cost else best
+        return [best] if fresh is None else [best, fresh]
 
     def with_declared_law(self, trial: Trial) -> Trial:
         """The trial with its law back at the declared start: another way into the minimum."""
@@ -324,6 +328,11 @@ class Search:
 def _tolerance(trial: Trial) -> float:
     """Of a close fit from a trial."""
     return 2e-5 if trial.chi2 < NEAR else 1e-3
+
+
+def same(costs: Sequence[float]) -> bool:
+    """Have fits found the same minimum?"""
+    return max(costs) < (1 + SAME) * min(costs)
 
 
 def stands(cost: float, worst: float) -> bool:

@@ -14,7 +14,7 @@ from stickslip.discovery.engine import Engine
 from stickslip.discovery.promise import rest
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial, same
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
@@ -263,9 +263,16 @@ def _quickly(search: Search, term: Term, *, base: Trial, first: Term) -> Trial |
 
 
 def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
-    return search.polish(
-        one[1], turns=one[2], further=0
-    )  # where it comes near the noise, finer knots do more
+    """A curve fitted closely: in so many turns more, unless both sides lead to the same minimum.
+
+    No further ones: near the noise finer knots do more.
+    """
+    _, trial, turns = one
+    ends = search.sides(trial)
+    best = min(ends, key=lambda end: end.fit.cost)
+    if len(ends) > 1 and same([end.fit.cost for end in ends]):
+        return best
+    return search.polish(best, turns=turns, closed=True, further=0)
 
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:
@@ -281,7 +288,7 @@ def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[
             break
         # else it is not for knots that the coarse one fits badly
         if added.bic < trial.bic or added.chi2 - 1 < RESOLVED * (trial.chi2 - 1):
-            added = search.polish(added, turns=1)
+            added = _closely(search, (fine, added, 1))
         if added.bic > trial.bic:
             break
         best = fine, added
