@@ -10,15 +10,11 @@ import pytest
 from stickslip.discovery import pairs, trace, unlisted
 from stickslip.discovery.pairs import (
     ALONE,
-    ANOTHER,
     BESIDE,
-    FREED,
     HOPELESS,
     LIKELY,
-    PROMISING,
     RIVAL,
     SAME,
-    decide_pairs,
     likely_pairs,
 )
 from stickslip.discovery.search import CLEAN
@@ -104,68 +100,6 @@ def test_a_rival_that_cannot_be_fitted_on_all_windows_is_left_out():
     rivals[0].partial = True
     assert closely(search, rivals) == rivals[1:]
     assert list(search.tried) == [("b",)]
-
-
-def pairs_of(monkeypatch, left_by_pairs, *, alone=None, reached=0.0):
-    """Bases whose pairs were sought, where those on each leave this much of an excess of 99.
-
-    One that promises to explain everything leaves `reached` once it is fitted closely; `alone` is the cost that an
-    effect of the best pair then leaves alone.
-    """
-    search, search.most = Search(), []
-    search.tried[()] = trial((), 100 * CLEAN_COST)
-    singles = [trial((name,), (30 + i) * CLEAN_COST) for i, name in enumerate("abc")]
-    sought = []
-
-    def screen(_search, base):
-        sought.append(base.names[0])
-        return [trial((*base.names, "z"), (1 + left_by_pairs[len(sought) - 1] * 99) * CLEAN_COST)]
-
-    def polished(_search, trials, most):
-        search.most.append(most)
-        return [
-            trial(one.names, (1 + 99 * reached) * CLEAN_COST) if one.chi2 - 1 < 99 * PROMISING else one
-            for one in trials
-        ]
-
-    freed = [] if alone is None else [trial(("z",), alone * CLEAN_COST)]
-    monkeypatch.setattr(pairs, "screen", screen)
-    monkeypatch.setattr(pairs, "polished", polished)
-    monkeypatch.setattr(pairs, "_eliminated", lambda *_: freed)
-    monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
-    found = decide_pairs(search, singles)
-    return "".join(sought), search, found
-
-
-def test_pairs_that_promise_to_explain_everything_need_no_other_base(monkeypatch):
-    sought, search, found = pairs_of(monkeypatch, [0.99 * PROMISING])
-    assert sought == "a"
-    assert search.extended == [ANOTHER[0]]
-    assert found[0].names == ("a", "z")
-    assert search.most == [4]
-
-
-def test_pairs_that_do_not_keep_their_promise_leave_the_next_base_to_try(monkeypatch):
-    sought, _, found = pairs_of(monkeypatch, [0.99 * PROMISING, 0.3, 0.2], reached=0.9 * PROMISING)
-    assert sought == "abc"
-    assert found[0].names == ("a", "z")
-
-
-def test_pairs_that_leave_more_may_be_built_on_the_wrong_effect(monkeypatch):
-    sought, search, found = pairs_of(monkeypatch, [1.01 * PROMISING, 0.0])
-    assert sought == "ab"
-    assert search.extended == list(ANOTHER)
-    assert found[0].names == ("b", "z")
-    sought, search, _ = pairs_of(monkeypatch, [0.3, 0.2, 0.4])
-    assert (sought, search.most) == ("abc", [2])  # none promises much: few are fitted closely
-
-
-def test_an_effect_that_a_pair_has_brought_to_its_place_is_another_base(monkeypatch):
-    sought, _, found = pairs_of(monkeypatch, [0.3, 0.2, 0.4, 0.0], alone=0.9 * 30 * FREED)
-    assert sought == "abcz"
-    assert found[0].names == ("z", "z")
-    assert pairs_of(monkeypatch, [0.3, 0.2, 0.4], alone=1.1 * 30 * FREED)[0] == "abc"
-    assert pairs_of(monkeypatch, [0.0], alone=0.9 * 30 * FREED)[0] == "a"
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,24 @@ from functools import partial
 
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
-from stickslip.discovery.trace import MARGIN, NEARLY, explained, polished, screen, starts_of
+from stickslip.discovery.trace import (
+    MARGIN,
+    NEARLY,
+    PLAIN,
+    STUCK,
+    closely,
+    deepened,
+    explained,
+    polished,
+    screen,
+    starts_of,
+)
 from stickslip.discovery.workers import each
 
 PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
 LIKELY = 0.1  # of the excess of their base: crude pairs that leave less, or noise, are fitted closely before any curve
 RIVAL = 2.0  # of the cost of the best effect: pairs on the next are as likely where it leaves less
+WEAKER = 4.0  # of the cost of the best effect, or of a plain misfit: one that leaves more is no other to build pairs on
 SAME = 0.95  # of the cost that a base had: one that leaves less has other pairs
 FREED = 0.5  # of the cost of the best effect: one that then leaves less alone is another to build pairs on
 ANOTHER = 45.0, 20.0  # processor seconds for pairs on the best effect, at least, and on each further one
@@ -70,7 +82,8 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
     """
     null = search.tried[()]
     readings = null.fit.readings
-    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost][:most]
+    bases = [one for one in trials if len(one.names) == 1 and one.fit.cost < 0.9 * null.fit.cost]
+    bases = [one for one in bases if one.mean < WEAKER * max(bases[0].mean, PLAIN)][:most]
     left, pairs = list(bases), list[Trial]()
     while left and not (pairs and explained(pairs[0], null)):
         found: list[Trial] = []
@@ -78,7 +91,9 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
             search.extend(ANOTHER[len(left) < len(bases)])
             found += _pairs_on(search, left.pop(0))
         few = pairs or not (found and _promising(found, null))
-        close = polished(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if few else 4)
+        close = closely(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if few else 4)
+        if close and not _no_partner(close[0], search):
+            close = deepened(search, close)
         pairs = sorted([*pairs, *close], key=lambda one: one.bic)
     singles = _eliminated(search, pairs[0]) if pairs else []
     freed = min(singles, key=lambda one: one.fit.cost, default=None)
@@ -95,6 +110,12 @@ def _promising(pairs: Sequence[Trial], null: Trial) -> bool:
     """Does a pair, crudely fitted, come so near the noise that a close fit may reach it?"""
     left = min(one.chi2 for one in pairs) - 1
     return left < NEARLY - 1 or left < PROMISING * (null.chi2 - 1)
+
+
+def _no_partner(pair: Trial, search: Search) -> bool:
+    """Does a pair leave most of what the better of its effects leaves alone? Then it is none, from whatever side."""
+    alone = [one.chi2 for name in pair.names if (one := search.tried.get((name,))) is not None]
+    return pair.chi2 - 1 > STUCK * (min(alone, default=math.inf) - 1)
 
 
 def _eliminated(search: Search, pair: Trial) -> list[Trial]:
