@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -64,7 +65,7 @@ class Block:
         Groups share a deviation: their part of the root is one of rank one. Levels are correlated along the belt.
         """
         if self.name == "level":
-            return self._along(values, free=True, forward=False)
+            return _along(self._inverse_roots, values)
         own = 1 / np.sqrt(self.noise + self.spread**2)
         out = (values.T * own).T
         for group in np.unique(self.group):
@@ -79,27 +80,41 @@ class Block:
         """y drawn from the process noise alone, (n,)."""
         z = rng.standard_normal(len(self))
         if self.name == "level":
-            return self._along(z, free=False, forward=True)
+            return _along(self.roots(), z)
         own = np.sqrt(self.noise + self.spread**2)
         shared = rng.standard_normal(int(self.group.max(initial=0)) + 1)
         return np.asarray(own * z + self.shared * shared[self.group])
 
-    def _along(self, values: Floats, free: bool, forward: bool) -> Floats:
-        """Root of the levels' covariance, run by run, times values, or its inverse; `free`: a run's mean may be any."""
+    @cached_property
+    def _inverse_roots(self) -> list[tuple[Ints, Floats]]:
+        # every candidate is whitened by them
+        return [
+            (at, scipy.linalg.solve_triangular(root, np.eye(len(at)), lower=True, check_finite=False))
+            for at, root in self.roots(FREE**2)
+        ]
+
+    def roots(self, more: float = 0.0) -> list[tuple[Ints, Floats]]:
+        """Events of each run, and a root of the covariance of their levels with so much more in common.
+
+        With FREE**2 the mean of a run may be any.
+        """
         sigma, length, tau = self.wander
-        out = np.empty_like(values)
+        out: list[tuple[Ints, Floats]] = []
         for run in np.unique(self.run):
-            at = np.flatnonzero(self.run == run)
+            at = np.flatnonzero(self.run == run).astype(np.int64)
             where = self.travel[at]
-            C = sigma**2 * np.exp(-np.abs(where[:, None] - where[None, :]) / length) + (
-                FREE**2 if free else 0.0
-            )
+            C = sigma**2 * np.exp(-np.abs(where[:, None] - where[None, :]) / length) + more
             C[np.diag_indices(len(at))] += self.noise[at] + tau**2 + 1e-12
-            root = np.linalg.cholesky(C)
-            out[at] = (
-                root @ values[at] if forward else scipy.linalg.solve_triangular(root, values[at], lower=True)
-            )
-        return np.asarray(out)
+            out.append((at, np.asarray(np.linalg.cholesky(C))))
+        return out
+
+
+def _along(roots: Sequence[tuple[Ints, Floats]], values: Floats) -> Floats:
+    """Roots, run by run, times values."""
+    out = np.empty_like(values)
+    for at, root in roots:
+        out[at] = root @ values[at]
+    return out
 
 
 def blocks(runs: Sequence[Measured]) -> list[Block]:
@@ -235,16 +250,10 @@ def _shared(block: Block, spread: Floats) -> float:
 
 def wander_cost(block: Block, wander: tuple[float, float, float], y: Floats | None = None) -> float:
     """Minus twice the log likelihood of the levels under a wander (spread, length along the belt, own spread)."""
-    sigma, length, tau = wander
     values = block.y if y is None else y
     total = 0.0
-    for run in np.unique(block.run):
-        at = block.run == run
-        where = block.travel[at]
-        C = sigma**2 * np.exp(-np.abs(where[:, None] - where[None, :]) / length) + FREE**2
-        C[np.diag_indices(len(where))] += block.noise[at] + tau**2 + 1e-12
-        root = np.linalg.cholesky(C)
-        z = scipy.linalg.solve_triangular(root, values[at], lower=True)
+    for at, root in replace(block, wander=wander).roots(FREE**2):
+        z = scipy.linalg.solve_triangular(root, values[at], lower=True, check_finite=False)
         total += float(z @ z) + 2 * float(np.log(np.diag(root)).sum())
     return total
 
