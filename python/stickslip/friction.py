@@ -286,6 +286,8 @@ def _negative_from(scale: float, decay: float, constant: float, quadratic: float
     There (1 + d u) R = q d u^3 + q u^2 + c d u + scale + c, which has the sign of R, passes through 0.
     """
     coefficients = np.array([quadratic * decay, quadratic, constant * decay, scale + constant])
+    if np.all(coefficients >= 0):
+        return None
     size = scale + abs(constant)
     roots = np.roots(coefficients)
     crossings = sorted(float(r.real) for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0)
