@@ -139,3 +139,15 @@ def test_the_last_fit_is_on_the_longest_windows_that_it_fits_as_well(monkeypatch
     search = SimpleNamespace(trimmed=lambda one: one, with_declared_law=lambda one: one, submit=submit)
     assert last.final(search, short).label == chosen
     assert (begun == [False]) == name.startswith("tabulated")  # both at once, as nothing else is to be done
+
+
+@pytest.mark.parametrize(
+    ("name", "chi2", "tolerance"),
+    [("static_aging", 1.0, 1e-9), ("tabulated_block_x1", 1.0, 1e-7), ("static_aging", 100.0, 1e-5)],
+)
+def test_how_closely_the_last_fit_ends(name, chi2, tolerance):
+    asked = {}
+    one = trial(chi2, names=(name,))
+    one.hypothesis, one.fit.engine = None, SimpleNamespace(learned=())
+    last._finely(SimpleNamespace(run=lambda _, **options: asked.update(options)), None, trial=one, cycles=1.0)
+    assert asked["tolerance"] == tolerance
