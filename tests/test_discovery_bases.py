@@ -6,8 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import pairs
-from stickslip.discovery.pairs import ANOTHER, FREED, PROMISING, WEAKER, decide_pairs
+from stickslip.discovery import choice, pairs
+from stickslip.discovery.pairs import ANOTHER, FREED, OUTSTANDING, PROMISING, WEAKER, decide_pairs
+from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import PLAIN, STUCK
 
 READINGS = 1000
@@ -105,6 +106,37 @@ def test_where_the_best_is_near_the_noise_those_that_leave_a_plain_misfit_still_
 @pytest.mark.parametrize(("share", "sides"), [(0.99 * STUCK, [("a", "z")]), (1.01 * STUCK, [])])
 def test_a_pair_that_leaves_most_of_what_its_effect_does_is_not_fitted_from_other_sides(decide, share, sides):
     assert decide(share * 20 / 99, means=(21.0,)).sides == sides
+
+
+def of(*chi2s):
+    return [trial(("a", partner), chi2) for partner, chi2 in zip("xyz", chi2s, strict=False)]
+
+
+def test_a_pair_that_stands_out_is_fitted_closely_before_another_base():
+    null = trial((), 133.0)
+    assert pairs._promising(of(8.0, 1 + 1.01 * 7.0 / OUTSTANDING), null)
+    assert not pairs._promising(of(8.0, 1 + 0.99 * 7.0 / OUTSTANDING, 60.0), null)
+    assert not pairs._promising(of(8.0), null)
+    same = [*of(8.0), trial(("x", "a"), 9.0), trial(("a", "y"), 60.0)]  # found on both
+    assert pairs._promising(same, null)
+
+
+@pytest.mark.parametrize(
+    ("excess", "pair", "names"),
+    [
+        (1.01 * CLEAN, 0.99 * CLEAN, ("a", "z")),
+        (1.01 * CLEAN, 1.01 * CLEAN, ("a",)),
+        (0.99 * CLEAN, 0.0, ("a",)),
+    ],
+)
+def test_a_name_that_leaves_little_but_not_noise_gets_the_partner_that_takes_the_rest(
+    monkeypatch, excess, pair, names
+):
+    single, both = trial(("a",), 1 + excess / 22.4), trial(("a", "z"), 1 + pair / 22.4)
+    monkeypatch.setattr(choice, "likely_pairs", lambda _search, trials: [both, *trials])
+    assert choice._with_partner(None, [single])[0].names == names
+    monkeypatch.setattr(choice, "likely_pairs", lambda *_: [])
+    assert choice._with_partner(None, [single]) == [single]
 
 
 def test_a_pair_is_held_against_the_better_of_its_two_effects():

@@ -102,7 +102,8 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
     trials = beside(search, trials, curves[0][1]) if curved else deepened(search, trials)
     best = trials[0]
     if explained(best, null) and not (curved and _surpasses(curves[0][1], best)):
-        return Choice(null, best, None, trials)
+        trials = _with_partner(search, trials)
+        return Choice(null, trials[0], None, trials)
     outdone = min((unlisted.beyond(t, best) for _, t in curves), default=1.0)
     if not curved and outdone > SURPASSED:
         alone = outdone > unlisted.OUTDONE
@@ -133,6 +134,14 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
         search.extend(SETTLING)
         best = slimmed(search, settled(search, best))
     return weighed(search, null, best, curves, trials)
+
+
+def _with_partner(search: Search, trials: list[Trial]) -> list[Trial]:
+    """The trials; with pairs where the best name leaves next to nothing, but not noise, and a second takes the rest."""
+    if len(trials[0].names) != 1 or trials[0].excess < CLEAN:
+        return trials
+    pairs = likely_pairs(search, trials)
+    return pairs if pairs and pairs[0].excess < CLEAN else trials
 
 
 def _settles(curves: list[tuple[unlisted.Term, Trial]], best: Trial, null: Trial) -> bool:

@@ -23,6 +23,9 @@ from stickslip.discovery.trace import (
 from stickslip.discovery.workers import each
 
 PROMISING = 0.03  # of the excess of the declared law: pairs that leave more may be built on the wrong effect
+OUTSTANDING = (
+    0.3  # of what the next best pair leaves: one that leaves less is fitted closely before another base
+)
 LIKELY = 0.1  # of the excess of their base: crude pairs that leave less, or noise, are fitted closely before any curve
 RIVAL = 2.0  # of the cost of the best effect: pairs on the next are as likely where it leaves less
 WEAKER = 4.0  # of the cost of the best effect, or of a plain misfit: one that leaves more is no other to build pairs on
@@ -107,9 +110,15 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
 
 
 def _promising(pairs: Sequence[Trial], null: Trial) -> bool:
-    """Does a pair, crudely fitted, come so near the noise that a close fit may reach it?"""
-    left = min(one.chi2 for one in pairs) - 1
-    return left < NEARLY - 1 or left < PROMISING * (null.chi2 - 1)
+    """Does a pair, crudely fitted, come so near the noise that a close fit may reach it? Or does it stand out?"""
+    best = min(pairs, key=lambda one: one.chi2)
+    left = best.chi2 - 1
+    others = [one.chi2 - 1 for one in pairs if set(one.names) != set(best.names)]
+    return (
+        left < NEARLY - 1
+        or left < PROMISING * (null.chi2 - 1)
+        or left < OUTSTANDING * min(others, default=0.0)
+    )
 
 
 def _no_partner(pair: Trial, search: Search) -> bool:
