@@ -304,3 +304,15 @@ def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsew
     monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
     assert choice._choose(search_of(null), [best]).trial.names == (chosen,)
+
+
+def test_a_name_that_leaves_little_but_not_noise_is_joined_by_the_likely_partner(monkeypatch):
+    def fitted(names, bic, chi2, excess):
+        fit = SimpleNamespace(cost=bic)
+        return SimpleNamespace(names=names, bic=bic, chi2=chi2, excess=excess, fit=fit)
+
+    null, best = fitted((), 1e5, 101.0, 9000.0), fitted(("a",), 1000.0, 1.09, 2.0 * CLEAN)
+    quiet(monkeypatch, pairs=[fitted(("a", "b"), 900.0, 1.0, 0.0), best])
+    monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [])
+    monkeypatch.setattr(choice, "deepened", lambda _, trials: trials)
+    assert choice._choose(search_of(null), [best]).trial.names == ("a", "b")
