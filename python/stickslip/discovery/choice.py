@@ -171,7 +171,7 @@ def weighed(
     if best.chi2 - 1 > STANDS_IN * (null.chi2 - 1):
         wandering = promises(search, null).wandering
         return Choice(null, null, None, trials, (wandering, ("t",)) if wandering else place)
-    if any(map(unlisted.is_tabulated, best.names)):
+    if unlisted.has_curve(best):
         return Choice(null, best, curves[0][0], trials)
     return Choice(null, best, None, trials, place)
 

@@ -28,7 +28,7 @@ def final(search: Search, trial: Trial) -> Trial:
         short = again
     enough = max(short.excess, 0.0) + 0.8
     law = search.with_declared_law(short).fit.vector
-    learned = _learned(trial)
+    learned = unlisted.has_curve(trial)
     ways = (True, False) if short.excess < CLEAN else (False,)
     # of a curve nothing else is to be done meanwhile
     begun = {
@@ -64,7 +64,7 @@ def _long(search: Search, short: Trial, *, trial: Trial, whole: bool) -> Trial |
 def _finely(search: Search, vector: Floats, *, trial: Trial, **options: Any) -> Trial | None:
     """The trial from these numbers to its very end."""
     near = trial.excess < FAR_OFF * CLEAN  # beyond, a few digits more of the numbers mean nothing
-    exact = 1e-7 if _learned(trial) else 1e-9  # a curve's values are in its band
+    exact = 1e-7 if unlisted.has_curve(trial) else 1e-9  # a curve's values are in its band
     return search.run(
         trial.hypothesis, tolerance=exact if near else 1e-5, rounds=3 if near else 1,
         vector=vector, anyway=True, learned=trial.fit.engine.learned, **options,
@@ -79,8 +79,3 @@ def _in_order(trial: Trial) -> Floats:
         for one, other in (("A1", "A2"), ("t1", "t2")):
             vector[[at[one], at[other]]] = vector[[at[other], at[one]]]
     return vector
-
-
-def _learned(trial: Trial) -> bool:
-    """Is there a curve in it?"""
-    return any(map(unlisted.is_tabulated, trial.names))

@@ -263,16 +263,13 @@ def _quickly(search: Search, term: Term, *, base: Trial, first: Term) -> Trial |
 
 
 def _closely(search: Search, one: tuple[Term, Trial, int]) -> Trial:
-    """A curve fitted closely: in so many turns more, unless both sides lead to the same minimum.
-
-    No further ones: near the noise finer knots do more.
-    """
+    """A curve fitted closely: in so many turns more, unless both sides lead to the same minimum."""
     _, trial, turns = one
     ends = search.sides(trial)
     best = min(ends, key=lambda end: end.fit.cost)
     if len(ends) > 1 and same([end.fit.cost for end in ends]):
         return best
-    return search.polish(best, turns=turns, closed=True, further=0)
+    return search.polish(best, turns=turns, closed=True, further=0)  # near the noise finer knots do more
 
 
 def _finer(search: Search, coarse: tuple[Term, Trial], *, base: Trial) -> tuple[Term, Trial] | None:
@@ -382,6 +379,11 @@ def guess(x: Floats, value: Floats, half: Floats, variable: str) -> str | None:
 def is_tabulated(name: str) -> bool:
     """Is this the name of a learned curve?"""
     return name.startswith(("tabulated_", "learned_"))
+
+
+def has_curve(trial: Trial) -> bool:
+    """Is there a learned curve in it?"""
+    return any(map(is_tabulated, trial.names))
 
 
 def called(name: str) -> str:
