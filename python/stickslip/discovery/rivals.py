@@ -102,9 +102,9 @@ def shapes(name: str, data: Sequence[Data]) -> list[Start]:
         "pivot_dry_friction": [{"f": 0.08}, {"f": 0.08, "v_c": 2e-3}],
         "stribeck_peak": [{"dT": 0.3, "v_s": v} for v in (0.02, 0.07)],
         "static_aging": [{"dT": 0.3, "tau": tau} for tau in (0.5, 2.0)],
-        "friction_memory": [{"tau": tau} for tau in (0.05,)],
+        "friction_memory": [{"tau": tau} for tau in (0.03, 0.2)],
         "contact_compliance": [{"k": k, "c": c} for k, c in ((350.0, 0.5), (1500.0, 1.0))],
-        "belt_load_droop": [{"k": 0.002, "tau": tau} for tau in (0.7,)],
+        "belt_load_droop": [{"k": 0.002, "tau": tau} for tau in (0.3, 2.0)],
         "sensor_lag": [{"tau": 0.05}],
     }
     if name in grids:
