@@ -31,7 +31,7 @@ def test_simulator_reproduces_a_long_trajectory():
     import readings
     import rigsim
 
-    start = np.zeros(9)
+    start = np.zeros(len(rigsim.STATE))
     start[:2] = 0.1
     p = readings.pack(LAW | RIG)
     states, _, events = rigsim.run(np.array([0.0, 1000.0]), start, 0.0, 0.002, p, np.zeros(2))

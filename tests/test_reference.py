@@ -351,7 +351,7 @@ def test_effects_agree_with_the_simulator_written_apart(name, v_b, monkeypatch):
     assert run.status.ok
     assert run.transitions.t.size > 6
 
-    hidden = np.zeros(9)
+    hidden = np.zeros(len(apart.rigsim.STATE))
     hidden[:4] = start
     hidden[7] = start[0] + numbers.get("crosstalk_c", 0.0) * start[2]
     x1, y1, _, _ = apart.simulate(known.RIG | LAW | {"vb": v_b} | numbers, times, hidden, h_max=0.002)

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rigsim
 from readings import Array, simulate
 from scipy.optimize import least_squares
 from truths import kind
@@ -63,7 +64,7 @@ def fit(
 
     def model(u: Array, count: int, mode: str) -> tuple[Array, Array]:
         numbers = values | dict(zip(phases, u[4 : 4 + len(phases)], strict=True))
-        start = np.zeros(9)
+        start = np.zeros(len(rigsim.STATE))
         start[:4] = u[:4]
         for name, value in zip(hidden, u[4 + len(phases) :], strict=True):
             start[{"z": 4, "b": 6, "lag": 7}[name]] = value

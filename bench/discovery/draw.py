@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import rigsim
 from numpy.typing import NDArray
 from readings import NO_WANDER, Array, simulate
 from truths import kind
@@ -146,16 +147,17 @@ def draw_run(
         wander = np.zeros(steps.size)
         for i in range(1, steps.size):
             wander[i] = 0.93 * wander[i - 1] + 0.37 * steps[i]  # unit variance, about 14 time units long
-    start = np.zeros(9)
+    start = np.zeros(len(rigsim.STATE))
     start[0] = np.sign(vb) * rng.uniform(0, 0.15)
     start[1] = vb if rng.random() < 0.5 else vb * rng.uniform(0.0, 1.0)
     start[2] = rng.normal(0, 0.05)
     start[7] = start[0] + values.get("crosstalk_c", 0.0) * start[2]
     numbers = values | phases | {"vb": vb}
+    start[10] = start[2]
     if values.get("memory_tau"):
         start[5] = start[1] - vb
     lead = float(rng.uniform(0.5, 25.0)) if rng.random() < 0.5 else max(0.5, 1.5 * values.get("delay", 0.0))
-    if any(values.get(k) for k in ("warm_a", "belt_warm_a", "drift_r")):
+    if any(values.get(k) for k in ("warm_a", "belt_warm_a", "drift_r", "belt_drift_r")):
         lead = 0.5
     times = np.concatenate([[-lead], t])
     x1, y1, belt, modes = simulate(numbers, times, start, since=-lead, wander=wander)

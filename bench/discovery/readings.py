@@ -54,7 +54,10 @@ def simulate(
         x_read = states[now, 7]
     x_read = x_read + values.get("nonlinear_q", 0.0) * x_read**2 + values.get("x1_cubic", 0.0) * x_read**3
     x_read = x_read + values.get("drift_x1", 0.0) * times
+    if values.get("y1_lag_tau", 0.0) > 0.0:
+        y1 = states[now, 10]
     y_read = y1 + values.get("y1_quadratic", 0.0) * y1**2 + values.get("y1_crosstalk", 0.0) * x1
+    y_read = y_read + values.get("drift_y1", 0.0) * times
     if (limit := values.get("y1_saturation", 0.0)) > 0.0:
         y_read = limit * np.tanh(y_read / limit)
     belt = np.array([rigsim.belt_speed(t, s, numbers)[0] for t, s in zip(times, states[now], strict=True)])

@@ -51,11 +51,12 @@ _UNLISTED = (
     "bump_a bump_u "
     "bump_w angle_force_a angle_force_w angle_force_phi stiff_a stiff_w stiff_phi belt_square_a "
     "belt_square_w "
-    "belt_square_phi belt_warm_a belt_warm_tau tanh_k tanh_d wander_a"
+    "belt_square_phi belt_warm_a belt_warm_tau tanh_k tanh_d wander_a angle_c maxwell_k maxwell_tau tones_a "
+    "tones_w tones_phi load_y2sq viscous_cq belt_drift_r y1_lag_tau"
 )
 FIELDS = tuple((_LAW + " " + _LISTED + " " + _UNLISTED).split())
 """Names of every number the simulator knows; all zero means that the term is absent."""
-STATE = ("x1", "x2", "y1", "y2", "bristle", "memory", "belt", "lag", "hysteresis")
+STATE = ("x1", "x2", "y1", "y2", "bristle", "memory", "belt", "lag", "hysteresis", "creep", "y1_lag")
 SMOOTH = 2  # contact mode when a bristle replaces rigid stick
 NUMBERS = np.dtype([(name, "f8") for name in FIELDS])
 
@@ -76,6 +77,8 @@ def belt_speed(t, s, p):
         e = math.exp(-max(t, 0.0) / p.belt_warm_tau)
         v += p.vb * p.belt_warm_a * (1 - e)
         a += p.vb * p.belt_warm_a * e / p.belt_warm_tau
+    v += p.vb * p.belt_drift_r * t
+    a += p.vb * p.belt_drift_r
     return v + s[6], a
 
 
@@ -84,6 +87,7 @@ def scale(t, s, p, wander):
     """Factor on kinetic and static friction."""
     x1, y1 = s[0], s[2]
     g = (1.0 + p.drift_r * t) * (1.0 + p.load_x1 * x1) * (1.0 + p.load_y1sq * y1 * y1)
+    g *= 1.0 + p.load_y2sq * s[3] * s[3]
     if p.seam_a != 0.0:
         g *= 1.0 + p.seam_a * math.sin(2 * math.pi * (p.vb * t - x1) / p.seam_L + p.seam_phi)
     if p.nf_beta2 != 0.0 or p.nf_eta2 != 0.0:
@@ -128,6 +132,7 @@ def forces(t, s, p):
         - p.block_asym_c * max(0.0, x2)
         - p.block_cubic_c * x2**3
         - p.hyst_k * s[8]
+        - p.maxwell_k * s[9]
     )
     fa = (
         shared
@@ -135,6 +140,7 @@ def forces(t, s, p):
         - p.angle_cq * y2 * abs(y2)
         - p.angle_spring_q * y1 * y1
         - p.angle_cubic_c * y2**3
+        - p.angle_c * y2
     )
     if p.pivot_eps > 0.0:
         fa -= p.pivot_f * math.tanh(y2 / p.pivot_eps)
@@ -150,6 +156,9 @@ def forces(t, s, p):
         fb -= p.stiff_a * x1 * math.sin(p.stiff_w * t + p.stiff_phi)
     if p.tanh_k != 0.0:
         fb -= p.tanh_k * math.tanh(x1 / p.tanh_d)
+    if p.tones_a != 0.0:  # two tones, the second half as strong
+        fb += p.tones_a * math.sin(p.tones_w * t + p.tones_phi)
+        fb += 0.5 * p.tones_a * math.sin(1.62 * p.tones_w * t + 2.0 * p.tones_phi)
     if p.angle_force_a != 0.0:
         fa += p.angle_force_a * math.sin(p.angle_force_w * t + p.angle_force_phi)
     return fb, fa
@@ -206,7 +215,7 @@ def derivative(t, s, mode, pivot, p, wander, ds):
         else:
             u = abs(s[5]) if p.memory_tau > 0.0 else sign * v
             friction = sign * scale(t, s, p, wander) * magnitude(u, sign, p)
-        friction += p.viscous_c * v
+        friction += p.viscous_c * v + p.viscous_cq * v * abs(v)
         fb, _ = forces(t, s, p)
         ds[1] = -s[0] + (fb - p.eta1 * (s[1] + s[3]) - p.s * s[2] - friction) / p.alpha1
         if p.memory_tau > 0.0:
@@ -221,6 +230,10 @@ def derivative(t, s, mode, pivot, p, wander, ds):
         ds[7] = (s[0] + p.crosstalk_c * s[2] - s[7]) / p.lag_tau
     if p.hyst_k != 0.0:
         ds[8] = s[1] - abs(s[1]) * s[8] / p.hyst_d
+    if p.maxwell_k != 0.0:
+        ds[9] = s[1] - s[9] / p.maxwell_tau
+    if p.y1_lag_tau > 0.0:
+        ds[10] = (s[2] - s[10]) / p.y1_lag_tau
 
 
 @njit(cache=True)

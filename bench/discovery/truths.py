@@ -167,6 +167,22 @@ UNLISTED: dict[str, Kind] = {
         "y1 channel", ("x1",), {"c": "y1_crosstalk"}, {"c": (0.05, 0.2)}, ("c",), reading=True
     ),
     "x1_cubic": Kind("x1 channel", ("x1",), {"q": "x1_cubic"}, {"q": (0.5, 1.5)}, reading=True),
+    "y1_lag": Kind("y1 channel", ("memory",), {"tau": "y1_lag_tau"}, {"tau": (0.1, 0.35)}, reading=True),
+    "y1_drift": Kind("y1 channel", ("t",), {"r": "drift_y1"}, {"r": (0.0003, 0.001)}, ("r",), reading=True),
+    "angle_viscous_damping": Kind("angle_body", ("y2",), {"c": "angle_c"}, {"c": (0.2, 0.6)}),
+    "block_creep": Kind(
+        "block",
+        ("memory",),
+        _same("maxwell", "k", "tau"),
+        {"k": (1.5, 5.0), "tau": (0.5, 3.0)},
+        also_depends_on=("x1", "x2"),
+    ),
+    "block_two_tones": Kind(
+        "block", ("t",), _same("tones", "a", "w"), {"a": (0.08, 0.3), "w": (1.3, 4.0)}, phase="tones_phi"
+    ),
+    "contact_load_by_y2_squared": Kind("contact", ("y2",), {"a": "load_y2sq"}, {"a": (1.5, 5.0)}, ("a",)),
+    "contact_quadratic_viscous": Kind("contact", ("v_w",), {"c": "viscous_cq"}, {"c": (3.0, 9.0)}),
+    "belt_drift": Kind("belt", ("t",), {"r": "belt_drift_r"}, {"r": (0.001, 0.003)}, ("r",)),
 }
 """Effects outside the list, with the truth on place and variable."""
 
@@ -178,6 +194,7 @@ READING_FIELDS = (
     "y1_quadratic",
     "y1_crosstalk",
     "x1_cubic",
+    "drift_y1",
 )
 """Numbers that act on readings only and that the simulator does not see."""
 

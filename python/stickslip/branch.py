@@ -16,7 +16,7 @@ from stickslip.sliding import Complexes
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stickslip.continuation import Point
+    from stickslip.branch_problem import Point
 
 Kind = Literal["fold", "flip", "neimark_sacker", "hopf", "loss_of_stick", "crossing", "grazing"]
 

@@ -51,7 +51,10 @@ struct Machine {
       const int order = expand(sys, mode, s, opt.order, piece, h);
       const R left = R(opt.t_end) - value(s.t);
       if (opt.fixed_step > 0) h = R(opt.fixed_step);
-      if (h == 0) h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
+      if (h == 0) {
+        h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
+        if constexpr (requires(T x) { x.d[0]; }) h = derivative_step(sys, mode, piece, order, h, opt.rtol);
+      }
       if (has(sys, fx_lag)) settle_lag(sys, piece, order, h, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);
       const bool last = h >= left;
