@@ -211,3 +211,29 @@ def test_the_figure_shows_every_point_and_both_stabilities(damped):
     assert [float(line.get_xdata()[0]) for line in marks] == [one.value for one in damped.special]
     with pytest.raises(ss.InputError, match="did you mean 'period'"):
         plot_branch(damped, "periode")
+
+
+def test_a_closed_branch_is_traced_once():
+    """The cycles of a forced slider that go round in the force's amplitude."""
+    model = ss.Model(
+        ss.BlockOnBelt(damping=0.1),
+        friction=ss.HyperbolicFriction(scale=1, decay=3),
+        effects=[ss.effect("harmonic_forcing", a=0.5, w=1.3, phi=0.0)],
+    )
+    branch = ss.continuation(model, 1.0, parameter="harmonic_forcing.a", span=(0.2, 0.8))
+    assert branch.ends == ("closed", "closed")
+    np.testing.assert_array_equal(branch.state[0], branch.state[-1])
+    around = np.diff(branch.values)
+    assert (around > 0).any()
+    assert (around < 0).any()
+    folds = [one.value for one in branch.special if one.kind == "fold"]
+    assert len(folds) == len(set(np.round(folds, 6)))  # each once
+    figure = plot_branch(branch)
+    assert "once a period" in figure.axes[0].get_ylabel()
+
+
+def test_how_a_branch_ends_is_said(leine, damped):
+    assert leine.ends[1] in ("hopf", "special", "span", "no_convergence")
+    assert damped.ends[1] == "hopf"
+    few = continuation(LEINE, 0.2, span=(0.1, 0.3), max_points=3)
+    assert few.ends == ("max_points", "max_points")

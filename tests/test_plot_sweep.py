@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import stickslip as ss
 from stickslip import plot, plot_sweep
+from stickslip.errors import InputError
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 LAW = ss.HyperbolicFriction(scale=0.5, decay=3, constant=0.5, quadratic=0.1)
@@ -56,10 +58,37 @@ def test_basin_tells_sliding_from_stick_slip() -> None:
 
 def test_attractors_of_made_up_rows() -> None:
     rows = np.array([[0.0, 1], [0, 1.0001], [5, 6], [np.nan, 1], [0, 1], [5.0001, 6]])
-    which, kinds = plot_sweep.attractors(rows)
+    which, kinds, lumped = plot_sweep.attractors(rows)
+    assert lumped is None
     assert np.array_equal(which, [0, 0, 1, np.nan, 0, 1], equal_nan=True)
     assert len(kinds) == 2
     assert plot_sweep.attractors(np.full((3, 2), np.nan))[1] == []
+
+
+def test_what_is_in_no_large_group_is_not_called_an_attractor() -> None:
+    rows = np.concatenate([np.zeros((30, 2)), np.ones((20, 2)), np.linspace(2, 9, 50)[:, None] * [1, 1]])
+    which, kinds, lumped = plot_sweep.attractors(rows, most=4)
+    assert lumped == 3
+    assert len(kinds) == 4
+    assert [int((which == i).sum()) for i in range(4)] == [30, 20, 1, 49]
+    over = {"initial.x2": np.linspace(-0.5, 2.0, 6), "initial.x1": np.linspace(-0.5, 2.0, 7)}
+    ds = ss.sweep(BISTABLE, over, belt_speed=0.85, t_end=20, after=10, observe=("state_min", "state_max"))
+    told = [text.get_text() for text in plot_sweep.basin(ds).legends[0].get_texts()]
+    assert told[-1].startswith("others, or not settled")
+    for wrong in (0, -1, np.nan):
+        with pytest.raises(InputError, match="tolerance"):
+            plot_sweep.basin(ds, tolerance=wrong)
+
+
+def test_a_map_has_each_value_where_it_belongs() -> None:
+    """Values in any order, and a single one: each has a cell of its own around it."""
+    figure = Figure()
+    x, y = np.array([0.3, 0.1, 0.2, 0.15]), np.array([5.0])
+    mesh = plot_sweep.cells(figure.subplots(), x, y, np.array([[3.0, 1.0, 2.0, 1.5]]))
+    corners = mesh.get_coordinates()
+    np.testing.assert_allclose(corners[0, :, 0], [0.075, 0.125, 0.175, 0.25, 0.35])
+    assert corners[0, 0, 1] < 5 < corners[1, 0, 1]
+    np.testing.assert_array_equal(np.ravel(mesh.get_array()), [1.0, 1.5, 2.0, 3.0])
 
 
 GRID = {"belt_speed": np.linspace(0.1, 0.3, 12), "alpha1": np.linspace(8, 40, 12)}

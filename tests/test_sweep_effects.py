@@ -87,3 +87,30 @@ def test_a_member_that_cannot_go_on_says_so_and_the_others_go_on():
     assert (lanes.status == 0).any()
     short = ss.sweep(model, over, max_transitions=5, **given)
     assert (short.transitions <= 5).all()
+
+
+def test_a_corrected_constant_is_varied_with_its_correction() -> None:
+    """The mass that moves is mass (1 + e), whether it is set, varied or differentiated by."""
+    model = ss.Model(
+        ss.BlockOnBelt(damping=0.1),
+        friction=ss.HyperbolicFriction(scale=1, decay=3),
+        effects=[ss.effect("rig_mass", e=0.5), ss.effect("rig_stiffness", e=-0.2)],
+    )
+
+    def end(**named: float) -> np.ndarray:
+        one = model.replace({k.replace("_e", ".e"): v for k, v in named.items()})
+        return ss.simulate(one, belt_speed=0.5, initial=(0, 0.3), t_end=5, t_eval=[5.0], rtol=1e-13).state[0]
+
+    for name in ("mass", "stiffness"):
+        swept = ss.sweep(model, {name: [1.0, 1.2]}, belt_speed=0.5, t_end=5, initial=(0, 0.3)).final_state
+        np.testing.assert_allclose(swept.values, [end(**{name: 1.0}), end(**{name: 1.2})], atol=1e-7)
+    names, h = ("mass", "stiffness", "rig_mass_e", "rig_stiffness_e"), 1e-6
+    at = {"mass": 1.0, "stiffness": 1.0, "rig_mass_e": 0.5, "rig_stiffness_e": -0.2}
+    run = ss.simulate(
+        model, belt_speed=0.5, initial=(0, 0.3), t_end=5, t_eval=[5.0],
+        sensitivity=[name.replace("_e", ".e") for name in names],
+    )  # fmt: skip
+    near = [(end(**{n: at[n] + h}) - end(**{n: at[n] - h})) / (2 * h) for n in names]
+    np.testing.assert_allclose(run.sensitivity[0].T, near, atol=1e-6)
+    with pytest.raises(ss.InputError, match="vary that number itself"):
+        ss.sweep(model, {"rig_mass.e": [0.1]}, belt_speed=0.5, t_end=1)

@@ -270,3 +270,35 @@ def test_time_to_interrupt() -> None:
     child.stdout.close()
     child.wait(10)
     assert 0 < done < 500_000
+
+
+def test_another_order_of_the_dimensions_is_another_store(tmp_path: Path) -> None:
+    out = tmp_path / "a.zarr"
+    over = {"belt_speed": np.linspace(0.05, 0.3, 4), "alpha1": np.linspace(8, 40, 5)}
+    ss.sweep(MODEL, over, t_end=2, out=out)
+    with pytest.raises(ss.InputError, match="in the order belt_speed, alpha1"):
+        ss.sweep(MODEL, dict(reversed(over.items())), t_end=2, out=out)
+    # of names on one dimension the order does not matter
+    shared = {"belt_speed": ("i", np.linspace(0.05, 0.3, 4)), "alpha1": ("i", np.linspace(8, 40, 4))}
+    first = ss.sweep(MODEL, shared, t_end=2, out=tmp_path / "b.zarr").load()
+    again = ss.sweep(MODEL, dict(reversed(shared.items())), t_end=2, out=tmp_path / "b.zarr").load()
+    xr.testing.assert_identical(first, again)
+
+
+@pytest.mark.parametrize("name", ["status", "final_state"])
+def test_a_damaged_store_is_named(tmp_path: Path, name: str) -> None:
+    out = tmp_path / "a.zarr"
+    ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
+    shutil.rmtree(out / name)
+    shutil.rmtree(out / "status" / "c", ignore_errors=True)
+    with pytest.raises(ss.InputError, match=f"no array '{name}': it is damaged"):
+        ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
+
+
+def test_a_chunk_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    out = tmp_path / "a.zarr"
+    ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
+    (chunk,) = [one for one in (out / "status" / "c").rglob("*") if one.is_file()]
+    chunk.write_bytes(b"nothing of the kind")
+    with pytest.raises(ss.InputError, match=r"chunk of 'status' at .* is damaged"):
+        ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)

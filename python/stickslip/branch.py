@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
     from stickslip.branch_problem import Point
 
+End = Literal["span", "closed", "hopf", "special", "no_convergence", "retraced", "max_points"]
 Kind = Literal["fold", "flip", "neimark_sacker", "hopf", "loss_of_stick", "crossing", "grazing"]
+BESIDE = 0.1  # of a step: a start that lies nearer to it has been passed
+SAME_WAY = 0.9  # cosine of the angle to where it left
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,12 @@ class Branch:
         Time stuck in one period, all stick phases together.
     special
         Bifurcations, in the same order.
+    ends
+        How it ends, first and last: at the "span", at a "hopf" or another "special" point, where the correction does
+        not converge ("no_convergence"), where it had turned back on itself in a corner ("retraced") or at
+        "max_points"; "closed" twice where it has come back to its start.
+    forced
+        Is the rig moved from outside? States are then those once a period of that, not those of greatest x1.
     """
 
     parameter: str
@@ -84,6 +93,8 @@ class Branch:
     stable: NDArray[np.bool_]
     stick_time: Floats
     special: tuple[SpecialPoint, ...]
+    ends: tuple[End, End]
+    forced: bool = False
 
     def __len__(self) -> int:
         return len(self.values)
@@ -102,7 +113,8 @@ class Branch:
             "multiplier_arg": (("point", "multiplier"), np.angle(self.multipliers)),
         }
         special = [f"{one.kind} at {one.value!r}" for one in self.special]
-        return xr.Dataset(columns, coords={"state_name": list(self.states)}, attrs={"special": special})
+        attrs = {"special": special, "ends": list(self.ends)}
+        return xr.Dataset(columns, coords={"state_name": list(self.states)}, attrs=attrs)
 
 
 def stick_time(cycle: LimitCycle) -> float:
@@ -114,23 +126,44 @@ def stick_time(cycle: LimitCycle) -> float:
     return float(lasting[tr.after == 0].sum())
 
 
+@dataclass
+class Trace:
+    """What was traced from a start one way: points, the start first; special points; how it ended."""
+
+    points: list[Point]
+    special: list[SpecialPoint]
+    end: End = "max_points"
+
+
+def comes_round(start: Point, along: Floats, last: Point, point: Point) -> End | None:
+    """Does the branch pass its start between two neighbours: as it left it, or back on itself?"""
+    chord = point.x - last.x
+    size = float(np.linalg.norm(chord))
+    share = float((start.x - last.x) @ chord) / size**2
+    beside = float(np.linalg.norm(start.x - last.x - share * chord))
+    if not (0 < share <= 1 and beside < BESIDE * size and start.signature == point.signature):
+        return None
+    way = float(chord @ along) / size
+    return "closed" if way > SAME_WAY else "retraced" if way < -SAME_WAY else None
+
+
 def branch_of(
     parameter: str,
     cycle: Callable[[Point], LimitCycle],
-    back: tuple[list[Point], list[SpecialPoint]],
-    ahead: tuple[list[Point], list[SpecialPoint]],
+    back: Trace,
+    ahead: Trace,
 ) -> Branch:
     """Join what was traced both ways from the start."""
-    shift = len(back[0]) - 1
-    cycles = [cycle(point) for point in (*back[0][:0:-1], *ahead[0])]
-    values = [point.value for point in (*back[0][:0:-1], *ahead[0])]
+    shift = len(back.points) - 1
+    points = (*back.points[:0:-1], *ahead.points)
+    cycles = [cycle(point) for point in points]
     special = [
-        *(replace(one, index=shift - one.index + 1) for one in back[1][::-1]),
-        *(replace(one, index=one.index + shift) for one in ahead[1]),
+        *(replace(one, index=shift - one.index + 1) for one in back.special[::-1]),
+        *(replace(one, index=one.index + shift) for one in ahead.special),
     ]
     return Branch(
         parameter=parameter,
-        values=np.array(values),
+        values=np.array([point.value for point in points]),
         period=np.array([one.period for one in cycles]),
         state=np.array([one.state for one in cycles]),
         states=cycles[0].states,
@@ -138,6 +171,8 @@ def branch_of(
         stable=np.array([one.stable for one in cycles]),
         stick_time=np.array([stick_time(one) for one in cycles]),
         special=tuple(special),
+        ends=(back.end, ahead.end),
+        forced=points[0].flow.forcing_period is not None,
     )
 
 

@@ -18,12 +18,14 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from stickslip.arguments import explained
+from stickslip.arguments import explained, listed
 from stickslip.branch import (
     Branch,
     Kind,
     SpecialPoint,
+    Trace,
     branch_of,
+    comes_round,
     flip_test,
     kind_of,
     neimark_sacker_test,
@@ -82,7 +84,9 @@ def continuation(
     NoLimitCycleError
         There is no cycle to start from.
     """
-    low, high = number("span[0]", span[0]), number("span[1]", span[1])
+    if len(ends := listed("span", span, "two numbers, the least and the greatest value")) != 2:
+        raise InputError("must be two numbers, the least and the greatest value", key="span", value=span)
+    low, high = number("span[0]", ends[0]), number("span[1]", ends[1])
     if not low < high:
         raise InputError("must increase", key="span", value=span)
     number("step", step, above=0, most=0.5)
@@ -96,8 +100,13 @@ def continuation(
     found = problem.correct(x, e)
     if found is None:
         raise NoLimitCycleError("the cycle to start from cannot be corrected; give a nearer guess")
-    back, ahead = (Walk(problem, (low, high), step, max_points).go(found[0], way * e) for way in (-1.0, 1.0))
-    return branch_of(name, problem.cycle, back, ahead)
+    walk = Walk(problem, (low, high), step, max_points)
+    ahead = walk.go(found[0], e)
+    alone = Trace([found[0]], [], "closed")
+    back = alone if ahead.end == "closed" else walk.go(found[0], -e)
+    return branch_of(
+        name, problem.cycle, back, alone if back.end == "closed" and back is not alone else ahead
+    )
 
 
 def _start(
@@ -134,10 +143,12 @@ class Walk:
     step: float
     most: int
 
-    def go(self, start: Point, along: Floats) -> tuple[list[Point], list[SpecialPoint]]:
+    def go(self, start: Point, along: Floats) -> Trace:
         """Points and special points from `start` in the direction of `along`, to an end of the span."""
-        points, special = [start], list[SpecialPoint]()
-        tangent, step = self.problem.tangent(start, along), self.step
+        trace = Trace([start], [])
+        points, special = trace.points, trace.special
+        first = tangent = self.problem.tangent(start, along)
+        step = self.step
         while len(points) < self.most:
             last = points[-1]
             ahead = self.problem.correct(last.x + step * tangent, tangent)
@@ -147,7 +158,8 @@ class Walk:
                     continue
                 turned = self._turn(last)
                 if turned is None:
-                    special += self._end(last, tangent, len(points))
+                    special += (last_one := self._end(last, tangent, len(points)))
+                    trace.end = "special" if last_one else "no_convergence"
                     break
                 point, tangent, step = turned[0], turned[1], 0.05 * self.step
                 special.append(self._corner(last, point, len(points)))
@@ -156,9 +168,17 @@ class Walk:
             point, work = ahead
             if self._outside(point):
                 points += self._at_the_end(last, point)
+                trace.end = "span"
                 break
             if self.problem.flow.forcing_period is None and point.arc.rate[1] > 0:  # amplitude below 0
                 special += self._birth(last, len(points))
+                trace.end = "hopf"
+                break
+            if len(points) > 2 and (round_again := comes_round(start, first, last, point)):
+                if round_again == "closed":
+                    special += self._between(last, start, tangent, first, len(points))
+                    points.append(start)
+                trace.end = round_again
                 break
             following = self.problem.tangent(point, point.x - last.x)
             special += self._between(last, point, tangent, following, len(points))
@@ -168,7 +188,7 @@ class Walk:
                 points[-1] = point
             tangent = following
             step = min(self.step, step * (1.4 if work <= 3 else 0.7 if work > 5 else 1.0))
-        return points, special
+        return trace
 
     def _outside(self, point: Point) -> bool:
         return not self.span[0] <= point.value <= self.span[1]

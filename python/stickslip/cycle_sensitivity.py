@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.arguments import explained, must_be, texts
-from stickslip.continuation import Problem
+from stickslip.branch_problem import Problem
 from stickslip.cycles import LimitCycle
 from stickslip.flow import Floats, Flow
 

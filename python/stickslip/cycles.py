@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
-from stickslip.errors import StickslipError, number
+from stickslip.errors import InputError, StickslipError, number
 from stickslip.flow import Arc, Contact, Floats, Flow
 from stickslip.model import Model
 from stickslip.simulate import Trajectory, Transitions
@@ -133,6 +133,11 @@ def limit_cycle(
     flow = Flow(model, number("belt_speed", belt_speed))
     wanted = number("tol", tol, above=0)
     if isinstance(guess, LimitCycle):
+        if guess.states != flow.states:
+            words = (
+                f"is a cycle of {', '.join(guess.states)}; the model's states are {', '.join(flow.states)}"
+            )
+            raise InputError(words, key="guess")
         start, rough, turns, contact = guess.state, guess.period, guess.turns, guess.contact
     elif period is not None:
         start, rough = flow.state(guess, "guess"), number("period", period, above=0)

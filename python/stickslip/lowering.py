@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -40,12 +40,16 @@ class _Put(Protocol):
 
 @dataclass(frozen=True)
 class Lowered:
-    """A model as the core takes it; `slots` maps every public parameter name to its slots."""
+    """A model as the core takes it; `slots` maps every public parameter name to its slots.
+
+    `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
+    """
 
     structure: _core.Structure
     parameters: Floats
     slots: Mapping[str, tuple[int, ...]]
     dimension: int
+    factors: Mapping[str, float] = field(default_factory=dict)
 
     def initial(self, state: Iterable[float]) -> Floats:
         """Return the core's full initial state from the visible one, followed by any hidden ones."""
@@ -65,7 +69,7 @@ class Lowered:
         chosen = list(names)
         rows = np.zeros((len(chosen), WIDTH + len(STATES)))
         for row, name in zip(rows, chosen, strict=True):
-            row[list(self._columns(name))] = 1.0
+            row[list(self._columns(name))] = self.factors.get(name, 1.0)
         return rows
 
     def known_names(self) -> list[str]:
@@ -122,7 +126,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
-    bits, table = 0, None
+    bits, table, factors = 0, None, dict[str, float]()
     for term in model.effects:
         if isinstance(term, Tabulated):
             if term.of_reading:  # acts on the reading, not on the motion
@@ -140,7 +144,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                     put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
             continue
         if term.name in CONSTANTS:
-            _correct(term, parameters)
+            _correct(term, parameters, slots, factors)
             continue
         bits |= _lower_effect(term, put)
     structure = _core.Structure(
@@ -152,7 +156,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )
-    return Lowered(structure, parameters, slots, len(model.rig.state_names))
+    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors)
 
 
 def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.RigKind:
@@ -200,11 +204,16 @@ def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _
     return kind
 
 
-def _correct(term: Effect, parameters: Floats) -> None:
+def _correct(
+    term: Effect, parameters: Floats, slots: dict[str, tuple[int, ...]], factors: dict[str, float]
+) -> None:
     """Put the true constant of the rig in the place of the declared one; a sensor's gain moves nothing."""
-    slot = {"rig_mass": "alpha1", "rig_stiffness": "stiffness"}.get(term.name)
-    if slot is not None:
-        parameters[SLOTS[slot]] *= 1 + term.parameters["e"]
+    name = {"rig_mass": "mass", "rig_stiffness": "stiffness"}.get(term.name)
+    if name is None:
+        return
+    (place,) = slots[f"{term.name}.e"] = slots[name]
+    factors[name], factors[f"{term.name}.e"] = 1 + term.parameters["e"], float(parameters[place])
+    parameters[place] *= factors[name]
 
 
 def _lower_effect(term: Effect, put: _Put) -> int:

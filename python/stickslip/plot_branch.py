@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.arguments import must_be
 from stickslip.branch import Branch, Kind
 from stickslip.errors import InputError, did_you_mean
 from stickslip.flow import Floats
@@ -52,6 +53,7 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
     InputError
         An unknown quantity.
     """
+    must_be("branch", branch, Branch, "continuation(...) gives one")
     if quantity not in LABELS:
         raise InputError(did_you_mean(quantity, LABELS), key="quantity", value=quantity)
     columns: dict[str, Floats] = {
@@ -64,7 +66,9 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
         ax = figure.subplots()
         _lines(ax, branch, columns[quantity])
         _marks(ax, branch, columns[quantity])
-        ax.set(xlabel=branch.parameter.replace("_", " "), ylabel=LABELS[quantity])
+        strobed = quantity == "x1_max" and branch.forced
+        words = "$x_1$ once a period of what moves the rig" if strobed else LABELS[quantity]
+        ax.set(xlabel=branch.parameter.replace("_", " "), ylabel=words)
         handles, names = ax.get_legend_handles_labels()
         unique = dict(zip(names, handles, strict=True))
         figure.legend(unique.values(), unique.keys(), loc="outside upper center", ncols=4)

@@ -12,7 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, did_you_mean
+from stickslip.errors import InputError, did_you_mean, number
 from stickslip.plot import GREY, MEASURED, STYLE, label
 from stickslip.sweep_axes import coordinate, observed, second, starts, two
 from stickslip.sweep_observe import OBSERVABLES
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
+APART = 64  # groups of starts that are sought; what is in none of them has not settled
 WORDS = {"periodicity": {0: "none"}}  # whole numbers that stand for a word
 SYMBOLS = {
     "belt_speed": "$v_b$",
@@ -149,24 +150,27 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     InputError
         The dataset has not two dimensions, varies anything but initial values, or lacks these results.
     """
+    tolerance = number("tolerance", tolerance, above=0)
     low, high = observed(ds, "state_min"), observed(ds, "state_max")
     down, across = starts(ds, [str(dim) for dim in low.dims if dim != "state"])
     features = np.concatenate([low.values, high.values], axis=-1)
     flat = features.reshape(-1, features.shape[-1])
     flat = np.where((ds["status"].values.ravel() == 0)[:, None], flat, np.nan)
-    which, kinds = attractors(flat, tolerance)
+    which, kinds, lumped = attractors(flat, tolerance)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")
         ax = figure.subplots()
         colours = ListedColormap([COLOURS[i % len(COLOURS)] for i in range(max(1, len(kinds)))])
-        x, y = ds[across].values, ds[down].values
         limits: dict[str, Any] = {"vmin": -0.5, "vmax": max(1, len(kinds)) - 0.5}
-        ax.pcolormesh(
-            x, y, which.reshape(low.shape[:2]), cmap=colours, shading="nearest", rasterized=True, **limits
-        )
+        cells(ax, ds[across].values, ds[down].values, which.reshape(low.shape[:2]), cmap=colours, **limits)
         d = low.shape[-1]
         for i, one in enumerate(kinds):
-            name = _described(one[:d], one[d:], int((which == i).sum()) / len(flat))
+            share = int((which == i).sum()) / len(flat)
+            name = (
+                f"others, or not settled ({_percent(share)})"
+                if i == lumped
+                else _described(one[:d], one[d:], share)
+            )
             ax.scatter([], [], marker="s", color=colours(i), s=40, label=name)
         ax.set_xlabel(_label(ds, across))
         ax.set_ylabel(_label(ds, down))
@@ -174,35 +178,60 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     return figure
 
 
-def attractors(features: Floats, tolerance: float = 1e-3, most: int = 8) -> tuple[Floats, list[Floats]]:
-    """Group rows that agree: (n,) group of each, NaN where there is none, and a row for each, the commonest first.
+def attractors(
+    features: Floats, tolerance: float = 1e-3, most: int = 8
+) -> tuple[Floats, list[Floats], int | None]:
+    """Group rows that agree: (n,) group of each, NaN where there is none; a row for each, the commonest first; and the
+    group, if any, of all that are beyond the first `most` - 1: those have not settled, or are too many to tell apart.
 
-    Rows are within `tolerance` of the first of their group, as a share of the largest number there is. Groups
-    beyond `most` are one: that of what has not settled.
+    Rows are within `tolerance` of the first of their group, as a share of the largest number there is.
     """
     which = np.full(len(features), np.nan)
     left = np.isfinite(features).all(axis=1)
     if not left.any():
-        return which, []
+        return which, [], None
     scale = float(np.abs(features[left]).max()) or 1.0
     groups: list[NDArray[np.bool_]] = []
-    while left.any() and len(groups) < most:
+    while left.any() and len(groups) < APART:
         first = features[np.argmax(left)]
         same = left & (np.abs(features - first).max(axis=1) <= tolerance * scale)
         groups.append(same)
-        left &= ~same
-    if left.any():
-        groups[-1] |= left
+        left = left & ~same
     groups.sort(key=lambda same: -int(same.sum()))
+    if left.any():
+        groups.append(np.asarray(left))
+    lumped = most - 1 if len(groups) > most else None
+    if lumped is not None:
+        groups[lumped:] = [np.logical_or.reduce(groups[lumped:])]
     for i, same in enumerate(groups):
         which[same] = i
-    return which, [features[np.argmax(same)] for same in groups]
+    return which, [features[np.argmax(same)] for same in groups], lumped
+
+
+def cells(ax: Axes, x: Floats, y: Floats, values: Floats, **settings: Any) -> Any:
+    """Draw a cell for each value (y, x), to half the way to its neighbours, whatever the order of the coordinates."""
+    a, b = np.argsort(x, kind="stable"), np.argsort(y, kind="stable")
+    edges = _edges(x[a]), _edges(y[b])
+    return ax.pcolormesh(*edges, values[np.ix_(b, a)], shading="flat", rasterized=True, **settings)
+
+
+def _edges(at: Floats) -> Floats:
+    """Between neighbours, and as far beyond the last; a single one has a width all the same."""
+    at = np.asarray(at, dtype=np.float64)
+    if len(at) == 1:
+        return np.asarray(at[0] + np.array([-0.05, 0.05]) * (abs(at[0]) or 1.0))
+    middle = 0.5 * (at[1:] + at[:-1])
+    return np.concatenate([[2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]])
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
 
 
 def _described(low: Floats, high: Floats, share: float) -> str:
     size = high[0] - low[0]
     what = f"steady at $x_1$ = {low[0]:.3g}" if size < 1e-3 else f"cycle, $x_1$ {low[0]:.3g} .. {high[0]:.3g}"
-    return f"{what} ({100 * share:.0f} %)"
+    return f"{what} ({_percent(share)})"
 
 
 def _mesh(
@@ -225,9 +254,7 @@ def _mesh(
             "cmap": mpl.colormaps["viridis"].resampled(len(there)),
             "norm": BoundaryNorm(edges, len(there)),
         }
-    drawn = ax.pcolormesh(
-        ds[across].values, ds[down].values, values, shading="nearest", rasterized=True, **settings
-    )
+    drawn = cells(ax, ds[across].values, ds[down].values, values, **settings)
     bar = figure.colorbar(drawn, ax=ax, label=name)
     if "norm" in settings:
         bar.set_ticks(0.5 * (edges[1:] + edges[:-1]), labels=[words.get(int(v), f"{v:.0f}") for v in there])

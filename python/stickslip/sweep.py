@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip.arguments import explained, whole_number
+from stickslip.arguments import path as as_path
 from stickslip.errors import InputError, number
 from stickslip.lowering import lower
 from stickslip.model import Model
@@ -126,7 +126,7 @@ def sweep(
     )
     workers = _threads(threads)
     _fits(request, out)
-    sink: Sink = MemorySink(request) if out is None else ZarrSink(request, Path(out))
+    sink: Sink = MemorySink(request) if out is None else ZarrSink(request, as_path("out", out))
     _compute(request, sink, workers, progress, client)
     return sink.dataset()
 

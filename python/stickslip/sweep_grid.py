@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.arguments import must_be
-from stickslip.effects import CATALOGUE
+from stickslip.effects import CATALOGUE, CONSTANTS
 from stickslip.errors import InputError, number
 from stickslip.lowering import Lowered
 from stickslip.model import Model
@@ -23,12 +23,15 @@ CHECKED = 2000  # members of which a model is made to see that it is allowed
 
 @dataclass(frozen=True)
 class Column:
-    """One varied name: its values along its dimension, and the slots of the core they go to."""
+    """One varied name: its values along its dimension, the slots of the core they go to, and by what they are
+    multiplied there.
+    """
 
     name: str
     dim: str
     values: Floats
     slots: tuple[int, ...]
+    factor: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,9 @@ class Grid:
     def values(self, start: int, stop: int) -> Floats:
         """Return (stop - start, k) values of the members from `start` on."""
         index = dict(zip(self.sizes, np.unravel_index(np.arange(start, stop), self.shape), strict=True))
-        chosen = [column.values[index[column.dim]] for column in self.columns for _ in column.slots]
+        chosen = [
+            column.values[index[column.dim]] * column.factor for column in self.columns for _ in column.slots
+        ]
         return np.ascontiguousarray(np.stack(chosen, axis=1))
 
     def named(self, place: Mapping[str, int]) -> dict[str, float]:
@@ -92,10 +97,17 @@ def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str
         )
     columns: list[Column] = []
     for name, given in over.items():
+        must_be("over", name, str, "the names of what varies are strings")
         dim, values = _column(name, given)
+        if dim != name and dim in over:
+            raise InputError(f"is varied too; give the dimension of '{name}' another name", key=dim)
+        if not dim:
+            raise InputError("its dimension's name is empty", key=f"over['{name}']")
         if dim in taken:
             raise InputError(f"cannot be a dimension's name, a result has it; it varies {name}", key=dim)
-        columns.append(Column(name, dim, values, _slots(name, model, lowered)))
+        columns.append(
+            Column(name, dim, values, _slots(name, model, lowered), lowered.factors.get(name, 1.0))
+        )
     _consistent(columns)
     grid = Grid(tuple(columns))
     _allowed(grid, model)
@@ -123,6 +135,8 @@ def _column(name: str, given: object) -> tuple[str, Floats]:
 
 def _slots(name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
     known = model.parameters
+    if name.partition(".")[0] in CONSTANTS:
+        raise InputError("corrects a number of the rig; vary that number itself", key=name)
     if name in known and name not in lowered.slots:
         raise InputError("acts on the reading, not on the motion; a sweep observes the motion", key=name)
     if name.partition(".")[0] in CATALOGUE and name not in known:

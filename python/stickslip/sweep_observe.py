@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.arguments import texts
 from stickslip.errors import InputError, did_you_mean
 
 Floats = NDArray[np.float64]
@@ -75,7 +76,7 @@ def chosen(observe: str | Iterable[str]) -> tuple[str, ...]:
     InputError
         One is unknown; the nearest known one is given.
     """
-    names = (observe,) if isinstance(observe, str) else tuple(observe)
+    names = texts("observe", observe, "names of results")
     for name in names:
         if name not in OBSERVABLES:
             raise InputError(f"unknown '{name}'; {did_you_mean(str(name), OBSERVABLES)}", key="observe")

@@ -156,11 +156,22 @@ class ZarrSink:
         self.group = module.open_group(str(path), mode="r+")
 
     def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
-        """Those whose status was not written."""
+        """Those whose status was not written.
+
+        Raises
+        ------
+        InputError
+            A chunk cannot be read.
+        """
         status = self._array("status")
         for block in blocks:
             corner = tuple(one.start for one in block.index)
-            if int(np.asarray(status[corner])) == NOT_COMPUTED:
+            try:
+                there = int(np.asarray(status[corner]))
+            except (RuntimeError, ValueError, OSError) as error:
+                words = f"the chunk of 'status' at {corner} is damaged ({error}); remove it to have it computed again"
+                raise InputError(words, key="out", value=str(self.path)) from None
+            if there == NOT_COMPUTED:
                 yield block
 
     def put(self, block: Block, arrays: Arrays) -> None:
@@ -206,6 +217,11 @@ def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
     there, now = cast("dict[str, object]", attrs["settings"]), _settings(request)
     differing = [name for name in now if there.get(name) != now[name]]
     if not differing:
+        for name in (*coordinates(request), *request.observe):
+            if not (path / name / "zarr.json").is_file():
+                words = f"has no array '{name}': it is damaged; give another path"
+                raise InputError(words, key="out", value=str(path))
+        _same_order(module.open_group(str(path), mode="r"), request, path)
         return
     name = differing[0]
     detail = "" if name in ("model", "over") else f": there {there.get(name)}, here {now[name]}"
@@ -214,6 +230,14 @@ def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
         key="out",
         value=path.name,
     )
+
+
+def _same_order(group: zarr.Group, request: Request, path: Path) -> None:
+    """The chunks of a store lie in the order of its dimensions, and another order is not the same sweep."""
+    there = [str(dim) for dim in cast("Any", group["status"]).metadata.dimension_names]
+    if there != list(request.grid.sizes):
+        said = f"holds this sweep with its dimensions in the order {', '.join(there)}"
+        raise InputError(f"{said}; give them in that order, or another path", key="out", value=path.name)
 
 
 def _make(module: ModuleType, request: Request, path: Path) -> None:
