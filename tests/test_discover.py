@@ -177,3 +177,15 @@ def test_a_plain_curve_is_recognised(f, words):
 def test_a_curve_that_is_not_plain_gets_no_formula():
     x = np.linspace(-1, 1, 101)
     assert guess(x, np.sin(9 * x), np.full(101, 0.02), "x1") is None
+
+
+def test_rounded_times_cost_a_forecast_no_sample():
+    """A file's times end somewhere: a horizon of so many samples has as many rows."""
+    run = make_case(length=40.0).validate[0]
+    interval, model = 0.0399871234, Model(RIG, friction=LAW)
+    t = np.round(interval * np.arange(600), 5)
+    past = replace(run, t=t, x1=np.interp(t, run.t, run.x1), y1=np.interp(t, run.t, run.y1))
+    for steps in (1, 100, 227):
+        table = forecast(model, past, belt_speed=run.belt_speed, horizon=steps * interval)
+        assert len(table) == steps
+        np.testing.assert_allclose(table["t"], t[-1] + interval * np.arange(1, steps + 1), atol=2e-5)

@@ -24,7 +24,8 @@ from stickslip.scale import plainly
 if TYPE_CHECKING:
     import pandas as pd
 
-SLACK = 1e-9  # of a sampling interval
+SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
+EVEN = 0.01  # of it: times that scatter by less are even
 LAST = 10  # samples of the past that the start is held against
 FAR = 5.0  # times the noise
 BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
@@ -78,7 +79,7 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
         raise InputError(words, key="model")
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
     past_run = replace(recording, belt_speed=speed)
-    dt = float(np.median(np.diff(recording.t)))
+    dt = _interval(recording.t)
     steps = int(np.floor(span / dt + SLACK))
     if steps < 1:
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
@@ -99,6 +100,14 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     columns = {"t": future + float(recording.t[0])}
     columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
     return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
+
+
+def _interval(t: NDArray[np.float64]) -> float:
+    """The sampling interval: of even times the mean, which their rounding hardly touches; else the median."""
+    gaps = np.diff(t)
+    middle = float(np.median(gaps))
+    even = float(np.abs(gaps - middle).max()) < EVEN * middle
+    return float(t[-1] - t[0]) / len(gaps) if even else middle
 
 
 def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.DataFrame:
