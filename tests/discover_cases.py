@@ -31,13 +31,18 @@ def make_case(
     speeds: tuple[float, ...] = SPEEDS,
     crosstalk: float = 0.0,
     jitter: float = 0.0,
+    turned: bool = True,
 ) -> Case:
-    """Runs of LAW with effects on the motion; the last is for validation. `crosstalk` adds c y1 to the x1 reading."""
+    """Runs of LAW with effects on the motion; the last is for validation. `crosstalk` adds c y1 to the x1 reading.
+
+    Each run has a phase of its own unless not `turned`.
+    """
     rng = np.random.default_rng(seed)
     runs = []
     for i, speed in enumerate(speeds):
         own = tuple(
-            one.replace(phi=float(rng.uniform(0, 6))) if "phi" in one.parameters else one for one in effects
+            one.replace(phi=float(rng.uniform(0, 6))) if turned and "phi" in one.parameters else one
+            for one in effects
         )
         t = np.arange(0.0, length, dt)
         t[1:-1] += jitter * dt * rng.uniform(-1, 1, len(t) - 2)

@@ -8,10 +8,12 @@ import numpy as np
 
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
+from stickslip.discovery.drifting import DROOP, drift_of
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
 from stickslip.discovery.place import place_of, promises
 from stickslip.discovery.recurring import learn_recurring
+from stickslip.discovery.result import Curve
 from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
@@ -46,7 +48,7 @@ BETTER = 0.5  # share of the excess that a learned curve may leave of what the b
 class Choice:
     """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
     neither a name nor a curve explains, the error on windows held out over what it was, and the law with numbers of the
-    rig that do as well.
+    rig that do as well; and how the belt's speed drifts in time, if that is what was chosen.
     """
 
     null: Trial
@@ -56,11 +58,28 @@ class Choice:
     place: tuple[str, tuple[str, ...]] | None = None
     held: float = 1.0
     tied: tuple[Trial, ...] = ()
+    drift: Curve | None = None
 
 
 def choose(search: Search, trials: list[Trial]) -> Choice:
     """The choice for the runs of a search and the trials of single effects, held against windows left out."""
-    return _held(search, _with_rig(search, _choose(search, trials)))
+    early = _with_drift(search, Choice(search.tried[()], trials[0], None, trials))
+    choice = early if early.drift else _with_drift(search, _choose(search, trials))
+    return _held(search, _with_rig(search, choice))
+
+
+def _with_drift(search: Search, choice: Choice) -> Choice:
+    """The choice; or, where a droop of the belt was chosen whose load has no say, a belt that drifts in time."""
+    if DROOP not in choice.trial.names and (choice.place is None or choice.place[0] != "belt"):
+        return choice
+    found = drift_of(search)
+    if found is None:
+        return choice
+    wave, curve = found
+    left, before = wave.chi2 - 1, choice.null.chi2 - 1
+    if left > max(choice.trial.chi2 - 1, STANDS_IN * before):
+        return choice
+    return Choice(choice.null, wave, None, [wave, *choice.trials], ("belt", ("t",)), drift=curve)
 
 
 def _with_rig(search: Search, choice: Choice) -> Choice:

@@ -11,8 +11,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
+from stickslip.discovery import drifting, rig_numbers, unlisted
 from stickslip.discovery import evidence as ev
-from stickslip.discovery import rig_numbers, unlisted
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, copied_words, held_words, prepare
@@ -281,9 +281,11 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
                 f"no listed effect explains the residual: {names} come nearest, and leave {after.chi2:.3g}"
             )
             formula = f"not described; in the model {names} stand in for it"
+        if choice.drift is not None:
+            words, formula = drifting.told(choice.drift, after)
         proof = Evidence(None, None, None, None, "", threshold, words)
         where, variables = choice.place
-        return (FoundEffect("unlisted", where, variables, {}, proof, (), formula),)
+        return (FoundEffect("unlisted", where, variables, {}, proof, (), formula, choice.drift),)
     if not choice.trial.names:
         return ()
     tried = list(search.tried.values())

@@ -1,0 +1,70 @@
+"""A belt that drifts in time is not one that droops under its load."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discover_cases import make_case
+from stickslip.discovery import drifting, loop, trace
+from stickslip.discovery.choice import choose
+from stickslip.discovery.rivals import shapes
+from stickslip.discovery.search import Search
+from stickslip.effects import effect
+from stickslip.model import Model
+
+SLOW = effect("belt_speed_ripple", a=0.3, w=0.006, phi=0.0)  # 0.0018 t, nearly
+DROOP = effect("belt_load_droop", k=0.004, tau=0.8)
+
+
+def searched(term):
+    """A search in which the declared law and a droop have been fitted."""
+    case = make_case((term,), length=60.0, turned=False)
+    data, _ = loop._checked(case)
+    search = Search(
+        data[: len(case.train)], Model(case.rig, friction=case.friction), 2, lambda _: None, 200.0
+    )
+    null = search.polish(trace.declared(search))
+    search.keep(null, ())
+    tried = [
+        trace._screened(search, ("belt_load_droop", start), base=null, afresh=True)
+        for start in shapes("belt_load_droop", search.data)
+    ]
+    best = min((search.close(one) for one in tried if one is not None), key=lambda one: one.fit.cost)
+    search.keep(best, best.names)
+    return search, best
+
+
+@pytest.fixture(scope="module")
+def drifted():
+    return searched(SLOW)
+
+
+def test_a_speed_that_each_window_may_choose_does_as_well(drifted):
+    search, droop = drifted
+    assert droop.chi2 < 0.2 * search.tried[()].chi2  # it passes for a droop
+    wave, curve = drifting.drift_of(search)
+    assert wave.names == ("belt_speed_ripple",)
+    assert wave.chi2 < droop.chi2
+    assert wave.chi2 == pytest.approx(1.0, abs=0.1)
+    truth = 0.3 * np.sin(0.006 * curve.x)
+    assert np.abs(curve.value - truth).max() < 0.01
+    assert np.mean((curve.low <= truth) & (truth <= curve.high)) > 0.5
+    assert (curve.where, curve.variable) == ("belt", "t")
+
+
+def test_it_is_chosen_in_the_place_of_the_droop_without_pairs(drifted):
+    search, droop = drifted
+    said = []
+    search.progress = said.append
+    choice = choose(search, [droop, search.tried[()]])
+    assert choice.place == ("belt", ("t",))
+    assert choice.trial.names == ("belt_speed_ripple",)
+    assert choice.drift is not None
+    assert not any("belt_load_droop +" in one for one in said)
+
+
+def test_a_droop_stays_one():
+    search, droop = searched(DROOP)
+    assert droop.chi2 == pytest.approx(1.0, abs=0.1)
+    assert drifting.drift_of(search) is None
