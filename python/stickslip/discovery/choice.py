@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.discovery import evidence as ev
 from stickslip.discovery import unlisted
 from stickslip.discovery.drifting import DROOP, drift_of
+from stickslip.discovery.lagging import lag_of, time_constant
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
 from stickslip.discovery.place import place_of, promises
@@ -48,7 +49,8 @@ BETTER = 0.5  # share of the excess that a learned curve may leave of what the b
 class Choice:
     """What was chosen: the declared law, the trial, the curve in it if any, all trials, the likely place of what
     neither a name nor a curve explains, the error on windows held out over what it was, and the law with numbers of the
-    rig that do as well; and how the belt's speed drifts in time, if that is what was chosen.
+    rig that do as well; how the belt's speed drifts in time, or the time constant of a lag of the y1 reading, if that
+    is what was chosen.
     """
 
     null: Trial
@@ -59,13 +61,33 @@ class Choice:
     held: float = 1.0
     tied: tuple[Trial, ...] = ()
     drift: Curve | None = None
+    lag: float | None = None
 
 
 def choose(search: Search, trials: list[Trial]) -> Choice:
     """The choice for the runs of a search and the trials of single effects, held against windows left out."""
-    early = _with_drift(search, Choice(search.tried[()], trials[0], None, trials))
-    choice = early if early.drift else _with_drift(search, _choose(search, trials))
+    single = Choice(search.tried[()], trials[0], None, trials)
+    choice = _with_drift(search, single)
+    if choice is single:
+        choice = _with_lag(search, single, alone=True)
+    if choice is single:
+        choice = _with_lag(search, _with_drift(search, _choose(search, trials)))
     return _held(search, _with_rig(search, choice))
+
+
+def _with_lag(search: Search, choice: Choice, alone: bool = False) -> Choice:
+    """The choice; or, where a delay of the y1 reading was chosen and a lag of it explains more, that.
+
+    `alone`: it must explain all, for the delay may yet have a partner.
+    """
+    found = lag_of(search, choice.trial)
+    if found is None or (alone and not explained(found[1], choice.null)):
+        return choice
+    delay, lag = found
+    stands_in = delay.chi2 - 1 < STANDS_IN * (choice.null.chi2 - 1)
+    best = delay if stands_in else choice.null
+    tau = time_constant(lag)
+    return Choice(choice.null, best, None, choice.trials, ("y1 channel", ("memory",)), lag=tau)
 
 
 def _with_drift(search: Search, choice: Choice) -> Choice:

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
-from stickslip.discovery import drifting, rig_numbers, unlisted
+from stickslip.discovery import drifting, lagging, rig_numbers, unlisted
 from stickslip.discovery import evidence as ev
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
@@ -283,6 +283,8 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             formula = f"not described; in the model {names} stand in for it"
         if choice.drift is not None:
             words, formula = drifting.told(choice.drift, after)
+        elif choice.lag is not None:
+            words, formula = lagging.told(choice.lag, after)
         proof = Evidence(None, None, None, None, "", threshold, words)
         where, variables = choice.place
         return (FoundEffect("unlisted", where, variables, {}, proof, (), formula, choice.drift),)

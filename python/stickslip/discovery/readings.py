@@ -1,7 +1,8 @@
 """The measurement chain: from simulated states to readings, with derivatives; the same for every hypothesis.
 
 x1 reading: x1 + c y1 + q x1^2, lagged where there is a lag (the core's hidden state m), plus r t.
-y1 reading: y1 at t - delay. belt reading: the belt's own speed V. Learned curves add g(variable) to a channel.
+y1 reading: y1 at t - delay; or, which has no name, lagged (y1_lag.tau). belt reading: the belt's own speed V.
+Learned curves add g(variable) to a channel.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ Floats = NDArray[np.float64]
 B, M = 6, 7  # hidden states in the core's order
 _COLUMN = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 _CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
+Y1_LAG = "y1_lag.tau"  # of a lag of the y1 reading, which is on no list
+NEARBY = 1e-5  # of tau: step of its derivative
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def states_read(known: Collection[str], channels: int, learned: tuple[Learned, .
     """States whose sensitivities the chain of effects with the `known` parameters needs."""
     needed = {_COLUMN[one.variable] for one in learned if one.variable != "t"}
     needed |= {M} if "sensor_lag.tau" in known else {0}
-    needed |= {2, 3} if "sensor_delay.delay" in known else {2}
+    needed |= {2, 3} if "sensor_delay.delay" in known or Y1_LAG in known else {2}
     return sorted(needed | ({B} if channels == 3 else set()))
 
 
@@ -161,6 +164,9 @@ def _read_x1(s: _Samples) -> None:
 
 
 def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
+    if Y1_LAG in s.p:
+        _lag_y1(s, offset)
+        return
     if "sensor_delay.delay" not in s.p:
         s.out.values[:, 1] = s.state[:, 2]
         s.out.slopes[:, 1] = s.slopes[2]
@@ -173,6 +179,44 @@ def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
         s.out.slopes[a:b, 1] = weights.apply(s.slopes[2][a:b], s.slopes[3][a:b])
         passed[a:b] = rates.apply(y1, y2)
     s.add(1, "sensor_delay.delay", -passed)
+
+
+def _lag_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
+    tau, step, passed = s.p[Y1_LAG], NEARBY * s.p[Y1_LAG], np.empty(len(s.t))
+    for a, b in itertools.pairwise(offset.tolist()):
+        t, y1, y2 = s.t[a:b], s.state[a:b, 2], s.state[a:b, 3]
+        s.out.values[a:b, 1] = lagged(t, y1, y2, tau)
+        s.out.slopes[a:b, 1] = lagged(t, s.slopes[2][a:b], s.slopes[3][a:b], tau)
+        passed[a:b] = (lagged(t, y1, y2, tau + step) - lagged(t, y1, y2, tau - step)) / (2 * step)
+    s.add(1, Y1_LAG, passed)
+
+
+def lagged(t: Floats, y: Floats, rate: Floats, tau: float) -> Floats:
+    """m of tau m' = y - m at the samples, y between them Hermite's cubic; (n,) or slopes (n, k).
+
+    At the first sample m is what it is where y has been smooth for long: y - tau y' + tau^2 y'' - ..., to the third
+    derivative.
+    """
+    h = np.diff(t)
+    a = h / tau
+    i0 = -np.expm1(-a)  # of u^n over the interval, seen through the lag
+    i1 = 1 - i0 / a
+    i2 = 1 - 2 * i1 / a
+    i3 = 1 - 3 * i2 / a
+    shape = (-1,) + (1,) * (y.ndim - 1)
+    w = [
+        c.reshape(shape)
+        for c in (i0 - 3 * i2 + 2 * i3, (i1 - 2 * i2 + i3) * h, 3 * i2 - 2 * i3, (i3 - i2) * h)
+    ]
+    comes = w[0] * y[:-1] + w[1] * rate[:-1] + w[2] * y[1:] + w[3] * rate[1:]
+    keeps = np.exp(-a)
+    second = (rate[1] - rate[0]) / h[0]
+    third = 2 * ((rate[2] - rate[1]) / h[1] - second) / (h[0] + h[1]) if len(t) > 2 else 0.0 * second
+    out = np.empty_like(y)
+    out[0] = y[0] - tau * rate[0] + tau**2 * (second - 0.5 * h[0] * third) - tau**3 * third
+    for i in range(len(h)):
+        out[i + 1] = keeps[i] * out[i] + comes[i]
+    return out
 
 
 @dataclass
