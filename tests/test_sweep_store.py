@@ -302,3 +302,50 @@ def test_a_chunk_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     chunk.write_bytes(b"nothing of the kind")
     with pytest.raises(ss.InputError, match=r"chunk of 'status' at .* is damaged"):
         ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
+
+
+FILE = """
+[rig]
+alpha1 = 16
+alpha2 = 8
+beta3 = 4
+eta1 = 0.1
+eta12 = 0.2
+
+[friction]
+kind = "paper"
+
+[sweep]
+t_end = 2
+belt_speed = 0.1
+observe = "final_state"
+
+[over]
+"""
+
+
+def swept(tmp_path: Path, over: str) -> tuple[str, Path]:
+    """What the command says of a file with this [over]; its store."""
+    file, out = tmp_path / "sweep.toml", tmp_path / "a.zarr"
+    file.write_text(FILE + over)
+    return CliRunner().invoke(main, ["sweep", str(file), "--out", str(out)]).output, out
+
+
+def test_a_file_may_say_it_briefly(tmp_path: Path) -> None:
+    said, out = swept(tmp_path, "alpha1 = [15, 16]\ninitial.x1 = { start = 0.0, stop = 0.1, count = 3 }\n")
+    assert "6 members: 6 finished" in said
+    assert dict(xr.open_zarr(out, consolidated=False).sizes) == {"alpha1": 2, "initial.x1": 3, "state": 4}
+
+
+@pytest.mark.parametrize(
+    ("over", "line"),
+    [
+        ("alpha1 = []", "[over] key 'alpha1': empty; the grid has no members"),
+        ("alpha7 = [1]", "[over] key 'alpha7': unknown parameter 'alpha7'; did you mean"),
+        ("alpha1 = [1, inf]", "[over] key 'alpha1': entry 1 is inf"),
+    ],
+)
+def test_a_fault_of_what_varies_is_said_of_its_table(tmp_path: Path, over: str, line: str) -> None:
+    said, out = swept(tmp_path, over)
+    assert line in said.replace("\n", " ")
+    assert not out.exists()

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import click
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from rich.console import Console
 
 from stickslip.cli_path import Named
@@ -37,6 +37,23 @@ class Axis(BaseModel):
     dim: str | None = None
 
 
+def _axes(given: object) -> object:
+    """[over] with a table for each whole name: a list is its values, and a name with a dot need not be quoted."""
+    if not isinstance(given, dict):
+        return given
+    out: dict[str, object] = {}
+    for name, axis in given.items():
+        if isinstance(axis, dict) and axis and not axis.keys() & Axis.model_fields.keys():
+            out |= {f"{name}.{rest}": one for rest, one in axis.items()}
+        else:
+            out[name] = axis
+    return {name: {"values": one} if isinstance(one, list) else one for name, one in out.items()}
+
+
+def _names(given: object) -> object:
+    return [given] if isinstance(given, str) else given
+
+
 class Settings(BaseModel):
     """The table [sweep]: the keywords of `stickslip.sweep`."""
 
@@ -47,7 +64,7 @@ class Settings(BaseModel):
     initial: list[float] | None = None
     rtol: float = 1e-8
     atol: float = 1e-8
-    observe: list[str] = list(DEFAULT)
+    observe: Annotated[list[str], BeforeValidator(_names)] = list(DEFAULT)
     points: int = 32
     lanes: bool = True
     max_transitions: int = 1_000_000
@@ -60,7 +77,7 @@ class SweepFile(BaseModel):
     model_config = ConfigDict(extra="forbid")
     model: str | None = None
     sweep: Settings
-    over: dict[str, Axis]
+    over: Annotated[dict[str, Axis], BeforeValidator(_axes)]
     rig: dict[str, object] | None = None
     friction: dict[str, object] = {}
     effect: list[dict[str, object]] = []
@@ -69,7 +86,7 @@ class SweepFile(BaseModel):
 @click.command(short_help="A model over a grid of its numbers, into a Zarr store.")
 @click.argument("file", type=Named())
 @click.option("--out", type=Named(), required=True, help="Zarr store to write or go on with.")
-@click.option("--threads", type=int, default=None, help="All that there are if absent.")
+@click.option("--threads", type=click.IntRange(min=1), default=None, help="All that there are if absent.")
 def sweep(file: Path, out: Path, threads: int | None) -> None:
     """Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
 
@@ -85,7 +102,7 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
     observe = ["stick_fraction", "period"]
     [over]
     belt_speed = { start = 0.02, stop = 0.3, count = 64 }
-    alpha1 = { values = [8, 16, 40] }
+    alpha1 = [8, 16, 40]
 
     \b
     Example:
@@ -95,7 +112,12 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
     asked = document.validated(SweepFile)
     model = _model(document, asked)
     over = {name: _values(document, name, axis) for name, axis in asked.over.items()}
-    with warnings.catch_warnings(record=True) as interrupts, _the_option_out(), document.at("sweep"):
+    with (
+        warnings.catch_warnings(record=True) as interrupts,
+        _the_option_out(),
+        document.at("sweep"),
+        _of_over(document, over),
+    ):
         warnings.simplefilter("always")
         ds = run_sweep(
             model, over, **asked.sweep.model_dump(), out=out, threads=threads, progress=console.is_terminal
@@ -115,6 +137,19 @@ def _the_option_out() -> Iterator[None]:
     except InputError as error:
         if error.key == "out":
             raise InputError(error.what, key="--out", value=error.value) from None
+        raise
+
+
+@contextmanager
+def _of_over(document: Document, over: Mapping[str, object]) -> Iterator[None]:
+    """Say of a fault of what varies that it lies in [over]."""
+    try:
+        yield
+    except InputError as error:
+        for name in over:
+            unknown = error.key is None and f"'{name}'" in error.what
+            if unknown or error.key in (name, f"over['{name}']"):
+                raise document.error(error.what, "over", name, value=error.value) from None
         raise
 
 
