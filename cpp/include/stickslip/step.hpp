@@ -1,6 +1,8 @@
 // How long a step may be: the last terms of the series against the tolerance.
 #pragma once
 
+#include <algorithm>
+
 #include "stickslip/effects_modes.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -136,6 +138,18 @@ Real<T> step_length(const System<T>& sys, const Mode& mode, const Piece<T>& piec
 // is 0, of a hidden state that starts beside its slow manifold, about an equilibrium. h is shortened until the last two
 // terms of each derivative are below the tolerance beside its own largest term.
 constexpr double derivative_share = 1e3 * tolerance_share;  // beside its own largest term; the value has less room
+constexpr double derivative_floor =
+    1e-3;  // of the motion, for a change of a parameter by itself, or by 1 if it is less
+
+// What is nothing beside the motion need not be resolved: far from a narrow peak its derivatives are 1e-30 and grow.
+template <class T>
+void derivative_floors(const System<T>& sys, double motion, double* floors) {
+  double size[T::size];
+  for (double& one : size) one = 1;
+  for (int slot = 0; slot < parameter_count; ++slot)
+    for (int i = 0; i < T::size; ++i) size[i] = std::max(size[i], std::abs(sys.p[slot].v * sys.p[slot].derivative(i)));
+  for (int i = 0; i < T::size; ++i) floors[i] = derivative_floor * motion / size[i];
+}
 
 template <class T>
 double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, int order, double h, double rtol) {
@@ -160,6 +174,8 @@ double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, 
     if (has(sys, fx_memory) && mode.contact != 0) add(piece.fx.w, 1);
     if (has(sys, fx_ripple) || has(sys, fx_droop)) add(piece.fx.belt, 1);
   }
+  double floors[seeds];
+  bool known = false;
   const auto raise = [&](double* into, int k, double power) {
     for (int row = 0; row < count; ++row) {
       const T& c = rows[row].series[k];
@@ -172,6 +188,7 @@ double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, 
   };
   const auto allows = [&](int, double step) {
     double largest_term[seeds] = {}, last[seeds] = {};
+    if (known) std::copy(floors, floors + seeds, largest_term);
     const double power = std::pow(step, order - 1);
     raise(last, order - 1, power);
     raise(last, order, power * step);
@@ -184,6 +201,11 @@ double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, 
     for (int k = 0; k < order - 1; ++k, now *= step) {
       raise(largest_term, k, now);
       if (k < 2 && small()) return true;  // nearly always
+      if (k == 1 && !known) {
+        derivative_floors(sys, largest(motion_scale(sys, piece.s), std::abs(sys.rig.v_b.v)), floors);
+        known = true;
+        for (int i = 0; i < seeds; ++i) largest_term[i] = largest_term[i] > floors[i] ? largest_term[i] : floors[i];
+      }
     }
     return small();
   };
