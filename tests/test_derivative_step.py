@@ -80,3 +80,15 @@ def test_a_tiny_size_is_no_different():
     ]  # fmt: skip
     for one in found[1:]:
         np.testing.assert_allclose(one, found[0], atol=1e-6 * np.abs(found[0]).max())
+
+
+@pytest.mark.parametrize("v_s", [0.02, 0.005])
+@pytest.mark.parametrize("rtol", [1e-7, 1e-10])
+def test_what_is_nothing_beside_the_motion_costs_no_steps(v_s, rtol):
+    """Far from a narrow peak its derivatives are next to nothing, and grow like its flank."""
+    model = PAPER.with_effects([ss.effect("stribeck_peak", dT=0.3, v_s=v_s)])
+    names = ("stribeck_peak.dT", "stribeck_peak.v_s")
+    for start in ((0.3, -0.2, 0.0, 0.0), (0.1, 0.1, 0.0, 0.0)):
+        plain = ends(model, 0.1, start, rtol=rtol, atol=rtol / 10)
+        with_them = ends(model, 0.1, start, *names, rtol=rtol, atol=rtol / 10)
+        assert with_them.steps < 1.5 * plain.steps + 20
