@@ -16,7 +16,7 @@ from stickslip.discovery.loop import _ranking
 from stickslip.discovery.unlisted import guess
 from stickslip.effects import effect
 from stickslip.errors import InputError
-from stickslip.forecast import forecast
+from stickslip.forecast import SLACK, _interval, forecast
 from stickslip.model import Model
 
 KEYS = {"verdict", "effects", "error", "ranking", "gate", "residual_before", "residual_after", "messages"}
@@ -179,13 +179,22 @@ def test_a_curve_that_is_not_plain_gets_no_formula():
     assert guess(x, np.sin(9 * x), np.full(101, 0.02), "x1") is None
 
 
-def test_rounded_times_cost_a_forecast_no_sample():
+@pytest.mark.parametrize(("interval", "digits"), [(0.0399871234, 5), (1 / 60, 3), (1 / 40, 2), (1 / 128, 3)])
+@pytest.mark.parametrize("dropped", [False, True])
+def test_rounded_times_cost_a_forecast_no_sample(interval, digits, dropped):
     """A file's times end somewhere: a horizon of so many samples has as many rows."""
+    t = interval * np.arange(1200)
+    seen = np.delete(t, [400, 401, 700]) if dropped else t
+    found = _interval(np.round(seen, digits))
+    assert found == pytest.approx(interval, rel=2 * 10**-digits / t[-1])
+    assert int(np.floor(227 * interval / found + SLACK)) == 227
+
+
+def test_a_forecast_has_a_row_for_each_sample_of_its_horizon():
     run = make_case(length=40.0).validate[0]
     interval, model = 0.0399871234, Model(RIG, friction=LAW)
     t = np.round(interval * np.arange(600), 5)
     past = replace(run, t=t, x1=np.interp(t, run.t, run.x1), y1=np.interp(t, run.t, run.y1))
-    for steps in (1, 100, 227):
+    for steps in (1, 227):
         table = forecast(model, past, belt_speed=run.belt_speed, horizon=steps * interval)
-        assert len(table) == steps
         np.testing.assert_allclose(table["t"], t[-1] + interval * np.arange(1, steps + 1), atol=2e-5)

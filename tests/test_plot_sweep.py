@@ -71,6 +71,10 @@ def test_what_is_in_no_large_group_is_not_called_an_attractor() -> None:
     assert lumped == 3
     assert len(kinds) == 4
     assert [int((which == i).sum()) for i in range(4)] == [30, 20, 1, 49]
+    settled = np.concatenate([np.random.default_rng(0).normal(size=(64, 2)), np.zeros((300, 2))])
+    which, _, lumped = plot_sweep.attractors(settled)
+    assert int((which == 0).sum()) == 300  # wherever they stand
+    assert lumped == 7
     over = {"initial.x2": np.linspace(-0.5, 2.0, 6), "initial.x1": np.linspace(-0.5, 2.0, 7)}
     ds = ss.sweep(BISTABLE, over, belt_speed=0.85, t_end=20, after=10, observe=("state_min", "state_max"))
     told = [text.get_text() for text in plot_sweep.basin(ds).legends[0].get_texts()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -22,6 +22,7 @@ End = Literal["span", "closed", "hopf", "special", "no_convergence", "retraced",
 Kind = Literal["fold", "flip", "neimark_sacker", "hopf", "loss_of_stick", "crossing", "grazing"]
 BESIDE = 0.1  # of a step: a start that lies nearer to it has been passed
 SAME_WAY = 0.9  # cosine of the angle to where it left
+FEWEST = 4  # points of a loop
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,8 @@ class Branch:
         Bifurcations, in the same order.
     ends
         How it ends, first and last: at the "span", at a "hopf" or another "special" point, where the correction does
-        not converge ("no_convergence"), where it had turned back on itself in a corner ("retraced") or at
-        "max_points"; "closed" twice where it has come back to its start.
+        not converge ("no_convergence"), where it came back to a part of itself ("retraced") or at
+        "max_points"; "closed" twice where it has come round to a part of itself, a loop.
     forced
         Is the rig moved from outside? States are then those once a period of that, not those of greatest x1.
     """
@@ -135,16 +136,24 @@ class Trace:
     end: End = "max_points"
 
 
-def comes_round(start: Point, along: Floats, last: Point, point: Point) -> End | None:
-    """Does the branch pass its start between two neighbours: as it left it, or back on itself?"""
+def comes_round(points: Sequence[Point], along: Floats, point: Point) -> tuple[End, Point] | None:
+    """Does the branch pass, on its way from the last of these points, one of them? As it left it, or back on itself."""
+    last = points[-1]
     chord = point.x - last.x
     size = float(np.linalg.norm(chord))
-    share = float((start.x - last.x) @ chord) / size**2
-    beside = float(np.linalg.norm(start.x - last.x - share * chord))
-    if not (0 < share <= 1 and beside < BESIDE * size and start.signature == point.signature):
+    if size == 0 or len(points) < FEWEST:
         return None
-    way = float(chord @ along) / size
-    return "closed" if way > SAME_WAY else "retraced" if way < -SAME_WAY else None
+    x = np.array([one.x for one in points])
+    share = (x[:-2] - last.x) @ chord / size**2
+    beside = np.linalg.norm(x[:-2] - last.x - share[:, None] * chord, axis=1)
+    for i in np.flatnonzero((share > 0) & (share <= 1) & (beside < BESIDE * size)).tolist():
+        way = along if i == 0 else x[i + 1] - x[i]
+        cosine = float(way @ chord) / size / max(float(np.linalg.norm(way)), 1e-300)
+        if points[i].signature == point.signature and cosine > SAME_WAY:
+            return "closed", points[i]
+        if i == 0 and points[i].signature == point.signature and cosine < -SAME_WAY:
+            return "retraced", points[i]  # elsewhere it may be the other side of a sharp corner
+    return None
 
 
 def branch_of(

@@ -174,11 +174,13 @@ class Walk:
                 special += self._birth(last, len(points))
                 trace.end = "hopf"
                 break
-            if len(points) > 2 and (round_again := comes_round(start, first, last, point)):
-                if round_again == "closed":
-                    special += self._between(last, start, tangent, first, len(points))
-                    points.append(start)
-                trace.end = round_again
+            if round_again := comes_round(points, first, point):
+                trace.end, met = round_again
+                if trace.end == "closed":
+                    special += self._between(
+                        last, met, tangent, self.problem.tangent(met, point.x - last.x), len(points)
+                    )
+                    points.append(met)
                 break
             following = self.problem.tangent(point, point.x - last.x)
             special += self._between(last, point, tangent, following, len(points))

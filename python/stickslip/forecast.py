@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
-EVEN = 0.01  # of it: times that scatter by less are even
 LAST = 10  # samples of the past that the start is held against
 FAR = 5.0  # times the noise
 BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
@@ -103,11 +102,14 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
 
 
 def _interval(t: NDArray[np.float64]) -> float:
-    """The sampling interval: of even times the mean, which their rounding hardly touches; else the median."""
+    """The sampling interval: the mean over all, which the rounding of times hardly touches; a gap counts as the samples
+    that it lacks.
+    """
     gaps = np.diff(t)
-    middle = float(np.median(gaps))
-    even = float(np.abs(gaps - middle).max()) < EVEN * middle
-    return float(t[-1] - t[0]) / len(gaps) if even else middle
+    interval = float(np.median(gaps))
+    for _ in range(3):
+        interval = float(t[-1] - t[0]) / float(np.maximum(np.round(gaps / interval), 1).sum())
+    return interval
 
 
 def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.DataFrame:

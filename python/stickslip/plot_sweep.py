@@ -192,10 +192,12 @@ def attractors(
         return which, [], None
     scale = float(np.abs(features[left]).max()) or 1.0
     groups: list[NDArray[np.bool_]] = []
-    while left.any() and len(groups) < APART:
-        first = features[np.argmax(left)]
+    for first in _commonest(features[left], tolerance * scale):
+        if not left.any():
+            break
         same = left & (np.abs(features - first).max(axis=1) <= tolerance * scale)
-        groups.append(same)
+        if same.any():
+            groups.append(same)
         left = left & ~same
     groups.sort(key=lambda same: -int(same.sum()))
     if left.any():
@@ -206,6 +208,12 @@ def attractors(
     for i, same in enumerate(groups):
         which[same] = i
     return which, [features[np.argmax(same)] for same in groups], lumped
+
+
+def _commonest(rows: Floats, width: float) -> Floats:
+    """A row of each of the fullest cells of this width, the fullest first."""
+    _, first, count = np.unique(np.round(rows / width), axis=0, return_index=True, return_counts=True)
+    return np.asarray(rows[first[np.argsort(-count, kind="stable")][:APART]])
 
 
 def cells(ax: Axes, x: Floats, y: Floats, values: Floats, **settings: Any) -> Any:

@@ -56,7 +56,10 @@ Real<T> peak_step(const System<T>& sys, const EffectSeries<T>& fx, int order, co
   return shortened(h, [&](int i, double step) {
     const auto real = [&](const T& x) { return lane(value(x), i); };
     const double u = real(fx.u[0]) / real(sys.p[stribeck_peak_v_s]);
-    const double height = std::abs(real(sys.p[stribeck_peak_dT] * sys.rig.over_a1)) + 1e-300;
+    double tall = std::abs(real(sys.p[stribeck_peak_dT]));
+    if constexpr (requires(T x) { x.d[0]; })  // one of no height is differentiated by it
+      for (int k = 0; k < T::size; ++k) tall = std::max(tall, std::abs(sys.p[stribeck_peak_dT].derivative(k)));
+    const double height = tall * std::abs(real(sys.rig.over_a1)) + 1e-300;
     double x = 0;
     for (int k = order; k >= 1; --k) x = (x + std::abs(real(fx.peak_slope[k])) / k) * step;
     const double grown = x < order ? order * std::log(x + 1e-300) - std::lgamma(order + 1.0) : x;

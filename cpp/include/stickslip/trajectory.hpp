@@ -53,7 +53,8 @@ struct Machine {
       if (opt.fixed_step > 0) h = R(opt.fixed_step);
       if (h == 0) {
         h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
-        if constexpr (requires(T x) { x.d[0]; }) h = derivative_step(sys, mode, piece, order, h, opt.rtol);
+        if constexpr (requires(T x) { x.d[0]; })
+          h = derivative_step(sys, mode, piece, order, h, opt.rtol > 0 ? opt.rtol : opt.atol);
       }
       if (has(sys, fx_lag)) settle_lag(sys, piece, order, h, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);

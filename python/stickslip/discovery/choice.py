@@ -14,7 +14,7 @@ from stickslip.discovery.messages import absurd
 from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
 from stickslip.discovery.place import place_of, promises
 from stickslip.discovery.recurring import learn_recurring
-from stickslip.discovery.result import Curve
+from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
@@ -61,7 +61,7 @@ class Choice:
     held: float = 1.0
     tied: tuple[Trial, ...] = ()
     drift: Curve | None = None
-    lag: float | None = None
+    lag: Interval | None = None
 
 
 def choose(search: Search, trials: list[Trial]) -> Choice:

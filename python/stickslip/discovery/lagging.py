@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from stickslip.discovery.intervals import intervals
 from stickslip.discovery.readings import Y1_LAG
+from stickslip.discovery.result import Interval
 from stickslip.discovery.rivals import LOGARITHMIC, hypothesis
 from stickslip.discovery.search import SHORT, Search, Trial
 from stickslip.discovery.trace import MARGIN, starts_of
@@ -33,9 +35,9 @@ def lag_of(search: Search, chosen: Trial) -> tuple[Trial, Trial] | None:
     return None if found is None or found.bic > chosen.bic - MARGIN else (delay, found)
 
 
-def time_constant(lag: Trial) -> float:
-    """Of a fitted lag."""
-    return lag.hypothesis.values(lag.fit.vector, 0)[Y1_LAG]
+def time_constant(lag: Trial) -> Interval:
+    """Of a fitted lag, with its 95 % interval."""
+    return intervals(lag.fit)[Y1_LAG]
 
 
 def _hypothesis(search: Search, delay: Trial, late: float) -> Hypothesis:
@@ -45,10 +47,10 @@ def _hypothesis(search: Search, delay: Trial, late: float) -> Hypothesis:
     return replace(h, unknowns=(*h.unknowns, tau))
 
 
-def told(tau: float, after: Trial) -> tuple[str, str]:
+def told(tau: Interval, after: Trial) -> tuple[str, str]:
     """Why it is a lag, and its formula."""
     words = (
-        f"a first-order lag of the y1 reading explains more than its delay does; the delay stands in for it in the "
+        "a first-order lag of the y1 reading explains more than its delay does; the delay stands in for it in the "
         f"model, and leaves {after.chi2:.3g}"
     )
-    return words, f"y1 reads m, tau m' = y1 - m with tau = {tau:.4g}"
+    return words, f"y1 reads m, tau m' = y1 - m with tau = {tau.value:.4g}"

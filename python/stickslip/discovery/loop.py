@@ -287,7 +287,8 @@ def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> 
             words, formula = lagging.told(choice.lag, after)
         proof = Evidence(None, None, None, None, "", threshold, words)
         where, variables = choice.place
-        return (FoundEffect("unlisted", where, variables, {}, proof, (), formula, choice.drift),)
+        own: Mapping[str, Interval] = {} if choice.lag is None else {"tau": choice.lag}
+        return (FoundEffect("unlisted", where, variables, own, proof, (), formula, choice.drift),)
     if not choice.trial.names:
         return ()
     tried = list(search.tried.values())

@@ -82,7 +82,7 @@ def kind(effect: FoundEffect) -> str:
 
 def guessed(effect: FoundEffect) -> bool:
     """Whether nothing describes the effect, so that its place is the likeliest, and its evidence holds no numbers."""
-    return effect.name == "unlisted" and effect.curve is None and not effect.of_rig
+    return effect.name == "unlisted" and effect.curve is None and not effect.of_rig and not effect.parameters
 
 
 def joined(words: Sequence[str]) -> str:
