@@ -143,6 +143,9 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     first = next((r for r in loaded.runs if r.role == "validate"), loaded.runs[0])
     recording = first if name is None else loaded.run(name)
     _say_findings(tuple(f"{recording.name}: {finding}" for finding in recording.findings))
+    others = sum(r.role == "validate" for r in loaded.runs) - 1
+    if name is None and others > 0:
+        console.print(f"{recording.name}, the first of {others + 1} validate runs; --run names another")
     with progress("comparing") as tell:
         result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
     written = _save_comparison(result, out)

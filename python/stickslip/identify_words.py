@@ -30,7 +30,8 @@ def fit_messages(
     ]
     if best.reduced > 1.2:
         out.append(
-            "the declared law does not explain the readings; the intervals are widened by what it leaves"
+            "the declared law does not explain the readings; the intervals are widened by what it leaves, and "
+            "`stickslip discover` looks for what is missing"
         )
     absent = [n for n, e in estimates.items() if e.status == "unidentified"]
     for names, whose in (
