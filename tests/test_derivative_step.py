@@ -55,6 +55,16 @@ def test_about_an_equilibrium_they_are_the_exponential_of_its_jacobian():
     np.testing.assert_allclose(run.sensitivity[0], expm(20.0 * jacobian), atol=1e-8)
 
 
+@pytest.mark.parametrize("c", [0.0, 0.5])
+def test_an_equilibrium_on_a_kink_is_as_smooth_as_any(c):
+    """Drag c x2 |x2| changes its branch at x2 = 0, where the block rests; its slope there is 0."""
+    model = FALLING.with_effects([ss.effect("block_quadratic_damping", c=c)])
+    still = ss.steady_sliding(model, 2.0)
+    jacobian = np.array([[0.0, 1.0], [-1.0, -0.1 + 3 / 49]])
+    run = ends(model, 2.0, still.state, "initial.x1", "initial.x2")
+    np.testing.assert_allclose(run.sensitivity[0], expm(20.0 * jacobian), atol=1e-6)
+
+
 @pytest.mark.parametrize("tau", [0.2, 0.02])
 def test_a_fast_hidden_state_contracts_as_its_equation_says(tau):
     """Exponents sum to the divergence, which is constant here; the determinant of the monodromy likewise."""

@@ -19,6 +19,8 @@ inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2, an
   return order < 4 ? 4 : (order > max_order ? max_order : order);
 }
 
+constexpr double resting = 1e-9;  // of a motion's own rate
+
 template <class T>
 struct Machine {
   using R = Real<T>;
@@ -66,7 +68,9 @@ struct Machine {
       T dt(h);
       if (exit.found) {
         const Watch<T>& w = piece.watch[exit.watch];
-        dt = with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
+        dt = hardly_moves(w, order, exit.t)
+                 ? T(exit.t)
+                 : with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
         h = exit.t;
       } else if (last) {
         dt = T(R(opt.t_end)) - s.t;
@@ -105,6 +109,14 @@ struct Machine {
     R sum = value(s.t);
     for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
     return std::isfinite(sum);
+  }
+  // x2 = 0, met by a block that rests but for rounding: the time of that has no derivative, and the drag that changes
+  // there is 0 on both sides, so that none is needed.
+  bool hardly_moves(const Watch<T>& w, int order, const R& h) const {
+    if (w.id != watch_x2 || sys.structure.effects == 0) return false;
+    R rate(0.0);
+    for (int k = order; k >= 1; --k) rate = rate * h + R(value(w.c[k])) * static_cast<double>(k);
+    return magnitude(rate) < resting * motion_scale(sys, piece.s) * natural_frequency(sys);
   }
   // A step on, it stands on no surface any more, unless it has not moved away from it; not on the one that it `met`.
   void leave_surfaces(const R& h, int order, int met) {
