@@ -164,13 +164,17 @@ def test_blocks_are_runs_of_members_and_chunks_of_the_store() -> None:
         assert request.grid.values(3, 7).shape == (4, len(shape))
 
 
-SWEEP = """
+RIG_TABLE = """
 [rig]
 alpha1 = 16
 alpha2 = 8
 beta3 = 4
 eta1 = 0.1
 eta12 = 0.2
+"""
+SWEEP = (
+    RIG_TABLE
+    + """
 [sweep]
 t_end = 100
 after = 50
@@ -180,6 +184,7 @@ observe = ["stick_fraction", "final_state"]
 belt_speed = { start = 0.02, stop = 0.3, count = 50 }
 alpha1 = { values = [8.0, 16.0, 40.0], dim = "a" }
 """
+)
 
 
 def test_the_command(tmp_path: Path) -> None:
@@ -304,14 +309,9 @@ def test_a_chunk_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
 
 
-FILE = """
-[rig]
-alpha1 = 16
-alpha2 = 8
-beta3 = 4
-eta1 = 0.1
-eta12 = 0.2
-
+FILE = (
+    RIG_TABLE
+    + """
 [friction]
 kind = "paper"
 
@@ -322,6 +322,7 @@ observe = "final_state"
 
 [over]
 """
+)
 
 
 def swept(tmp_path: Path, over: str) -> tuple[str, Path]:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stickslip/chatter.hpp"
+#include "stickslip/derivative_step.hpp"
 #include "stickslip/start.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {

@@ -1,0 +1,86 @@
+// How long a step of a run with derivatives may be: their own series against the tolerance.
+#pragma once
+
+#include "stickslip/step.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// Derivatives have series of their own, which may be short of terms where the motion's is not: of a force whose amplitude
+// is 0, of a hidden state that starts beside its slow manifold, about an equilibrium. h is shortened until the last two
+// terms of each derivative are below the tolerance beside its own largest term.
+constexpr double derivative_share = 1e3 * tolerance_share;  // beside its own largest term; the value has less room
+constexpr double derivative_floor =
+    1e-3;  // of the motion, for a change of a parameter by itself, or by 1 if it is less
+
+// What is nothing beside the motion need not be resolved: far from a narrow peak its derivatives are 1e-30 and grow.
+template <class T>
+void derivative_floors(const System<T>& sys, double motion, double* floors) {
+  double size[T::size];
+  for (double& one : size) one = 1;
+  for (int slot = 0; slot < parameter_count; ++slot)
+    for (int i = 0; i < T::size; ++i) size[i] = std::max(size[i], std::abs(sys.p[slot].v * sys.p[slot].derivative(i)));
+  for (int i = 0; i < T::size; ++i) floors[i] = derivative_floor * motion / size[i];
+}
+
+template <class T>
+double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, int order, double h, double rtol) {
+  constexpr int seeds = T::size;
+  const double frequency = natural_frequency(sys), over_a1 = std::abs(sys.rig.over_a1.v);
+  struct Row {
+    const T* series;
+    double weight;  // to a speed; of a force, to an acceleration
+  };
+  Row rows[9];
+  int count = 0;
+  const auto add = [&](const T* series, double weight) { rows[count++] = {series, weight}; };
+  add(piece.s.x1, frequency);
+  add(piece.s.x2, 1);
+  if (sys.rig.two) {
+    add(piece.s.y1, frequency);
+    add(piece.s.y2, 1);
+  }
+  if (sys.structure.effects != 0) {
+    add(piece.fx.friction, over_a1);
+    if (mode.contact == 0) add(piece.fx.limit_minus, over_a1);
+    if (has(sys, fx_memory) && mode.contact != 0) add(piece.fx.w, 1);
+    if (has(sys, fx_ripple) || has(sys, fx_droop)) add(piece.fx.belt, 1);
+  }
+  double floors[seeds];
+  bool known = false;
+  const auto raise = [&](double* into, int k, double power) {
+    for (int row = 0; row < count; ++row) {
+      const T& c = rows[row].series[k];
+      const double by = rows[row].weight * power;
+      for (int i = 0; i < seeds; ++i) {
+        const double term = std::abs(c.derivative(i)) * by;
+        into[i] = term > into[i] ? term : into[i];
+      }
+    }
+  };
+  const auto allows = [&](int, double step) {
+    double largest_term[seeds] = {}, last[seeds] = {};
+    if (known) std::copy(floors, floors + seeds, largest_term);
+    const double power = std::pow(step, order - 1);
+    raise(last, order - 1, power);
+    raise(last, order, power * step);
+    const auto small = [&] {
+      bool good = true;
+      for (int i = 0; i < seeds; ++i) good = good && !(last[i] > derivative_share * rtol * largest_term[i]);
+      return good;
+    };
+    double now = 1;
+    for (int k = 0; k < order - 1; ++k, now *= step) {
+      raise(largest_term, k, now);
+      if (k < 2 && small()) return true;  // nearly always
+      if (k == 1 && !known) {
+        derivative_floors(sys, largest(motion_scale(sys, piece.s), std::abs(sys.rig.v_b.v)), floors);
+        known = true;
+        for (int i = 0; i < seeds; ++i) largest_term[i] = largest_term[i] > floors[i] ? largest_term[i] : floors[i];
+      }
+    }
+    return small();
+  };
+  return shortened(h, allows);
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA
