@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from stickslip.discovery import final as last
 from stickslip.discovery import unlisted
-from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, SAME, Search
+from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, SAME, SHORT, Search
 
 READINGS = 1000
 
@@ -116,29 +117,63 @@ def test_a_curve_whose_two_sides_lead_to_the_same_minimum_is_not_fitted_on(afres
     assert len(search.begun) == fits
 
 
-@pytest.mark.parametrize(
-    ("whole", "long", "chosen"), [(1.0, 1.0, "whole"), (1.3, 1.0, "long"), (1.3, 1.3, "short")]
-)
+@pytest.mark.parametrize(("chi2", "chosen"), [(1.0, "long"), (1.3, "short")])
 @pytest.mark.parametrize("name", ["tabulated_block_x1", "static_aging"])
-def test_the_last_fit_is_on_the_longest_windows_that_it_fits_as_well(monkeypatch, whole, long, chosen, name):
-    short = trial(1.0, names=(name,), label="short")
-    ends = {True: trial(whole, names=(name,), label="whole"), False: trial(long, names=(name,), label="long")}
+def test_the_last_fit_is_on_long_windows_if_it_fits_these_as_well(monkeypatch, chi2, chosen, name):
+    short, long = trial(1.0, names=(name,), label="short"), trial(chi2, names=(name,), label="long")
     begun = []
 
-    def finely(_search, _vector, *, whole=None, **_):
-        return short if whole is None else ends[whole]
+    def finely(_search, _vector, *, cycles, **_):
+        return short if cycles == SHORT else long
 
     def submit(function, *args, **options):
-        begun.append(options.get("whole"))
+        begun.append(function)
         return SimpleNamespace(result=lambda: function(search, *args, **options))
 
     monkeypatch.setattr(last, "_finely", finely)
     monkeypatch.setattr(last, "_in_order", lambda one: one.fit.vector)
-    for one in (short, *ends.values()):
+    monkeypatch.setattr(last, "_onward", lambda _search, one: one)
+    for one in (short, long):
         one.fit.vector = None
     search = SimpleNamespace(trimmed=lambda one: one, with_declared_law=lambda one: one, submit=submit)
     assert last.final(search, short).label == chosen
-    assert (begun == [False]) == name.startswith("tabulated")  # both at once, as nothing else is to be done
+    assert len(begun) == (0 if name.startswith("tabulated") else 2)  # other sides; a curve has none
+
+
+class Valley:
+    """A curved valley whose floor falls to (1, 1); each fit creeps along it by at most 1 %."""
+
+    def __init__(self, pace):
+        self.pace, self.fits = pace, 0
+
+    def submit(self, function, *args):
+        return SimpleNamespace(result=lambda: function(self, *args))
+
+    def run(self, _hypothesis, *, vector, **_):
+        self.fits += 1
+        x = vector[0] + np.clip(1.0 - vector[0], -self.pace, self.pace)
+        return valley(x, last.FEW if abs(1.0 - x) > 1e-6 else 3)
+
+
+def valley(x, iterations):
+    engine = SimpleNamespace(low=np.full(2, -9.0), high=np.full(2, 9.0), learned=())
+    fit = SimpleNamespace(
+        vector=np.array([x, x * x]), cost=1000.0 + 1e3 * (x - 1) ** 2, iterations=iterations, engine=engine
+    )
+    return SimpleNamespace(fit=fit, names=("contact_compliance",), hypothesis=None)
+
+
+@pytest.mark.parametrize("start", [0.0, -3.0, 0.93])
+def test_a_fit_that_creeps_along_a_valley_is_taken_to_its_end(start):
+    search = Valley(0.01)
+    assert last._onward(search, valley(start, 40)).fit.cost == pytest.approx(1000.0, abs=0.2)
+    assert search.fits < 40  # 7 to 400 by creeping
+
+
+def test_a_fit_that_has_ended_is_not_taken_further():
+    search = Valley(1.0)
+    assert last._onward(search, valley(1.0 - 1e-9, 7)).fit.cost == pytest.approx(1000.0)
+    assert search.fits == 1
 
 
 @pytest.mark.parametrize(

@@ -170,16 +170,15 @@ class Search:
         learned: tuple[Learned, ...] = (),
         vector: Floats | None = None,
         anyway: bool = False,
-        whole: bool = False,
     ) -> Trial | None:
         """Fit one hypothesis.
 
         `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
-        `worst` is a hopeless cost; `anyway` goes on when the time is up; `whole` takes records from their beginning.
+        `worst` is a hopeless cost; `anyway` goes on when the time is up.
         """
         engine = Engine(self.data, h, self.threads, learned)
         if windows_of is None:
-            windows = cut(self.data, h.model, cycles, whole)
+            windows = cut(self.data, h.model, cycles)
             if states_of is not None:
                 known = {(w.run, w.start): w for w in states_of.fit.windows}
                 windows = [_from(w, known.get((w.run, w.start))) for w in windows]

@@ -19,16 +19,15 @@ EARLY = 0.2  # share of it that may be
 SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
 
 
-def cut(data: Sequence[Data], model: Model, cycles: float, whole: bool = False) -> list[Window]:
+def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
     """Windows about `cycles` long, starting where the block slips fastest.
 
-    What comes before the first slip is left out, unless it is much of the record or the `whole` is wanted: how the
-    block has come to where the record begins, and for how long it has stuck there, is not known, and a window that
-    begins wrongly misleads a fit.
+    What comes before the first slip is left out, unless it is much of the record: how the block has come to where the
+    record begins, and for how long it has stuck there, is not known, and a window that begins wrongly misleads a fit.
     """
     out = []
     for number, run in enumerate(data):
-        starts = [0 if whole else _first(run)]
+        starts = [_first(run)]
         for at in run.slips:
             if run.t[at] - run.t[starts[-1]] >= (cycles - 0.5) * run.cycle:
                 starts.append(int(at))
