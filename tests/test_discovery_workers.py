@@ -148,6 +148,18 @@ def test_a_map_is_computed_here_after_a_worker_died():
     assert broken.map(partial(signed_root, os.getpid()), [9.0]) == [-3.0]
 
 
+def test_processes_that_another_search_ended_are_not_waited_for(data):
+    search, other = search_in(data, 2), Workers(2)  # on the same processes
+    other.stop()
+    root = partial(signed_root, os.getpid())
+    assert other.map(root, [9.0]) == [-3.0]
+    assert search.workers.map(root, [9.0, 4.0]) == [-3.0, -2.0]
+    assert search_in(data, 2).submit(square, 2).result() == 4
+    ended = search_in(data, 2)
+    Workers(2).stop()
+    assert ended.submit(square, 3).result() == 9
+
+
 def test_without_semaphores_there_are_no_workers(data, monkeypatch):
     def missing(*_, **__):
         raise OSError("no /dev/shm")

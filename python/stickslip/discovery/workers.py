@@ -54,7 +54,7 @@ class Workers:
         if self._pool is not None:
             try:
                 future = self._pool.submit(_timed, search.away(), function, args, options)
-            except BrokenExecutor:  # one of them died: from now on alone
+            except RuntimeError:  # one of them died, or another search ended them: from now on alone
                 self._pool = None
             else:
                 self._asked()
@@ -78,7 +78,11 @@ class Workers:
             try:
                 # not the pool's own map: what it cancels when interrupted, `stop` could not end without an outcry
                 under_way = [self._pool.submit(function, item) for item in todo]
-                return [one.result() for one in under_way]
+            except RuntimeError:
+                self._pool, under_way = None, []
+            try:
+                if under_way:
+                    return [one.result() for one in under_way]
             except BrokenExecutor:
                 self._pool = None
         return [function(item) for item in todo]
@@ -87,9 +91,10 @@ class Workers:
         Workers._latest = self, os.getpid(), time.monotonic()
 
     def stop(self) -> None:
-        """End the processes at once, whatever they are at."""
-        if self._pool is not None:
-            self._pool.shutdown(kill_workers=True)
+        """End the processes at once, whatever they are at; what is asked for after that is computed here."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            pool.shutdown(kill_workers=True)
 
 
 class _Later:
