@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.effects import CONSTANTS, Effect, Tabulated
+from stickslip.effects import CATALOGUE, CONSTANTS, Effect, Tabulated
 from stickslip.errors import InputError, unknown
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.model import Model
@@ -43,6 +43,7 @@ class Lowered:
     """A model as the core takes it; `slots` maps every public parameter name to its slots.
 
     `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
+    `hidden` names the states that the model's effects add.
     """
 
     structure: _core.Structure
@@ -50,6 +51,7 @@ class Lowered:
     slots: Mapping[str, tuple[int, ...]]
     dimension: int
     factors: Mapping[str, float] = field(default_factory=dict)
+    hidden: tuple[str, ...] = ()
 
     def initial(self, state: Iterable[float]) -> Floats:
         """Return the core's full initial state from the visible one, followed by any hidden ones."""
@@ -75,7 +77,7 @@ class Lowered:
     def known_names(self) -> list[str]:
         """Every name a sensitivity may ask for."""
         visible = _core.STATES[: self.dimension]
-        return [*self.slots, *(f"initial.{name}" for name in (*visible, *HIDDEN))]
+        return [*self.slots, *(f"initial.{name}" for name in (*visible, *self.hidden))]
 
     def _columns(self, name: str) -> tuple[int, ...]:
         if name in self.slots:
@@ -89,6 +91,11 @@ class Lowered:
                 return self.slots[owners[0]]
             if owners:
                 raise InputError(f"ambiguous: give one of {', '.join(owners)}", key=name)
+        hidden = name.removeprefix("initial.")
+        owners = [kind.name for kind in CATALOGUE.values() if hidden in kind.hidden]
+        if owners and name != hidden:
+            words = f"is a state of the effect {' and of '.join(owners)}, which the model does not have"
+            raise InputError(words, key=name)
         raise unknown("parameter", name, self.known_names())
 
 
@@ -156,7 +163,9 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )
-    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors)
+    owned = {name for one in model.effects if isinstance(one, Effect) for name in one.kind.hidden}
+    hidden = tuple(name for name in HIDDEN if name in owned)
+    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors, hidden)
 
 
 def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.RigKind:

@@ -26,7 +26,8 @@ MANY = {f"initial.{name}": np.linspace(-1, 1, 1000) for name in ("x1", "x2", "y1
 
 for tried, over, settings in (
     ("an unknown parameter", {"alpa1": [8.0, 9.0]}, {"belt_speed": 0.1}),
-    ("an unknown initial value", {"initial.z1": [0.0]}, {"belt_speed": 0.1}),
+    ("an unknown initial value", {"initial.x3": [0.0]}, {"belt_speed": 0.1}),
+    ("a state that no effect has", {"initial.w": [0.0]}, {"belt_speed": 0.1}),
     (
         "a parameter of an effect that the model has not",
         {"block_viscous_damping.c": [0.1]},
