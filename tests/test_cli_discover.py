@@ -18,6 +18,7 @@ import found_by_hand
 import stickslip as ss
 from stickslip import plot
 from stickslip.cli import main
+from stickslip.cli_discover import folded
 from stickslip.discovery.result import Found
 from stickslip.files import time_digits
 from stickslip.telling import telling
@@ -291,6 +292,16 @@ def test_forecast_refuses_an_si_rig_whose_readings_have_no_units(tmp_path: Path)
         "add [channels], as in rig.toml\n"
     )
     assert not out.exists()
+
+
+def test_findings_alike_are_said_once() -> None:
+    said = [f"run_{i:02d}: x1: ranges over {i}.5e-3 m; is the unit right?" for i in range(3)]
+    other = [f"run_{i:02d}: y1: ranges over {i} m; is the unit right?" for i in range(2)]
+    assert folded([*said, *other, "run_01: samples are missing"]) == [
+        f"{said[0]} (and alike in 2 other runs)",
+        f"{other[0]} (and alike in 1 other run)",
+        "run_01: samples are missing",
+    ]
 
 
 @pytest.mark.parametrize("command", ["identify", "compare"])

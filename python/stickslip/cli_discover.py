@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import warnings
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -62,7 +64,7 @@ def discover(case: Path, out: Path, seed: int, threads: int | None) -> None:
     loaded = load_case(case)
     effects = len(CATALOGUE) if isinstance(loaded.rig, Rig) else 0  # the other rigs' are weighed all at once
     with folder(out) as temporary, telling("discovering", effects) as tell:
-        for finding in loaded.findings:
+        for finding in folded(loaded.findings):
             tell(f"note: {finding}")
         found = search(loaded, progress=tell, seed=seed, threads=threads)
         tell("drawing the report")
@@ -71,6 +73,17 @@ def discover(case: Path, out: Path, seed: int, threads: int | None) -> None:
     console.print("written:")
     for path in written(out):
         console.print(f"  {path}", soft_wrap=True, markup=False)
+
+
+def folded(findings: Iterable[str]) -> list[str]:
+    """Findings, the first of those that differ only in their run and their numbers for all of these."""
+    alike: dict[str, list[str]] = {}
+    for one in findings:
+        alike.setdefault(re.sub(r"\d[\d.e+-]*", "0", one.partition(": ")[2]), []).append(one)
+    return [
+        first if not more else f"{first} (and alike in {len(more)} other run{'s' if more[1:] else ''})"
+        for first, *more in alike.values()
+    ]
 
 
 def say(found: Found, case: Case, to: Console) -> None:
