@@ -19,8 +19,9 @@ from discover_cases import RIG, make_case
 from stickslip.discovery import trace, workers
 from stickslip.discovery.data import prepare
 from stickslip.discovery.loop import discover
-from stickslip.discovery.search import CLEAN, Search
+from stickslip.discovery.search import CLEAN, LARGEST, Search
 from stickslip.discovery.trace import NEARLY, _stuck, declared, screen
+from stickslip.discovery.unknowns import Hypothesis, law_unknowns
 from stickslip.discovery.workers import Workers, each
 from stickslip.effects import effect
 from stickslip.friction import PaperFriction
@@ -116,7 +117,18 @@ def test_the_time_of_workers_is_off_the_budget(data):
     before = search.left
     search.submit(busy, 0.5).result()
     assert 0.5 <= before - search.left < 5.0
-    assert search.away().budget == pytest.approx(search.left, abs=0.5)
+    assert search.away().budget == LARGEST  # one process's work never takes all there is
+    search.budget -= search.left - 10.0
+    assert search.away().budget == pytest.approx(10.0, abs=0.5)
+
+
+@pytest.mark.parametrize("longest", [0.0, 1e6])
+def test_no_fit_goes_on_for_ever_even_when_it_must_be_made(data, monkeypatch, longest):
+    monkeypatch.setattr("stickslip.discovery.search.LONGEST", longest)
+    search = search_in(data, 1, budget=0.0)
+    law = Hypothesis(search.model, law_unknowns(search.model, search.model), {})
+    found = search.run(law, cycles=1.0, iterations=12, tolerance=0.0, anyway=True, rounds=0)
+    assert (found.fit.iterations == 1) == (longest == 0.0)
 
 
 def test_what_a_dead_worker_was_at_is_computed_here(data):

@@ -35,6 +35,8 @@ BESIDE = 1.03  # of a hopeless cost: a fit that stalls within that stands where 
 SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
 JUDGED = 4  # steps after which a fit may be given up
 MORE = 6  # times that a fit goes on while it still falls fast
+LONGEST = 20.0  # processor seconds of one fit: what takes longer is a motion far from any record, or stiff
+LARGEST = 30.0  # and of what one process is given to do
 
 
 @dataclass
@@ -134,7 +136,7 @@ class Search:
 
     def away(self) -> Search:
         """The search as another process needs it: the data, the declared model, the time that is left."""
-        return Search(self.data, self.model, 1, _silent, self.left)
+        return Search(self.data, self.model, 1, _silent, min(self.left, LARGEST))
 
     def back(self, value: object, seconds: float) -> None:
         """What came back from another process is on our data and threads, and its time is ours."""
@@ -174,7 +176,7 @@ class Search:
         """Fit one hypothesis.
 
         `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
-        `worst` is a hopeless cost; `anyway` goes on when the time is up.
+        `worst` is a hopeless cost; `anyway` goes on when the time is up, for as long as one fit may take.
         """
         engine = Engine(self.data, h, self.threads, learned)
         if windows_of is None:
@@ -191,11 +193,16 @@ class Search:
             iterations=iterations,
             tolerance=tolerance,
             rounds=rounds,
-            give_up=_Patience(worst, lambda: self.left < 0 and not anyway),
+            give_up=_Patience(worst, self._late(anyway)),
             worth=lambda cost: not stands(cost, worst),
         )
         part = windows_of is not None and windows_of.partial
         return None if found is None else Trial(_names(h, learned), found, part)
+
+    def _late(self, anyway: bool) -> Callable[[], bool]:
+        """Is there no time left for a fit that begins now?"""
+        began = time.process_time()
+        return lambda: time.process_time() - began > LONGEST or (self.left < 0 and not anyway)
 
     def keep(self, trial: Trial | None, key: tuple[str, ...]) -> None:
         """Remember a trial if it is the best of its names."""
