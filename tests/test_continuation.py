@@ -237,3 +237,20 @@ def test_how_a_branch_ends_is_said(leine, damped):
     assert damped.ends[1] == "hopf"
     few = continuation(LEINE, 0.2, span=(0.1, 0.3), max_points=3)
     assert few.ends == ("max_points", "max_points")
+
+
+def test_a_forced_branch_goes_on_where_the_strobe_leaves_a_stick():
+    """Every point closes by a simulation of its own, also where the instant it is looked at comes to lie in slip."""
+    speed = 0.658
+    model = ss.Model(
+        ss.BlockOnBelt(damping=0.07),
+        friction=ss.HyperbolicFriction(scale=1, decay=2.74),
+        effects=[ss.effect("harmonic_forcing", a=0.2, w=1.3)],
+    )
+    branch = ss.continuation(model, speed, span=(0.7 * speed, 1.3 * speed), max_points=60)
+    on_belt = np.isclose(branch.state[:, 1], branch.values, atol=1e-9)
+    assert 5 < on_belt.sum() < len(branch) - 5
+    for v, z, period in zip(branch.values, branch.state, branch.period, strict=True):
+        end = ss.simulate(model, belt_speed=v, initial=z, t_end=period, t_eval=[period]).state[0]
+        assert np.abs(end - z).max() < 1e-7
+    assert max(one.cycle.residual for one in branch.special) < 1e-8

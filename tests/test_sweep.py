@@ -230,3 +230,11 @@ def test_periodicity_of_a_cycle() -> None:
     assert ds.periodicity.values.tolist() == [1, 1]
     cycle = ss.limit_cycle(LEINE, belt_speed=0.1, guess=ds.points[0, 0].values)
     assert abs(float(ds.period[0]) - cycle.period) < 1e-5
+
+
+def test_a_forbidden_combination_is_found_among_many() -> None:
+    model = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.6), friction=ss.PaperFriction())
+    over = {"alpha1": (12, 20), "alpha2": (6, 10), "eta1": (0.1, 0.3), "eta12": (0.6, 0.2)}
+    grid = {name: np.linspace(*ends, 8) for name, ends in over.items()}
+    with pytest.raises(ss.InputError, match="eta12"):
+        ss.sweep(model, grid, belt_speed=0.1, t_end=1)

@@ -290,55 +290,6 @@ def test_another_order_of_the_dimensions_is_another_store(tmp_path: Path) -> Non
     xr.testing.assert_identical(first, again)
 
 
-@pytest.mark.parametrize("name", ["status", "final_state"])
-def test_a_damaged_store_is_named(tmp_path: Path, name: str) -> None:
-    out = tmp_path / "a.zarr"
-    ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
-    shutil.rmtree(out / name)
-    shutil.rmtree(out / "status" / "c", ignore_errors=True)
-    with pytest.raises(ss.InputError, match=f"no array '{name}': it is damaged"):
-        ss.sweep(MODEL, {"belt_speed": [0.1, 0.2]}, t_end=2, out=out)
-
-
-@pytest.mark.parametrize("name", ["status", "final_state", "period"])
-@pytest.mark.parametrize("rest", [b"nothing of the kind", b""])
-def test_a_chunk_that_cannot_be_read_is_named(tmp_path: Path, name: str, rest: bytes) -> None:
-    out, over = tmp_path / "a.zarr", {"belt_speed": [0.1, 0.2]}
-    first = ss.sweep(MODEL, over, t_end=2, observe=("final_state", "period"), out=out).load()
-    (chunk,) = [one for one in (out / name / "c").rglob("*") if one.is_file()]
-    chunk.write_bytes(rest)
-    with pytest.raises(ss.InputError, match=rf"the chunk {chunk.relative_to(out)} is damaged") as refused:
-        ss.sweep(MODEL, over, t_end=2, observe=("final_state", "period"), out=out)
-    assert "remove that file" in str(refused.value)
-    chunk.unlink()
-    xr.testing.assert_identical(
-        ss.sweep(MODEL, over, t_end=2, observe=("final_state", "period"), out=out).load(), first
-    )
-
-
-def test_a_lost_chunk_is_computed_again_and_one_of_fill_values_is_not_lost(tmp_path: Path) -> None:
-    out, over = tmp_path / "a.zarr", {"belt_speed": [0.1, 0.2]}
-    first = ss.sweep(MODEL, over, t_end=0.1, observe=("final_state", "period"), out=out).load()
-    assert np.isnan(first.period).all()  # none: the fill value
-    (chunk,) = [one for one in (out / "period" / "c").rglob("*") if one.is_file()]
-    (lost,) = [one for one in (out / "final_state" / "c").rglob("*") if one.is_file()]
-    before = chunk.stat().st_mtime_ns
-    ss.sweep(MODEL, over, t_end=0.1, observe=("final_state", "period"), out=out)
-    assert chunk.stat().st_mtime_ns == before
-    lost.unlink()
-    xr.testing.assert_identical(
-        ss.sweep(MODEL, over, t_end=0.1, observe=("final_state", "period"), out=out).load(), first
-    )
-
-
-def test_an_array_whose_description_is_damaged_is_named(tmp_path: Path) -> None:
-    out, over = tmp_path / "a.zarr", {"belt_speed": [0.1, 0.2]}
-    ss.sweep(MODEL, over, t_end=2, out=out)
-    (out / "final_state" / "zarr.json").write_text("{")
-    with pytest.raises(ss.InputError, match="'final_state' that cannot be read"):
-        ss.sweep(MODEL, over, t_end=2, out=out)
-
-
 FILE = (
     RIG_TABLE
     + """

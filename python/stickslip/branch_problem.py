@@ -12,6 +12,7 @@ from stickslip.errors import StickslipError
 from stickslip.flow import Arc, Contact, Floats, Flow
 
 CORRECTIONS = 10
+CLOSED = 1e-9  # of the cycle's size
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,13 @@ class Point:
     arc: Arc
     flow: Flow
     value: float
+    contact: Contact
 
-    @property
+    @cached_property
     def signature(self) -> tuple[tuple[int, int], ...]:
-        """Contact modes before and after each transition."""
-        return self.arc.signature
+        """Contact modes before and after each transition, from whichever makes this least: a cycle has no first."""
+        modes = self.arc.signature
+        return min((modes[k:] + modes[:k] for k in range(len(modes))), default=())
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class Problem:
             jacobian[1] = 0.0
             jacobian[1, 1], jacobian[1, d + 1] = -1.0, arc.start_by_parameter[1]
         self._last_row(flow, value, span, z, residual, jacobian)
-        return Point(x, residual, jacobian * self.scale, arc, flow, value)
+        return Point(x, residual, jacobian * self.scale, arc, flow, value, self.contact)
 
     def _last_row(
         self, flow: Flow, value: float, span: float, z: Floats, residual: Floats, jacobian: Floats
@@ -91,10 +94,14 @@ class Problem:
                     return None
                 point = self.at(point.x + change)
                 if np.abs(point.residual).max() <= self.tol and np.abs(change).max() <= 1e-7:
-                    return point, k + 1
+                    return (point, k + 1) if self._closes(point.arc) else None
         except (StickslipError, np.linalg.LinAlgError):
             return None
         return None
+
+    def _closes(self, arc: Arc) -> bool:
+        """Does it end where it began? The equations of a start in stick say nothing of the block's speed at the end."""
+        return self.contact != "stick" or abs(arc.end[1] - arc.start[1]) <= CLOSED * self.scale[1]
 
     def tangent(self, point: Point, along: Floats) -> Floats:
         """Unit tangent of the branch, pointing to the side of `along`."""
@@ -103,4 +110,4 @@ class Problem:
 
     def cycle(self, point: Point) -> LimitCycle:
         """Return the limit cycle at a corrected point."""
-        return cycle_of(point.flow, point.arc, 0, self.turns, self.contact)
+        return cycle_of(point.flow, point.arc, 0, self.turns, point.contact)

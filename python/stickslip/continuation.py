@@ -12,7 +12,7 @@ They are located where the sequence changes. There the branch may have a corner,
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -156,6 +156,11 @@ class Walk:
                 step *= 0.5
                 if step > SMALLEST:
                     continue
+                if other := self._strobed(last, tangent):
+                    self.problem, point, step = *other, 0.05 * self.step
+                    tangent = self.problem.tangent(point, point.x - last.x)
+                    points.append(point)
+                    continue
                 turned = self._turn(last)
                 if turned is None:
                     special += (last_one := self._end(last, tangent, len(points)))
@@ -191,6 +196,19 @@ class Walk:
             tangent = following
             step = min(self.step, step * (1.4 if work <= 3 else 0.7 if work > 5 else 1.0))
         return trace
+
+    def _strobed(self, last: Point, tangent: Floats) -> tuple[Problem, Point] | None:
+        """Beyond where the instant at which a forced cycle is looked at leaves a stick, or comes into one."""
+        if self.problem.flow.forcing_period is None:
+            return None
+        other = replace(self.problem, contact="auto" if last.contact == "stick" else "stick")
+        for step in (1e-6, 1e-5, 1e-4, 1e-3):
+            ahead = other.correct(last.x + step * tangent, tangent)
+            if ahead is None or not np.linalg.norm(ahead[0].x - last.x) < 3 * step:
+                continue
+            if ahead[0].signature == last.signature and not self._outside(ahead[0]):
+                return other, ahead[0]
+        return None
 
     def _outside(self, point: Point) -> bool:
         return not self.span[0] <= point.value <= self.span[1]

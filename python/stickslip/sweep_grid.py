@@ -199,13 +199,14 @@ def _extremes(along: list[Floats]) -> list[int]:
 
 
 def _combinations(places: Mapping[str, list[int]]) -> Iterator[dict[str, int]]:
-    """All combinations where they are few, else each dimension's along the firsts of the others."""
+    """All combinations where they are few, else those of any two dimensions beside the firsts of the others."""
     if not places:
         return
     if math.prod(len(one) for one in places.values()) <= CHECKED:
         for chosen in itertools.product(*places.values()):
             yield dict(zip(places, chosen, strict=True))
         return
-    for dim, indices in places.items():
-        for index in indices:
-            yield {other: index if other == dim else some[0] for other, some in places.items()}
+    firsts = {dim: some[0] for dim, some in places.items()}
+    for one, other in itertools.combinations(places, 2):
+        for pair in itertools.product(places[one], places[other]):
+            yield firsts | dict(zip((one, other), pair, strict=True))

@@ -154,6 +154,7 @@ class ZarrSink:
         else:
             _make(module, request, path)
         self.group = module.open_group(str(path), mode="r+")
+        _mended(self.group, request)
 
     def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
         """Those whose status was not written, or that have lost a chunk of another result since.
@@ -231,7 +232,7 @@ def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
         raise InputError(
             "exists and is not a store of a sweep; give another path", key="out", value=str(path)
         )
-    there, now = cast("dict[str, object]", attrs["settings"]), _settings(request)
+    there, now = cast("dict[str, object]", attrs.get("settings", {})), _settings(request)
     differing = [name for name in now if there.get(name) != now[name]]
     if not differing:
         for name in (*coordinates(request), *request.observe):
@@ -256,6 +257,22 @@ def _array_is_there(module: ModuleType, path: Path, name: str) -> None:
     except (ValueError, KeyError, TypeError) as error:
         words = f"has an array '{name}' that cannot be read ({error}): it is damaged; give another path"
         raise InputError(words, key="out", value=str(path)) from None
+
+
+def _mended(group: zarr.Group, request: Request) -> None:
+    """Write coordinates anew that have been lost or damaged since: that the sweep is the same is known."""
+    for name, (_, values, _) in coordinates(request).items():
+        array, data = cast("Any", group[name]), _stored(np.asarray(values))
+        try:
+            if np.array_equal(array[:], data):
+                continue
+        except (RuntimeError, ValueError, OSError):
+            pass
+        array[:] = data
+
+
+def _stored(values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    return values.astype(object) if values.dtype.kind == "U" else values
 
 
 def _same_order(group: zarr.Group, request: Request, path: Path) -> None:
@@ -287,6 +304,8 @@ def _make(module: ModuleType, request: Request, path: Path) -> None:
 
 
 def _fill(group: zarr.Group, request: Request) -> None:
+    from zarr.codecs import ZstdCodec
+
     coords = coordinates(request)
     group.attrs.update(cast("JSONTable", {**attributes(request), "settings": _settings(request)}))
     outer = [name for name in coords if name not in (*request.grid.sizes, "state")]
@@ -296,7 +315,7 @@ def _fill(group: zarr.Group, request: Request) -> None:
         array = group.create_array(
             name, shape=data.shape, dtype=kind, dimension_names=(dim,), attributes=cast("JSONTable", attrs)
         )
-        array[:] = data.astype(object) if kind == "string" else data
+        array[:] = _stored(data)
     for name in request.observe:
         one, extra = OBSERVABLES[name], request.extra(name)
         about = variable_attrs(request, name) | ({"coordinates": " ".join(outer)} if outer else {})
@@ -308,4 +327,5 @@ def _fill(group: zarr.Group, request: Request) -> None:
             fill_value=one.fill,
             dimension_names=dims(request, name),
             attributes=cast("JSONTable", about),
+            compressors=ZstdCodec(checksum=True),  # so that reading a chunk proves it whole
         )
