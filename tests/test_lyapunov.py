@@ -117,3 +117,28 @@ def test_a_cycle_is_not_chaotic():
 def test_bad_input_is_answered_in_one_line(keywords, message):
     with pytest.raises(ss.InputError, match=message):
         lyapunov(RIG, belt_speed=0.1, **keywords)
+
+
+def test_a_direction_that_only_shrinks_fast_has_its_own_exponent():
+    """100 natural times faster than the block: exp(-629) over an interval, and no stick."""
+    model = ss.Model(
+        ss.BlockOnBelt(damping=0.3),
+        friction=ss.HyperbolicFriction(scale=1, decay=3),
+        effects=[ss.effect("friction_memory", tau=0.01)],
+    )
+    still = ss.steady_sliding(model, 2.0)
+    found = lyapunov(model, belt_speed=2.0, initial=still.state[:2] + 0.01, t_end=700, transient=100)
+    np.testing.assert_allclose(found.exponents, np.sort(still.eigenvalues.real)[::-1], atol=1e-3)
+
+
+def test_a_direction_that_stick_wipes_out_is_gone_whatever_the_interval():
+    model = ss.Model(
+        ss.BlockOnBelt(damping=0.05),
+        friction=ss.HyperbolicFriction(scale=1, decay=3),
+        effects=[ss.effect("belt_speed_ripple", a=0.1, w=4.0, phi=0.2)],
+    )
+    cycle = limit_cycle(model, 0.0671)
+    for interval in (None, cycle.period):
+        found = lyapunov(model, belt_speed=0.0671, t_end=2000, transient=500, interval=interval)
+        assert found.exponents[0] == pytest.approx(-0.062, abs=2e-3)
+        assert found.exponents[1] == -np.inf

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
 from stickslip.errors import InputError, StickslipError, number
-from stickslip.flow import Arc, Contact, Floats, Flow
+from stickslip.flow import Arc, Contact, Floats, Flow, wiped_out
 from stickslip.model import Model
 from stickslip.simulate import Trajectory, Transitions
 from stickslip.sliding import Complexes, NoLimitCycleError, equilibrium
@@ -232,7 +232,7 @@ def cycle_of(flow: Flow, arc: Arc, steps: int, turns: int, contact: Contact) -> 
         state_sensitivity=tr.state_sensitivity[inside],
     )
     sticks = contact == "stick" or bool(np.any(cut.after == 0))
-    lost = int(sticks) + int(sticks and "w" in flow.hidden) + int("dwell" in flow.hidden)
+    lost = wiped_out(flow, sticks)
     return LimitCycle(
         period=arc.span,
         state=arc.start,

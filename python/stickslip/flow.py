@@ -206,6 +206,11 @@ class Flow:
         return Arc(states[0], states[at], jacobian[1, :, :d], at_end, from_start, rate, run, span)
 
 
+def wiped_out(flow: Flow, sticks: bool) -> int:
+    """How many directions a motion forgets: in stick the block's speed and the memory of it, in slip the time stuck."""
+    return int(sticks) + int(sticks and "w" in flow.hidden) + int("dwell" in flow.hidden)
+
+
 def forcing_period(model: Model, belt_speed: float) -> float | None:
     """Period common to everything in the model that depends on time; None if nothing does.
 

@@ -3,7 +3,7 @@
 The derivatives of the flow over an interval carry saltation through every transition (Müller 1995); a triangular
 factorisation after each interval keeps the tangent vectors apart (Benettin, Galgani, Giorgilli and Strelcyn 1980).
 A stick phase forgets the block's speed: one tangent vector shrinks to nothing in a finite time and its exponent
-is -infinity, which is what is reported.
+is -infinity, which is what is reported. One that only shrinks fast is followed over shorter stretches.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
 from stickslip.errors import InputError, number
-from stickslip.flow import Contact, Floats, Flow
+from stickslip.flow import Contact, Floats, Flow, wiped_out
 from stickslip.model import Model
 
 ALIGN = 20  # intervals in which the tangent vectors turn into place, not counted
 BATCHES = 20  # for the error of a time average
 NOTHING = 1e-12  # a tangent vector shrunk to this in one interval is rounding
+SHOWS = 1e3  # of the simulation's tolerance, that may show in what a stick has wiped out
+MOST_HALVINGS = 12  # of an interval
 
 
 @dataclass(frozen=True)
@@ -145,15 +147,39 @@ def _growth(
     d = len(z)
     q, growth = np.eye(d), np.empty((count, d))
     for k in range(-ALIGN, count):
-        start = begin + (k + ALIGN) * step
-        run = flow.run(z, [start + step], seeds=flow.seeds(), contact=contact, start=start)
-        z, contact = flow.full(run)[-1], _contact(int(run.mode[-1]))
-        q, r = np.linalg.qr(flow.jacobian(run)[-1] @ q)
-        sizes = np.abs(np.diag(r))
+        z, contact, q, logs = _stretch(flow, z, contact, q, begin + (k + ALIGN) * step, step)
         if k >= 0:
-            lost = sizes <= NOTHING * sizes.max(initial=0.0)
-            growth[k] = np.where(lost, -np.inf, np.log(np.where(lost, 1.0, sizes)))
+            growth[k] = logs
     return growth, z
+
+
+def _stretch(
+    flow: Flow, z: Floats, contact: Contact, q: Floats, start: float, step: float, halvings: int = 0
+) -> tuple[Floats, Contact, Floats, Floats]:
+    """State, contact, orthogonal tangent vectors and logarithms (d,) of their growth after `step`.
+
+    What a stick wipes out is gone. Whatever else shrinks to rounding only shrinks fast, and is followed by halves.
+    """
+    run = flow.run(z, [start + step], seeds=flow.seeds(), contact=contact, start=start)
+    turned, r = np.linalg.qr(flow.jacobian(run)[-1] @ q)
+    sizes = np.abs(np.diag(r))
+    most = sizes.max(initial=0.0)
+    inside = run.transitions.t <= start + step
+    sticks = contact == "stick" or bool(np.any(run.transitions.after[inside] == 0))
+    gone = np.zeros(len(sizes), dtype=bool)
+    gone[np.argsort(sizes)[: wiped_out(flow, sticks)]] = True
+    gone &= sizes <= max(NOTHING, SHOWS * flow.tolerance) * most
+    if halvings < MOST_HALVINGS and np.any(~gone & (sizes <= NOTHING * most)):
+        logs = np.zeros(len(sizes))
+        for half in (0, 1):
+            z, contact, q, more = _stretch(
+                flow, z, contact, q, start + half * step / 2, step / 2, halvings + 1
+            )
+            logs += more
+        return z, contact, q, logs
+    gone |= sizes == 0
+    logs = np.where(gone, -np.inf, np.log(np.where(gone, 1.0, sizes)))
+    return flow.full(run)[-1], _contact(int(run.mode[-1])), turned, logs
 
 
 def _spectrum(flow: Flow, growth: Floats, step: float, wait: float, z: Floats) -> LyapunovSpectrum:
