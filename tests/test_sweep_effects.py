@@ -114,3 +114,25 @@ def test_a_corrected_constant_is_varied_with_its_correction() -> None:
     np.testing.assert_allclose(run.sensitivity[0].T, near, atol=1e-6)
     with pytest.raises(ss.InputError, match="vary that number itself"):
         ss.sweep(model, {"rig_mass.e": [0.1]}, belt_speed=0.5, t_end=1)
+
+
+@pytest.mark.parametrize("lanes", [True, False])
+@pytest.mark.parametrize("place", ["block", "angle_body", "contact"])
+def test_a_knot_where_the_pivot_sticks_is_no_chatter(place: str, lanes: bool) -> None:
+    """Two surfaces at y2 = 0: all ends are those with the knot a little beside."""
+    rig = ss.Rig(alpha1=24, alpha2=3, beta3=7.4, eta1=0.13, eta12=0.34)
+    ends = []
+    for knot in (0.0, 1e-11):
+        table = ss.tabulated(place, "y2", [-1, knot, 1], [0.1, 0, -0.1])
+        pivot = ss.effect("pivot_dry_friction", f=0.05)
+        model = ss.Model(rig, friction=ss.PaperFriction(), effects=[pivot, table])
+        swept = ss.sweep(
+            model,
+            {"belt_speed": np.linspace(0.02, 0.2, 60)},
+            initial=(-0.1, 0.3, 0.14, -0.07),
+            t_end=20,
+            lanes=lanes,
+        )
+        assert (swept.status == 0).all()
+        ends.append(swept.final_state.values)
+    np.testing.assert_allclose(*ends, atol=1e-7)

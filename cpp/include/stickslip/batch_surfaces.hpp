@@ -52,7 +52,8 @@ bool locate(const Batch<W>& b, const Watch<Lanes<W>>& watch, Side side, int i, i
   const double sign = side == Side::lower ? 1.0 : -1.0;
   double c[series_size], t;
   for (int k = 0; k <= order; ++k) c[k] = sign * watch.c[k][i];
-  c[0] = leaving ? 0.0 : c[0] - sign * (side == Side::lower ? watch.lo[i] : watch.hi[i]);
+  c[0] -= sign * (side == Side::lower ? watch.lo[i] : watch.hi[i]);
+  if (leaving) leave_from(c, watch.rounding[i]);
   if (!first_crossing(c, order, h, leaving, true, t)) return false;
   h = t;
   return true;

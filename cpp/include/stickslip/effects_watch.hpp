@@ -53,13 +53,22 @@ void watch_contact_effects(const System<T>& sys, const Mode& mode, int order, Pi
   if (has(sys, fx_memory)) above(watch_series(piece, watch_memory, fx.u, 1.0, order), T(0.0));
 }
 
+// A speed this small beside the motion's is rounding: surfaces of x2 and y2 may coincide at 0.
+constexpr double speed_rounding = 1e-15;
+
 template <class T>
 void watch_effects(const System<T>& sys, const Mode& mode, int order, Piece<T>& piece) {
   const Parameters<T>& p = sys.p;
   EffectSeries<T>& fx = piece.fx;
+  const bool speeds = has(sys, fx_quadratic) || has(sys, fx_pivot) || has(sys, fx_table);
+  const Real<T> rounding = speeds ? Real<T>(motion_scale(sys, piece.s) * speed_rounding) : Real<T>(0.0);
   piece.watches = 0;
   watch_contact_effects(sys, mode, order, piece);
-  if (has(sys, fx_quadratic)) above(watch_series(piece, watch_x2, piece.s.x2, mode.x2_sign, order), T(0.0));
+  if (has(sys, fx_quadratic)) {
+    Watch<T>& w = watch_series(piece, watch_x2, piece.s.x2, mode.x2_sign, order);
+    above(w, T(0.0));
+    w.rounding = rounding;
+  }
   if (has(sys, fx_gap)) {
     Watch<T>& w = watch_series(piece, watch_gap, piece.s.y1, 1.0, order);
     const T d = p[spring_gap_k3_d];
@@ -73,7 +82,9 @@ void watch_effects(const System<T>& sys, const Mode& mode, int order, Piece<T>& 
     if (mode.pivot <= 0) below(w, mode.pivot < 0 ? -reach : reach);
   } else if (has(sys, fx_pivot)) {
     if (mode.pivot != 0) {
-      above(watch_series(piece, watch_pivot, piece.s.y2, mode.pivot, order), T(0.0));
+      Watch<T>& w = watch_series(piece, watch_pivot, piece.s.y2, mode.pivot, order);
+      above(w, T(0.0));
+      w.rounding = rounding;
     } else {
       Watch<T>& w = watch_series(piece, watch_pivot, fx.pivot_force, 1.0, order);
       above(w, -p[pivot_dry_friction_f]);
@@ -86,6 +97,8 @@ void watch_effects(const System<T>& sys, const Mode& mode, int order, Piece<T>& 
   }
   if (has(sys, fx_table)) {
     Watch<T>& w = watch_series(piece, watch_table, fx.variable, 1.0, order);
+    const TableVariable of = sys.structure.table_variable;
+    if (of == TableVariable::x2 || of == TableVariable::y2) w.rounding = rounding;
     if (mode.knot > 0) above(w, T(sys.structure.knot[mode.knot - 1]));
     if (mode.knot < sys.structure.knots) below(w, T(sys.structure.knot[mode.knot]));
   }

@@ -13,6 +13,14 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
+// S, positive inside, of who leaves the surface S = 0: it starts on it. Where it would come back after an excursion less
+// deep than rounding, its first slope is rounding.
+template <class R>
+void leave_from(R* c, const R& rounding) {
+  c[0] = R(0.0);
+  if (c[1] < 0 && c[1] * c[1] < c[2] * rounding * 4.0) c[1] = R(0.0) - c[1];
+}
+
 // S and S' at t, together, in even and odd powers: short chains instead of two passes.
 template <class R>
 void value_and_slope(const R* c, int n, R t, R& s, R& slope) {

@@ -48,6 +48,15 @@ Real<T> natural_frequency(const System<T>& sys) {
   return sys.frequency;
 }
 
+// The scale of a motion: its speeds, and its positions as speeds.
+template <class T>
+Real<T> motion_scale(const System<T>& sys, const Series<T>& s) {
+  using R = Real<T>;
+  const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
+  const R speed = largest(R(magnitude(value(s.x2[0]))), R(magnitude(value(s.y2[0]))));
+  return largest(speed, R(position * natural_frequency(sys)));
+}
+
 // Without effects a piece has one switching function: q between the static limits, or u from 0 to the kink.
 template <class T>
 int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<T>& piece, Real<T>& linear_step) {

@@ -80,15 +80,6 @@ Real<T> creep_step(const System<T>& sys, const Series<T>& s, int order, const Re
   });
 }
 
-// The scale of a motion: its speeds, and its positions as speeds.
-template <class T>
-Real<T> motion_scale(const System<T>& sys, const Series<T>& s) {
-  using R = Real<T>;
-  const R position = largest(R(magnitude(value(s.x1[0]))), R(magnitude(value(s.y1[0]))));
-  const R speed = largest(R(magnitude(value(s.x2[0]))), R(magnitude(value(s.y2[0]))));
-  return largest(speed, R(position * natural_frequency(sys)));
-}
-
 template <class T>
 Real<T> step_plain(const System<T>& sys, const Series<T>& s, int order, double rtol, double atol) {
   using R = Real<T>;

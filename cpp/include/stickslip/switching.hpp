@@ -78,7 +78,7 @@ void switching_polynomial(const Watch<T>& watch, Side side, bool leaving, int or
   const Real<T> sign(side == Side::lower ? 1.0 : -1.0);
   for (int k = 0; k <= order; ++k) c[k] = sign * value(watch.c[k]);
   c[0] -= sign * value(side == Side::lower ? watch.lo : watch.hi);
-  if (leaving) c[0] = Real<T>(0.0);
+  if (leaving) leave_from(c, watch.rounding);
 }
 
 // Does a bound from the first coefficients exclude every exit through `side` within h? `rest` bounds what follows the
