@@ -195,6 +195,9 @@ def test_a_branch_becomes_a_dataset(leine):
         (None, {"span": (1.0, 5.0), "parameter": "decay"}, "belt_speed: missing"),
         (0.2, {"span": (0.1, float("nan"))}, r"span\[1\] = nan"),
         (0.2, {"span": (0.1, 0.5), "step": 0.0}, "step = 0.0: must be above 0"),
+        (0.2, {"span": (0.1, 0.5), "max_points": 0}, "max_points = 0: must be at least 1"),
+        (0.2, {"span": (0.1, 0.5), "tol": 0.0}, "tol = 0.0: must be above 0"),
+        (0.2, {"span": (0.1, 0.5), "parameter": 3}, "parameter = 3: must be the name"),
     ],
 )
 def test_bad_input_is_answered_in_one_line(speed, keywords, message):

@@ -155,3 +155,17 @@ def test_a_map_says_none_where_nothing_repeats() -> None:
     ds = ss.sweep(MODEL, GRID, t_end=100, initial=(0.1, 0.1, 0, 0), observe="periodicity")
     bar = plot_sweep.parameter_map(ds, "periodicity").axes[1]
     assert "none" in [one.get_text() for one in bar.get_yticklabels()]
+
+
+def test_what_cannot_be_drawn_is_said() -> None:
+    model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
+    ds = ss.sweep(model, {"belt_speed": [0.1, 0.2]}, t_end=30, observe=("points", "state_min"))
+    for select in ("state_min", "points"):
+        with pytest.raises(ss.InputError, match="choose a result with one for each member"):
+            plot_sweep.bifurcation_diagram(ds, select=select)
+    with pytest.raises(ss.InputError, match="no dimension left to draw along"):
+        plot_sweep.bifurcation_diagram(ds.isel(belt_speed=0))
+    with pytest.raises(ss.InputError, match="state = 0: unknown state"):
+        plot_sweep.bifurcation_diagram(ds, 0)  # type: ignore[arg-type]
+    with pytest.raises(ss.InputError, match="must be a Dataset, not None"):
+        plot_sweep.parameter_map(None)  # type: ignore[arg-type]

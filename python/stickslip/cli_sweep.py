@@ -33,7 +33,7 @@ class Axis(BaseModel):
     values: list[float] | None = None
     start: float | None = None
     stop: float | None = None
-    count: Annotated[int, Field(ge=1)] | None = None
+    count: Annotated[int, Field(ge=1, le=10**8)] | None = None
     dim: str | None = None
 
 
@@ -150,6 +150,10 @@ def _of_over(document: Document, over: Mapping[str, object]) -> Iterator[None]:
             unknown = error.key is None and f"'{name}'" in error.what
             if unknown or error.key in (name, f"over['{name}']"):
                 raise document.error(error.what, "over", name, value=error.value) from None
+        if error.key == "over":
+            raise document.error(error.what, "over") from None
+        if error.key is not None and error.key.startswith("dimension "):
+            raise document.error(f"{error.key}: {error.what}", "over") from None
         raise
 
 

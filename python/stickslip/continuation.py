@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from stickslip.arguments import explained, listed
+from stickslip.arguments import explained, listed, whole_number
 from stickslip.branch import (
     Branch,
     Kind,
@@ -34,6 +34,7 @@ from stickslip.branch_problem import Point, Problem
 from stickslip.cycles import LimitCycle, limit_cycle
 from stickslip.errors import InputError, StickslipError, number, unknown
 from stickslip.flow import Floats, Flow
+from stickslip.lowering import READING_EFFECTS
 from stickslip.model import Model
 from stickslip.sliding import NoLimitCycleError, equilibrium
 
@@ -90,6 +91,9 @@ def continuation(
     if not low < high:
         raise InputError("must increase", key="span", value=span)
     number("step", step, above=0, most=0.5)
+    max_points, tol = whole_number("max_points", max_points), number("tol", tol, above=0, below=1e-2)
+    if not isinstance(parameter, str):
+        raise InputError("must be the name of a parameter", key="parameter", value=parameter)
     name, speed, value = _start(model, belt_speed, parameter, (low, high))
     first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
     flow = Flow(model, speed)
@@ -120,6 +124,8 @@ def _start(
         if parameter.startswith("initial."):
             raise unknown("parameter of a branch", parameter, ["belt_speed", *model.parameters])
         name = model.parameter_name(parameter)
+        if name.partition(".")[0] in READING_EFFECTS | {"sensor_lag"}:
+            raise InputError("acts on the reading, not on the motion; no cycle depends on it", key=name)
         if belt_speed is None:
             raise InputError("missing; give the speed of the belt", key="belt_speed")
         speed, value = number("belt_speed", belt_speed), model.parameters[name]

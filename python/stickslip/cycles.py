@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.arguments import explained
+from stickslip.arguments import explained, whole_number
 from stickslip.errors import InputError, StickslipError, number
 from stickslip.flow import Arc, Contact, Floats, Flow, wiped_out
 from stickslip.model import Model
@@ -87,7 +87,10 @@ class LimitCycle:
 
     def trajectory(self, samples: int = 400) -> Trajectory:
         """Simulate one period at `samples` even times, both ends included."""
-        flow = Flow(self.model, self.belt_speed)
+        flow, samples = (
+            Flow(self.model, self.belt_speed),
+            whole_number("samples", samples, least=2, most=10**7),
+        )
         return flow.run(self.state, _even(self.period, samples), contact=self.contact)
 
 

@@ -16,6 +16,7 @@ from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.lowering import HIDDEN, READING_EFFECTS
 from stickslip.model import Model
+from stickslip.rig import on_belt
 from stickslip.simulate import Trajectory, simulate
 
 Floats = NDArray[np.float64]
@@ -74,6 +75,7 @@ class Flow:
 
     def __post_init__(self) -> None:
         must_be("model", self.model, Model, "Model(rig, friction=law) or load_model(file) give one")
+        on_belt(self.model.rig)
 
     @cached_property
     def plain(self) -> Model:

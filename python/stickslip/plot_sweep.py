@@ -65,8 +65,14 @@ def bifurcation_diagram(
     points = observed(ds, "points")
     states = [str(name) for name in ds["state"].values]
     if state not in states:
-        raise InputError(f"unknown state; {did_you_mean(state, states)}", key="state", value=state)
+        raise InputError(f"unknown state; {did_you_mean(str(state), states)}", key="state", value=state)
+    colour = None if select is None else observed(ds, select)
+    if colour is not None and {"state", "point"} & set(colour.dims):
+        words = f"has a value for each {' and '.join(str(d) for d in colour.dims if d in ('state', 'point'))}"
+        raise InputError(f"{words}; choose a result with one for each member", key="select", value=select)
     dims = [str(dim) for dim in points.dims if dim not in ("point", "state")]
+    if not dims:
+        raise InputError("has no dimension left to draw along; keep the one of a parameter", key="dataset")
     along = coordinate(ds, parameter, dims[0])
     beside = second(
         ds, [dim for dim in dims if dim not in ds[along].dims], along, 1 if select else len(COLOURS)
@@ -87,11 +93,11 @@ def bifurcation_diagram(
                 ax.scatter(x.isel(here), value.isel(here), color=COLOURS[i], **look)
                 ax.scatter([], [], s=20, lw=0, color=COLOURS[i], label=f"{_label(ds, beside)} = {one:.4g}")
             figure.legend(loc="outside upper center", ncols=4)
-        elif select is None:
+        elif colour is None:
             ax.scatter(x, value, color=MEASURED, **look)
         else:
-            drawn = ax.scatter(x, value, c=observed(ds, select).broadcast_like(value), cmap="viridis", **look)
-            figure.colorbar(drawn, ax=ax, label=_label(ds, select))
+            drawn = ax.scatter(x, value, c=colour.broadcast_like(value), cmap="viridis", **look)
+            figure.colorbar(drawn, ax=ax, label=_label(ds, str(select)))
         ax.set_xlabel(_label(ds, along))
         ax.set_ylabel(f"{SYMBOLS.get(state, state)} at releases")
     return figure
@@ -121,7 +127,7 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
             raise InputError(f"give one of {', '.join(states)}", key="state", value=state)
         values = values.isel(state=states.index(state))
     down, across = two(ds, [str(dim) for dim in values.dims])
-    done = (ds["status"] == 0).transpose(*values.dims).values
+    done = (observed(ds, "status") == 0).transpose(*values.dims).values
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")
         ax = figure.subplots()
@@ -155,7 +161,7 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     down, across = starts(ds, [str(dim) for dim in low.dims if dim != "state"])
     features = np.concatenate([low.values, high.values], axis=-1)
     flat = features.reshape(-1, features.shape[-1])
-    flat = np.where((ds["status"].values.ravel() == 0)[:, None], flat, np.nan)
+    flat = np.where((observed(ds, "status").values.ravel() == 0)[:, None], flat, np.nan)
     which, kinds, lumped = attractors(flat, tolerance)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
@@ -194,10 +195,16 @@ def _request(
         atol=atol,
         observe=chosen(observe),
         points=whole_number("points", points, least=2, most=_core.MAX_SWEEP_POINTS),
-        lanes=bool(lanes),
+        lanes=_yes_or_no("lanes", lanes),
         max_transitions=whole_number("max_transitions", most[0]),
         max_steps=whole_number("max_steps", most[1]),
     )
+
+
+def _yes_or_no(key: str, value: object) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError("must be True or False", key=key, value=value)
+    return bool(value)
 
 
 def _belt_speed_is_given_once(grid: Grid, belt_speed: float | None) -> None:

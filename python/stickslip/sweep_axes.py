@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from stickslip.arguments import must_be
 from stickslip.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
@@ -12,6 +13,11 @@ if TYPE_CHECKING:
 
 def observed(ds: xr.Dataset, name: str) -> xr.DataArray:
     """Return a result of the sweep; refuse one that was not observed."""
+    import xarray as xr
+
+    must_be("dataset", ds, xr.Dataset, "sweep gives one")
+    if not isinstance(name, str):
+        raise InputError("must be a name", key="variable", value=name)
     if name not in ds:
         raise InputError(f"not in the dataset; sweep with observe=('{name}', ...)", key=name)
     return ds[name]

@@ -18,6 +18,7 @@ from stickslip.lowering import Lowered
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
+MOST = 10**18  # members
 CHECKED = 2000  # members of which a model is made to see that it is allowed
 
 
@@ -110,6 +111,10 @@ def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str
         )
     _consistent(columns)
     grid = Grid(tuple(columns))
+    if math.prod(grid.sizes.values()) > MOST:
+        raise InputError(
+            f"has {math.prod(grid.sizes.values()):.3g} members, more than can be counted", key="over"
+        )
     _allowed(grid, model)
     return grid
 
@@ -119,6 +124,9 @@ def _column(name: str, given: object) -> tuple[str, Floats]:
     if isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str):
         dim, given = given
     try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iufO":
+            raise TypeError
         values = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError("not numbers; give an array, or a pair (dimension, array)", key=key) from None

@@ -149,7 +149,7 @@ class ZarrSink:
     def __init__(self, request: Request, path: Path) -> None:
         self.request, self.path = request, path
         module = _zarr()
-        if path.exists():
+        if _exists(path):
             _same_sweep(module, request, path)
         else:
             _make(module, request, path)
@@ -211,6 +211,14 @@ class ZarrSink:
         return cast("zarr.Array[Any]", self.group[name])
 
 
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError) as error:  # a name too long, or none that a file can have
+        words = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot be a path ({words})", key="out", value=str(path)) from None
+
+
 def _zarr() -> ModuleType:
     try:
         import zarr
@@ -237,7 +245,9 @@ def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
     if not differing:
         for name in (*coordinates(request), *request.observe):
             _array_is_there(module, path, name)
-        _same_order(module.open_group(str(path), mode="r"), request, path)
+        group = module.open_group(str(path), mode="r")
+        _same_order(group, request, path)
+        _same_chunks(group, request, path)
         return
     name = differing[0]
     detail = "" if name in ("model", "over") else f": there {there.get(name)}, here {now[name]}"
@@ -257,6 +267,14 @@ def _array_is_there(module: ModuleType, path: Path, name: str) -> None:
     except (ValueError, KeyError, TypeError) as error:
         words = f"has an array '{name}' that cannot be read ({error}): it is damaged; give another path"
         raise InputError(words, key="out", value=str(path)) from None
+
+
+def _same_chunks(group: zarr.Group, request: Request, path: Path) -> None:
+    for name in request.observe:
+        array, extra = cast("Any", group[name]), request.extra(name)
+        if array.shape != (*request.grid.shape, *extra) or array.chunks != (*request.block_shape, *extra):
+            words = f"has an array '{name}' of another shape: it is damaged; give another path"
+            raise InputError(words, key="out", value=str(path))
 
 
 def _mended(group: zarr.Group, request: Request) -> None:
@@ -288,8 +306,9 @@ def _make(module: ModuleType, request: Request, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}."))
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", key="out", value=str(path)) from None
+    except (OSError, ValueError) as error:
+        words = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot be written ({words})", key="out", value=str(path)) from None
     try:
         _fill(module.open_group(str(beside), mode="w", zarr_format=3), request)
         with warnings.catch_warnings():

@@ -22,6 +22,7 @@ def attempt(over: object, model: ss.Model = MODEL, **settings: Any) -> None:
     ss.sweep(model, over, **({"t_end": 10.0} | settings))  # type: ignore[arg-type]
 
 
+HUGE = np.linspace(1.0, 2.0, 5_000_000)
 MANY = {f"initial.{name}": np.linspace(-1, 1, 1000) for name in ("x1", "x2", "y1", "y2")}
 
 for tried, over, settings in (
@@ -42,6 +43,14 @@ for tried, over, settings in (
     ("an empty grid", {"belt_speed": []}, {}),
     ("a NaN in a coordinate", {"belt_speed": [0.1, np.nan]}, {}),
     ("text as values", {"belt_speed": "fast"}, {}),
+    ("complex values", {"belt_speed": np.array([0.1j])}, {}),
+    ("a word for `lanes`", {"belt_speed": SPEEDS}, {"lanes": "no"}),
+    (
+        "more members than can be counted",
+        {"alpha1": HUGE, "alpha2": HUGE, "belt_speed": HUGE},
+        {"out": "a.zarr"},
+    ),
+    ("a path too long", {"belt_speed": SPEEDS}, {"out": "a" * 300}),
     ("a single number as values", {"belt_speed": 0.1}, {}),
     ("values with two dimensions", {"belt_speed": [[0.1, 0.2]]}, {}),
     ("a negative mass", {"mass": [1.0, -1.0]}, {"belt_speed": 0.1, "model": BLOCK}),
