@@ -136,3 +136,10 @@ def test_a_knot_where_the_pivot_sticks_is_no_chatter(place: str, lanes: bool) ->
         assert (swept.status == 0).all()
         ends.append(swept.final_state.values)
     np.testing.assert_allclose(*ends, atol=1e-7)
+
+
+def test_friction_that_drives_is_said_of_a_sweep_too() -> None:
+    rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    model = ss.Model(rig, friction=ss.PaperFriction(), effects=[ss.effect("friction_drift", r=0.001)])
+    with pytest.warns(ss.ModelWarning, match=r"friction_drift\.r = -0\.1: .*in some members"):
+        ss.sweep(model, {"friction_drift.r": [-0.1, 0.0]}, belt_speed=0.1, t_end=50)

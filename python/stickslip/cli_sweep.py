@@ -17,7 +17,7 @@ from rich.console import Console
 from stickslip.cli_path import Named
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_effect, read_friction, read_rig
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ModelWarning
 from stickslip.model import Model, load_model
 from stickslip.sweep import sweep as run_sweep
 from stickslip.sweep_observe import DEFAULT
@@ -122,6 +122,9 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
         ds = run_sweep(
             model, over, **asked.sweep.model_dump(), out=out, threads=threads, progress=console.is_terminal
         )
+    for one in interrupts:
+        if issubclass(one.category, ModelWarning):
+            console.print(f"note: {one.message}", markup=False)
     if any("interrupted" in str(one.message) for one in interrupts):
         console.print(f"stopped; the same command goes on with {out}", markup=False)
         sys.exit(INTERRUPTED)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,8 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip.arguments import explained, whole_number
 from stickslip.arguments import path as as_path
-from stickslip.errors import InputError, number
+from stickslip.errors import InputError, ModelWarning, number
+from stickslip.friction_sign import driving_friction
 from stickslip.lowering import lower
 from stickslip.model import Model
 from stickslip.simulate import checked_initial, checked_tolerances
@@ -106,6 +108,11 @@ def sweep(
     InputError
         A name, value or setting is wrong; said before any work.
 
+    Warns
+    -----
+    ModelWarning
+        An effect turns the sign of friction, as in `simulate`, in a member at an end of what varies.
+
     Notes
     -----
     An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed".
@@ -126,10 +133,25 @@ def sweep(
         (max_transitions, max_steps),
     )
     workers = _threads(threads)
+    if model.effects:
+        for said in _driving(request):
+            warnings.warn(f"{said} (in some members at least)", ModelWarning, stacklevel=3)
     _fits(request, out)
     sink: Sink = MemorySink(request) if out is None else ZarrSink(request, as_path("out", out))
     _compute(request, sink, workers, progress, client)
     return sink.dataset()
+
+
+def _driving(request: Request) -> list[str]:
+    """What is said of effects that turn the sign of friction, each of what varies at its least and greatest."""
+    model, ends = request.model, [request.model]
+    for column in request.grid.columns:
+        if column.name in model.parameters:
+            for value in (column.values.min(), column.values.max()):
+                with suppress(InputError):  # allowed beside another value of a shared dimension alone
+                    ends.append(model.replace({column.name: float(value)}))
+    said = [one for end in ends for one in driving_friction(end, 0.0, request.t_end)]
+    return list({one.partition(":")[0].partition(".")[0]: one for one in reversed(said)}.values())
 
 
 def _compute(request: Request, sink: Sink, threads: int, progress: bool, client: Client | None) -> None:
