@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from discover_cases import make_case
 from stickslip.discovery import drifting, loop, trace
-from stickslip.discovery.choice import choose
+from stickslip.discovery.choice import Choice, _with_drift, choose
 from stickslip.discovery.rivals import shapes
 from stickslip.discovery.search import Search
 from stickslip.effects import effect
@@ -68,3 +70,17 @@ def test_a_droop_stays_one():
     search, droop = searched(DROOP)
     assert droop.chi2 == pytest.approx(1.0, abs=0.1)
     assert drifting.drift_of(search) is None
+
+
+@pytest.mark.parametrize(("left", "drifts"), [(0.05, True), (8.0, False)])
+def test_what_a_slow_wave_leaves_much_of_is_no_drift(monkeypatch, left, drifts):
+    """A droop may stand in for anything: a curved sensor, for one."""
+    trials = {
+        name: SimpleNamespace(chi2=1 + chi2, names=(name,)) for name, chi2 in (("wave", left), ("droop", 8.2))
+    }
+    null = SimpleNamespace(chi2=17.5, names=())
+    found = Choice(null, SimpleNamespace(chi2=9.2, names=(drifting.DROOP,)), None, [])
+    monkeypatch.setattr("stickslip.discovery.choice.drift_of", lambda _: (trials["wave"], "curve"))
+    choice = _with_drift(None, found)
+    assert (choice.drift is not None) == drifts
+    assert (choice is found) != drifts

@@ -110,10 +110,10 @@ def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
         fit = SimpleNamespace(cost=bic)
         return SimpleNamespace(names=names, bic=bic, chi2=chi2, excess=excess, fit=fit)
 
-    best = fitted(("stribeck_peak",), 1000.0, 1 + 0.01 * excess, excess)
+    best = fitted(("sensor_crosstalk",), 1000.0, 1 + 0.01 * excess, excess)
     curve = fitted(("tabulated_contact_v_w",), curve_bic, 1.0, 0.0)
     again = fitted(
-        ("stribeck_peak",), beside_bic, 1.0 + (0.01 * excess if beside_bic == 1000.0 else 0), excess
+        ("sensor_crosstalk",), beside_bic, 1.0 + (0.01 * excess if beside_bic == 1000.0 else 0), excess
     )
     learned = []
 
@@ -131,25 +131,25 @@ def chosen(monkeypatch, excess, curve_bic, beside_bic=1000.0):
 
 
 def test_a_name_that_leaves_a_little_is_held_against_curves(monkeypatch):
-    assert chosen(monkeypatch, 0.9 * DOUBTFUL, 500.0) == (("stribeck_peak",), False)
+    assert chosen(monkeypatch, 0.9 * DOUBTFUL, 500.0) == (("sensor_crosstalk",), False)
     assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0) == (("tabulated_contact_v_w",), True)
-    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 1000.0 - 0.9 * MARGIN) == (("stribeck_peak",), True)
+    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 1000.0 - 0.9 * MARGIN) == (("sensor_crosstalk",), True)
 
 
 def test_a_name_stuck_in_a_poor_minimum_is_freed_from_where_the_curve_is(monkeypatch):
-    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0, beside_bic=495.0) == (("stribeck_peak",), True)
+    assert chosen(monkeypatch, 1.1 * DOUBTFUL, 500.0, beside_bic=495.0) == (("sensor_crosstalk",), True)
 
 
 @pytest.mark.parametrize(
-    ("beyond", "names"), [(0.9 * ON_TRACK, ("c",)), (1.1 * ON_TRACK, ("sensor_lag", "stribeck_peak"))]
+    ("beyond", "names"), [(0.9 * ON_TRACK, ("c",)), (1.1 * ON_TRACK, ("sensor_lag", "sensor_crosstalk"))]
 )
 def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch, beyond, names):
     def fitted(names, chi2, excess=100.0):
         fit = SimpleNamespace(cost=1000 * chi2)
         return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
 
-    null, best = fitted((), 201.0), fitted(("stribeck_peak",), 101.0)
-    quiet(monkeypatch, [fitted(("sensor_lag", "stribeck_peak"), 1.0, 0.0), best], beyond)
+    null, best = fitted((), 201.0), fitted(("sensor_crosstalk",), 101.0)
+    quiet(monkeypatch, [fitted(("sensor_lag", "sensor_crosstalk"), 1.0, 0.0), best], beyond)
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 0.99, 0.0))])
     monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
@@ -158,15 +158,15 @@ def test_likely_pairs_come_before_curves_unless_one_is_on_the_track(monkeypatch,
 
 
 @pytest.mark.parametrize(
-    ("excess", "names"), [(0.9 * DOUBTFUL, ("sensor_lag", "stribeck_peak")), (1.1 * DOUBTFUL, ("c",))]
+    ("excess", "names"), [(0.9 * DOUBTFUL, ("sensor_lag", "sensor_crosstalk")), (1.1 * DOUBTFUL, ("c",))]
 )
 def test_a_likely_pair_that_leaves_a_little_is_held_against_curves(monkeypatch, excess, names):
     def fitted(names, chi2, excess=100.0):
         fit = SimpleNamespace(cost=1000 * chi2)
         return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
 
-    null, best = fitted((), 201.0), fitted(("stribeck_peak",), 101.0)
-    quiet(monkeypatch, [fitted(("sensor_lag", "stribeck_peak"), 1.05, excess), best])
+    null, best = fitted((), 201.0), fitted(("sensor_crosstalk",), 101.0)
+    quiet(monkeypatch, [fitted(("sensor_lag", "sensor_crosstalk"), 1.05, excess), best])
     monkeypatch.setattr(choice.unlisted, "learn", lambda *_, **__: [(TERMS["x1"], fitted(("c",), 1.0, 0.0))])
     monkeypatch.setattr(choice, "beside", lambda _search, trials, _curve: trials)
     monkeypatch.setattr(choice, "absurd", lambda *_: None)
@@ -186,8 +186,31 @@ def test_a_likely_pair_that_leaves_a_little_is_held_against_curves(monkeypatch, 
 def test_a_curve_within_the_noise_surpasses_names_that_leave_a_little(
     curve_excess, named_excess, ahead, surpasses
 ):
-    curve = SimpleNamespace(excess=curve_excess, bic=1000.0 - ahead, chi2=1.015)
-    named = SimpleNamespace(excess=named_excess, bic=1000.0, chi2=1.025)
+    curve = SimpleNamespace(excess=curve_excess, bic=1000.0 - ahead, chi2=1.015, names=("learned_x1_x1",))
+    named = SimpleNamespace(excess=named_excess, bic=1000.0, chi2=1.025, names=("sensor_lag",))
+    assert choice._surpasses(curve, named) == surpasses
+
+
+@pytest.mark.parametrize(
+    ("curve_in", "named_excess", "v_s", "ahead", "surpasses"),
+    [
+        ("v_w", 1.1 * DOUBTFUL, 0.05, 1.1 * MARGIN, True),
+        ("v_w", 1.1 * DOUBTFUL, 0.05, 0.9 * MARGIN, False),
+        ("v_w", 0.9 * DOUBTFUL, 0.05, 1.1 * MARGIN, False),
+        ("x1", 1.1 * DOUBTFUL, 0.05, 1.1 * MARGIN, False),
+        ("v_w", -1.0, 0.5, -50.0, True),
+        ("x1", -1.0, 0.5, 50.0, False),
+    ],
+)
+def test_a_curve_that_has_the_name_for_a_special_case_need_only_be_more_likely(
+    curve_in, named_excess, v_s, ahead, surpasses
+):
+    names = (f"tabulated_contact_{curve_in}",)
+    curve = SimpleNamespace(excess=0.9 * CLEAN, bic=1000.0 - ahead, chi2=1.02, names=names)
+    model = SimpleNamespace(parameters={"stribeck_peak.v_s": v_s})
+    named = SimpleNamespace(
+        excess=named_excess, bic=1000.0, chi2=1.025, names=("stribeck_peak",), model=model
+    )
     assert choice._surpasses(curve, named) == surpasses
 
 
@@ -200,7 +223,7 @@ def test_a_curve_within_the_noise_surpasses_names_that_leave_a_little(
     ],
 )
 def test_a_curve_that_leaves_less_than_half_surpasses_names(left, ahead, surpasses):
-    curve = SimpleNamespace(excess=100.0, bic=1000.0 - ahead, chi2=1 + left)
+    curve = SimpleNamespace(excess=100.0, bic=1000.0 - ahead, chi2=1 + left, names=())
     assert choice._surpasses(curve, SimpleNamespace(excess=200.0, bic=1000.0, chi2=2.0)) == surpasses
 
 
@@ -210,7 +233,7 @@ def test_a_wrong_number_within_the_noise_ends_the_search(monkeypatch, left, name
         fit = SimpleNamespace(cost=1000 * chi2)
         return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=excess, fit=fit)
 
-    null, best = fitted((), 201.0, 900.0), fitted(("stribeck_peak",), 101.0, 900.0)
+    null, best = fitted((), 201.0, 900.0), fitted(("sensor_crosstalk",), 101.0, 900.0)
     curve = [(TERMS["x1"], fitted(("c",), 0.99, 0.0))]
     quiet(monkeypatch)
     monkeypatch.setattr(choice, "freed", lambda *_, **__: [fitted(("alpha2",), 1.01, left)])
@@ -263,7 +286,7 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
         fit = SimpleNamespace(cost=1000 * chi2)
         return SimpleNamespace(names=names, bic=1000 * chi2, chi2=chi2, excess=100.0, fit=fit)
 
-    null, best = fitted((), 1 + 100 / named), fitted(("stribeck_peak",), 101.0)
+    null, best = fitted((), 1 + 100 / named), fitted(("sensor_crosstalk",), 101.0)
     sought = []
 
     def pairs(_search, trials, most):
@@ -286,7 +309,7 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
     assert found.trial.names == ("c",)
 
 
-@pytest.mark.parametrize(("name", "chosen"), [("harmonic_forcing", "c"), ("stribeck_peak", "stribeck_peak")])
+@pytest.mark.parametrize(("name", "chosen"), [("harmonic_forcing", "c"), ("sensor_crosstalk", "sensor_crosstalk")])
 def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsewhere(
     monkeypatch, name, chosen
 ):

@@ -16,7 +16,7 @@ from stickslip.discovery.place import place_of, promises
 from stickslip.discovery.recurring import learn_recurring
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rig_numbers import KINDS, freed
-from stickslip.discovery.rivals import PERIODIC
+from stickslip.discovery.rivals import BOUNDS, PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
     MARGIN,
@@ -41,6 +41,7 @@ ON_TRACK = (
 SURPASSED = 0.05  # share of what the best name leaves: where a curve leaves less, no pair of names is sought
 CURVES = 30.0  # processor seconds for curves, at least, where the names took all there were
 REPEATS = 15.0  # processor seconds for what repeats in time, at least, where the names took all there were
+WIDE = 0.95  # of the greatest width: a peak that stopped there
 DECISIVE = 100.0  # of BIC, by which a curve within the noise must surpass names that leave a little
 BETTER = 0.5  # share of the excess that a learned curve may leave of what the best named effects leave
 
@@ -98,8 +99,9 @@ def _with_drift(search: Search, choice: Choice) -> Choice:
     if found is None:
         return choice
     wave, curve = found
-    left, before = wave.chi2 - 1, choice.null.chi2 - 1
-    if left > max(choice.trial.chi2 - 1, STANDS_IN * before):
+    if wave.chi2 - 1 > STANDS_IN * (
+        choice.null.chi2 - 1
+    ):  # of something else, whatever else stands in for it
         return choice
     return Choice(choice.null, wave, None, [wave, *choice.trials], ("belt", ("t",)), drift=curve)
 
@@ -117,7 +119,7 @@ def _with_rig(search: Search, choice: Choice) -> Choice:
 
 def _choose(search: Search, trials: list[Trial]) -> Choice:
     null, best = search.tried[()], trials[0]
-    if explained(best, null) and best.excess < DOUBTFUL:
+    if explained(best, null) and best.excess < DOUBTFUL and not _wide(best):
         return Choice(null, best, None, trials)
     if explained(best, null) and not best.names:  # a line is far sharper than chi-squared over all
         curves = learn_recurring(search, null)
@@ -248,8 +250,28 @@ def stood_in_for(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[s
 def _surpasses(curve: Trial, named: Trial) -> bool:
     """Does a learned curve do clearly better than the best of the named, pairs too?
 
-    It leaves less than half. Or it is within the noise and far more likely, and they leave more than a sampling error.
+    It leaves less than half. Or it is within the noise and far more likely, and they leave more than a sampling error;
+    a curve at the place and in the variable of the name has that for a special case, and need only be more likely. A
+    peak as wide as all slip is none, and gives way to a curve that does as well.
     """
     if curve.bic < named.bic - MARGIN and curve.chi2 - 1 < BETTER * max(named.chi2 - 1, 1e-9):
         return True
-    return curve.excess < CLEAN and named.excess > DOUBTFUL and curve.bic < named.bic - DECISIVE
+    if curve.excess >= CLEAN:
+        return False
+    alike = _curve_for(named) in curve.names
+    if alike and _wide(named):
+        return True
+    return named.excess > DOUBTFUL and curve.bic < named.bic - (MARGIN if alike else DECISIVE)
+
+
+def _curve_for(named: Trial) -> str:
+    """Name of the curve that has a single name for a special case; none for several."""
+    kind = CATALOGUE[named.names[0]] if len(named.names) == 1 and named.names[0] in CATALOGUE else None
+    return "" if kind is None or len(kind.depends_on) != 1 else f"tabulated_{kind.where}_{kind.depends_on[0]}"
+
+
+def _wide(named: Trial) -> bool:
+    """Is it a Stribeck peak at the greatest width that one may have?"""
+    if named.names != ("stribeck_peak",):
+        return False
+    return named.model.parameters["stribeck_peak.v_s"] > WIDE * BOUNDS["stribeck_peak.v_s"][1]
