@@ -309,7 +309,9 @@ def test_what_is_sought_beyond_one_name_and_one_curve(monkeypatch, left, named, 
     assert found.trial.names == ("c",)
 
 
-@pytest.mark.parametrize(("name", "chosen"), [("harmonic_forcing", "c"), ("sensor_crosstalk", "sensor_crosstalk")])
+@pytest.mark.parametrize(
+    ("name", "chosen"), [("harmonic_forcing", "c"), ("sensor_crosstalk", "sensor_crosstalk")]
+)
 def test_a_periodic_name_that_leaves_a_little_is_held_against_what_repeats_elsewhere(
     monkeypatch, name, chosen
 ):
