@@ -151,6 +151,7 @@ class Walk:
 
     def go(self, start: Point, along: Floats) -> Trace:
         """Points and special points from `start` in the direction of `along`, to an end of the span."""
+        self.problem = replace(self.problem, contact=start.contact)  # another walk may have changed it
         trace = Trace([start], [])
         points, special = trace.points, trace.special
         first = tangent = self.problem.tangent(start, along)

@@ -87,10 +87,8 @@ class LimitCycle:
 
     def trajectory(self, samples: int = 400) -> Trajectory:
         """Simulate one period at `samples` even times, both ends included."""
-        flow, samples = (
-            Flow(self.model, self.belt_speed),
-            whole_number("samples", samples, least=2, most=10**7),
-        )
+        samples = whole_number("samples", samples, least=2, most=10**7)
+        flow = Flow(self.model, self.belt_speed)
         return flow.run(self.state, _even(self.period, samples), contact=self.contact)
 
 

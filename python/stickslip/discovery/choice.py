@@ -99,9 +99,8 @@ def _with_drift(search: Search, choice: Choice) -> Choice:
     if found is None:
         return choice
     wave, curve = found
-    if wave.chi2 - 1 > STANDS_IN * (
-        choice.null.chi2 - 1
-    ):  # of something else, whatever else stands in for it
+    left, before = wave.chi2 - 1, choice.null.chi2 - 1
+    if left > STANDS_IN * before:  # it stands in for something else, as the droop did
         return choice
     return Choice(choice.null, wave, None, [wave, *choice.trials], ("belt", ("t",)), drift=curve)
 

@@ -16,7 +16,7 @@ FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
 FEW = 12  # steps, after which a fit that still falls is helped along
 FIRST_LEAP, NEXT_LEAP, LEAST_LEAP = 32.0, 2.0, 0.5  # in ways of so many steps
 FALL = 0.1  # of chi-squared, that is worth a leap
-TURNS = 5
+TURNS = 5  # of a valley, at most
 WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended somewhere else
 
 
