@@ -250,9 +250,10 @@ def test_a_forced_branch_goes_on_where_the_strobe_leaves_a_stick():
         friction=ss.HyperbolicFriction(scale=1, decay=2.74),
         effects=[ss.effect("harmonic_forcing", a=0.2, w=1.3)],
     )
-    branch = ss.continuation(model, speed, span=(0.7 * speed, 1.3 * speed), max_points=60)
+    branch = ss.continuation(model, speed, span=(0.4, 1.0))
     on_belt = np.isclose(branch.state[:, 1], branch.values, atol=1e-9)
     assert 5 < on_belt.sum() < len(branch) - 5
+    assert branch.ends == ("closed", "closed")
     for v, z, period in zip(branch.values, branch.state, branch.period, strict=True):
         end = ss.simulate(model, belt_speed=v, initial=z, t_end=period, t_eval=[period]).state[0]
         assert np.abs(end - z).max() < 1e-7
