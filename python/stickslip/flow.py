@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import must_be, vector
 from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
-from stickslip.lowering import HIDDEN, READING_EFFECTS
+from stickslip.lowering import HIDDEN, READING_EFFECTS, hidden_states
 from stickslip.model import Model
 from stickslip.rig import on_belt
 from stickslip.simulate import Trajectory, simulate
@@ -25,7 +25,6 @@ Contact = Literal["auto", "stick", "slip-", "slip+"]
 BEYOND = 1e-6  # of a natural time unit: runs end so much later than their last sample, which may be an event
 LOOK_ON = 0.01  # of a natural time unit: how far beyond the end its rate of change is read off
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # where, on [0, 1]
-OWNERS = {"friction_memory": "w", "contact_compliance": "z", "belt_load_droop": "b", "static_aging": "dwell"}
 
 
 @dataclass(frozen=True)
@@ -86,8 +85,7 @@ class Flow:
     @cached_property
     def hidden(self) -> tuple[str, ...]:
         """Hidden states that take part in the motion."""
-        present = {OWNERS.get(e.name) for e in self.model.effects}
-        return tuple(name for name in HIDDEN if name in present)
+        return hidden_states(self.plain)
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -163,9 +163,13 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )
+    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors, hidden_states(model))
+
+
+def hidden_states(model: Model) -> tuple[str, ...]:
+    """Names of the states that the model's effects add, in the core's order."""
     owned = {name for one in model.effects if isinstance(one, Effect) for name in one.kind.hidden}
-    hidden = tuple(name for name in HIDDEN if name in owned)
-    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors, hidden)
+    return tuple(name for name in HIDDEN if name in owned)
 
 
 def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.RigKind:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import segments
-from stickslip.effects import Effect, Tabulated
+from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.identify import Measured, columns, natural_period
-from stickslip.lowering import HIDDEN
+from stickslip.lowering import HIDDEN, hidden_states
 from stickslip.model import Model
 from stickslip.records import Recording
 from stickslip.rig import Rig
@@ -149,7 +149,7 @@ def _forecasts(
             hidden = ()
             continue
         if model.effects:  # what a hidden state has come to is known from the window before alone
-            owned = {n for one in model.effects if isinstance(one, Effect) for n in one.kind.hidden}
+            owned = hidden_states(model)
             hidden = tuple(float(out.hidden[n][-1]) if n in owned else 0.0 for n in HIDDEN)
         if i > 0:
             ahead[start : start + len(out.state)] = chain.read(out)
