@@ -58,7 +58,7 @@ def _onward(search: Search, best: Trial) -> Trial:
     for _ in range(TURNS):
         start = last = best
         best, leap = _steps(search, best, best.fit.vector) or best, FIRST_LEAP
-        while best.fit.iterations >= FEW and leap >= LEAST_LEAP:
+        while best.fit.iterations >= FEW and leap >= LEAST_LEAP and search.left > 0:
             way = best.fit.vector - last.fit.vector
             tasks = [search.submit(_steps, best, best.fit.vector + k * way) for k in (leap, leap / 4)]
             found = [one for task in tasks if (one := task.result())]
@@ -67,7 +67,7 @@ def _onward(search: Search, best: Trial) -> Trial:
                 last, best, leap = best, end, NEXT_LEAP
             else:
                 leap /= 16
-        if best.fit.iterations < FEW or best.fit.cost > start.fit.cost - FALL:
+        if best.fit.iterations < FEW or best.fit.cost > start.fit.cost - FALL or search.left < 0:
             break
     return best
 

@@ -49,7 +49,9 @@ from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating
-BUDGET = 90.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+BUDGET = 70.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+NAMES = 0.6  # share of them that names may take before curves and pairs are asked
+LAST = 20.0  # and beside them for the last fits
 
 
 @arguments.explained
@@ -137,17 +139,19 @@ def _discover(
     as_read = data
     count = len(case.train)
     model = Model(case.rig, friction=case.friction)
-    search = Search(data[:count], model, threads, tell, budget)
+    search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")
     data, corrected, known = _cleaned(case, data, search)
-    search = Search(data[:count], model, threads, tell, budget, workers=workers)
+    search = search.afresh(data[:count])
+    search.workers = workers
     trials = decide_single(search, known)
     freed, more = _cleaned_of_what_shows(case, data, trials[0])
     if trials[0].excess > CLEAN and _masked(data, freed) > MANY:
         tell("single readings stand out from what is left: once more without them")
         data, corrected = freed, (*corrected, *more)
         known = search.tried[()]
-        search = Search(data[:count], model, threads, tell, budget, workers=workers)
+        search = search.afresh(data[:count])
+        search.extend(NAMES * budget)
         trials = decide_single(search, known)
     choice = choose(search, trials)
     if choice.trial.names:
@@ -199,6 +203,7 @@ def _found(
     began: float,
     notes: tuple[str, ...] = (),
 ) -> Found:
+    search = replace(search, budget=search.budget - search.left + LAST)
     task = search.submit(final, choice.null)
     after = None if choice.trial is choice.null else final(search, choice.trial)
     before = task.result()

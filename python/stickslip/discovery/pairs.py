@@ -145,6 +145,8 @@ def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
     if crude is None or crude.fit.cost > HOPELESS * pair.fit.cost:
         return crude
     near = crude.fit.cost < BESIDE * pair.fit.cost  # it may do as well, however slowly it comes there
+    if search.left < 0 and not near:
+        return crude
     worst = math.inf if near else ALONE * (pair.fit.cost + MARGIN)
     return search.run(
         crude.hypothesis, cycles=SHORT, windows_of=crude, tolerance=2e-5, worst=worst, anyway=True

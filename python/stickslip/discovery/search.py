@@ -35,8 +35,9 @@ BESIDE = 1.03  # of a hopeless cost: a fit that stalls within that stands where 
 SAME = 1e-3  # of a cost: fits that end this close together have found the same minimum
 JUDGED = 4  # steps after which a fit may be given up
 MORE = 6  # times that a fit goes on while it still falls fast
-LONGEST = 20.0  # processor seconds of one fit: what takes longer is a motion far from any record, or stiff
-LARGEST = 30.0  # and of what one process is given to do
+LONGEST = 12.0  # processor seconds of one fit: what takes longer is a motion far from any record, or stiff
+LARGEST = 16.0  # and of what one process is given to do
+SPARE = 5.0  # and of a fit that is needed though the time is up
 
 
 @dataclass
@@ -103,7 +104,8 @@ class Search:
     model: Model
     threads: int
     progress: Callable[[str], None]
-    budget: float
+    budget: float  # processor seconds that may be spent for now
+    most: float = math.inf  # and in all
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
@@ -155,8 +157,15 @@ class Search:
         return found
 
     def extend(self, seconds: float) -> None:
-        """See to it that at least so many processor seconds are left."""
-        self.budget += max(0.0, seconds - self.left)
+        """See to it that at least so many processor seconds are left, as far as there are any."""
+        self.budget = max(self.budget, min(self.most, self.budget + seconds - self.left))
+
+    def afresh(self, data: list[Data]) -> Search:
+        """A search on other readings that goes on with the time of this one."""
+        return Search(
+            data, self.model, self.threads, self.progress, self.budget, self.most,
+            began=self.began, workers=self.workers, spent=self.spent,
+        )  # fmt: skip
 
     def run(
         self,
@@ -176,7 +185,7 @@ class Search:
         """Fit one hypothesis.
 
         `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
-        `worst` is a hopeless cost; `anyway` goes on when the time is up, for as long as one fit may take.
+        `worst` is a hopeless cost; `anyway` goes on for a while when the time is up.
         """
         engine = Engine(self.data, h, self.threads, learned)
         if windows_of is None:
@@ -202,7 +211,12 @@ class Search:
     def _late(self, anyway: bool) -> Callable[[], bool]:
         """Is there no time left for a fit that begins now?"""
         began = time.process_time()
-        return lambda: time.process_time() - began > LONGEST or (self.left < 0 and not anyway)
+
+        def late() -> bool:
+            over = min(SPARE, LONGEST) if anyway else 0.0
+            return time.process_time() - began > (LONGEST if self.left > 0 else over)
+
+        return late
 
     def keep(self, trial: Trial | None, key: tuple[str, ...]) -> None:
         """Remember a trial if it is the best of its names."""
