@@ -25,9 +25,9 @@ SAME_WAY = 0.9  # cosine of the angle to where it left
 FEWEST = 4  # points of a loop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SpecialPoint:
-    """A bifurcation on a branch.
+    """A bifurcation on a branch; printed, one line.
 
     Attributes
     ----------
@@ -55,10 +55,15 @@ class SpecialPoint:
     turns_round: bool = False
     ends: bool = False
 
+    def __repr__(self) -> str:
+        more = (", turns round" if self.turns_round else "") + (", ends" if self.ends else "")
+        return f"<{self.kind} at {self.value:.9g}: period {self.cycle.period:.6g}{more}>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Branch:
-    """Limit cycles along a branch, in the order in which it was traced from its lower start to its end.
+    """Limit cycles along a branch, in the order in which it was traced from its lower start to its end; printed, its
+    span and a line for each bifurcation.
 
     Attributes
     ----------
@@ -99,6 +104,14 @@ class Branch:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def __repr__(self) -> str:
+        span = (
+            f"{self.parameter} {self.values.min():.6g} to {self.values.max():.6g}" if len(self) else "empty"
+        )
+        kept = f"{np.count_nonzero(self.stable)} of {len(self)} points stable"
+        lines = [f"<Branch: {span}; {kept}; ends: {', '.join(self.ends)}>", *map(repr, self.special)]
+        return "\n  ".join(lines)
 
     def to_xarray(self) -> xr.Dataset:
         """Return the branch as a dataset over `point`; special points in the attributes."""

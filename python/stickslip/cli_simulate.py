@@ -24,6 +24,7 @@ from stickslip.simulate import simulate as run_model
 
 console = Console(highlight=False)
 MOST = 50_000_000  # samples
+FEW = 5  # rows a transition, below which the CSV does not show the motion
 DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
 LONGEST = 1000  # natural periods in the figure
 
@@ -84,8 +85,9 @@ def simulate(
                 t_end=float(times[-1]),
                 t_eval=np.union1d(times, drawn),
             )
-    for doubt in doubts:
-        console.print(f"- {doubt.message}", markup=False, soft_wrap=True)
+    said = [str(doubt.message) for doubt in doubts]
+    for one in [*said, *_sparse(run, times, units["t"])]:
+        console.print(f"- {one}", markup=False, soft_wrap=True)
     written = [out]
     kept = _at(run, times)
     _write(loaded, units, kept, out)
@@ -123,6 +125,18 @@ def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
     if end - times[-1] > 1e-9 * step:
         times = np.append(times, end)
     return np.asarray(times, dtype=np.float64)
+
+
+def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:
+    """What to say where the rows are too far apart to show the motion."""
+    changes = run.transitions.t
+    if len(changes) < 3 or len(times) > FEW * len(changes):
+        return []
+    apart = float(changes[-1] - changes[0]) / (len(changes) - 1)
+    return [
+        f"the rows are {unit.of(times[1] - times[0])} apart and the contact changes every {unit.of(apart)} on average: "
+        f"the CSV does not show the motion; --dt '{unit.of(apart / 20, 2)}' would"
+    ]
 
 
 def _drawn(model: Model, times: Array) -> Array:

@@ -28,7 +28,7 @@ LOOK_BACK = 40  # crossings of the section in which a repetition is looked for
 SAMPLES = 48  # a natural period, when looking for crossings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LimitCycle:
     """A periodic motion, stable or not.
 
@@ -74,6 +74,11 @@ class LimitCycle:
     belt_speed: float
     model: Model = field(repr=False)
     contact: Contact = "auto"
+
+    def __repr__(self) -> str:
+        state = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.states, self.state, strict=True))
+        sort = ("stable" if self.stable else "unstable") + (", sticks" if self.sticks else "")
+        return f"<LimitCycle: period {self.period:.9g}, {sort}; {state}>"
 
     @property
     def stable(self) -> bool:
@@ -134,11 +139,7 @@ def limit_cycle(
     flow = Flow(model, number("belt_speed", belt_speed))
     wanted = number("tol", tol, above=0)
     if isinstance(guess, LimitCycle):
-        if guess.states != flow.states:
-            words = (
-                f"is a cycle of {', '.join(guess.states)}; the model's states are {', '.join(flow.states)}"
-            )
-            raise InputError(words, key="guess")
+        check_states(guess, flow)
         start, rough, turns, contact = guess.state, guess.period, guess.turns, guess.contact
     elif period is not None:
         start, rough = flow.state(guess, "guess"), number("period", period, above=0)
@@ -155,6 +156,13 @@ def limit_cycle(
         _no_cycle(flow, arc.end)
     arc, turns = _least_period(flow, arc, turns, contact, wanted)
     return cycle_of(flow, arc, steps, turns, contact)
+
+
+def check_states(guess: LimitCycle, flow: Flow) -> None:
+    """Refuse a cycle of a model that has other states."""
+    if guess.states != flow.states:
+        words = f"is a cycle of {', '.join(guess.states)}; the model's states are {', '.join(flow.states)}"
+        raise InputError(words, key="guess")
 
 
 def newton(flow: Flow, z: Floats, span: float, turns: int, contact: Contact, tol: float) -> tuple[Arc, int]:

@@ -14,6 +14,7 @@ from stickslip.branch import Branch, Kind
 from stickslip.errors import InputError, did_you_mean
 from stickslip.flow import Floats
 from stickslip.plot import BAND, GREY, LIMIT, MEASURED, SIMULATED, STYLE
+from stickslip.plot_sweep import SYMBOLS
 
 Quantity = Literal["x1_max", "period", "stick_time"]
 
@@ -68,7 +69,7 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
         _marks(ax, branch, columns[quantity])
         strobed = quantity == "x1_max" and branch.forced
         words = "$x_1$ once a period of what moves the rig" if strobed else LABELS[quantity]
-        ax.set(xlabel=branch.parameter.replace("_", " "), ylabel=words)
+        ax.set(xlabel=SYMBOLS.get(branch.parameter, branch.parameter), ylabel=words)
         handles, names = ax.get_legend_handles_labels()
         unique = dict(zip(names, handles, strict=True))
         figure.legend(unique.values(), unique.keys(), loc="outside upper center", ncols=4)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from stickslip.discovery.errors import DRAWS
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
 from stickslip.report.units import Axes, Axis
 from stickslip.rig import BlockOnBelt
@@ -282,8 +283,8 @@ def floor(found: Found, *, single: bool) -> str:
         )
     which = "with what was found" if found.effects else "declared"
     return (
-        f"is the error of the model {which} on one record that it simulated itself, with fresh noise, forecast in "
-        "the same way."
+        f"is the error of the model {which} on records that it simulated itself, with fresh noise, forecast in "
+        f"the same way: the mean of {DRAWS} draws."
     )
 
 

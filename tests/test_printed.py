@@ -1,0 +1,57 @@
+"""What cycles, branches and simulated tables say of themselves where they are printed."""
+
+import re
+
+from click.testing import CliRunner
+
+import stickslip as ss
+from stickslip.cli import main
+from test_continuation import leine  # noqa: F401
+
+RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+MODEL = ss.Model(RIG, friction=ss.PaperFriction())
+
+
+def test_a_cycle_is_one_line_with_its_period():
+    cycle = ss.limit_cycle(MODEL, belt_speed=0.1)
+    assert repr(cycle).startswith(f"<LimitCycle: period {cycle.period:.9g}, stable, sticks; x1 = ")
+    assert "\n" not in repr(cycle)
+
+
+def test_a_branch_is_its_span_and_a_line_for_each_bifurcation(leine):  # noqa: F811
+    first, *rest = repr(leine).splitlines()
+    assert first.startswith(
+        f"<Branch: {leine.parameter} {leine.values.min():.6g} to {leine.values.max():.6g}; "
+    )
+    assert [line.split()[0] for line in rest] == [f"<{one.kind}" for one in leine.special]
+    for line, one in zip(rest, leine.special, strict=True):
+        assert f"at {one.value:.9g}: period {one.cycle.period:.6g}" in line
+
+
+def rows(tmp_path, *more):
+    MODEL.save(tmp_path / "model.toml")
+    asked = [
+        "simulate",
+        tmp_path / "model.toml",
+        "--belt-speed",
+        0.1,
+        "--t-end",
+        20000,
+        "--out",
+        tmp_path / "r.csv",
+    ]
+    result = CliRunner().invoke(main, [str(one) for one in [*asked, *more]])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_rows_too_far_apart_for_the_motion_are_said_with_a_step_that_is_not(tmp_path):
+    said = rows(tmp_path)
+    found = re.search(
+        r"rows are 10 apart and the contact changes every (\S+) on average: .* --dt '(\S+)' would", said
+    )
+    assert found, said
+    run = ss.simulate(MODEL, belt_speed=0.1, t_end=20000, t_eval=[20000])
+    apart = (run.transitions.t[-1] - run.transitions.t[0]) / (len(run.transitions) - 1)
+    assert abs(float(found[1]) - apart) < 1e-3 * apart
+    assert "does not show" not in rows(tmp_path, "--dt", found[2])
