@@ -258,3 +258,13 @@ def test_a_forced_branch_goes_on_where_the_strobe_leaves_a_stick():
         end = ss.simulate(model, belt_speed=v, initial=z, t_end=period, t_eval=[period]).state[0]
         assert np.abs(end - z).max() < 1e-7
     assert max(one.cycle.residual for one in branch.special) < 1e-8
+
+
+@pytest.mark.parametrize(("model", "other"), [(LEINE, RIG), (RIG, LEINE)])
+def test_a_cycle_of_another_rig_is_no_guess(model, other):
+    guess = limit_cycle(other, 0.1)
+    words = (
+        f"guess: is a cycle of {', '.join(guess.states)}; the model's states are {model.rig.state_names[0]}, "
+    )
+    with pytest.raises(ss.InputError, match=words):
+        continuation(model, span=(0.05, 0.15), guess=guess)

@@ -169,3 +169,32 @@ def test_what_cannot_be_drawn_is_said() -> None:
         plot_sweep.bifurcation_diagram(ds, 0)  # type: ignore[arg-type]
     with pytest.raises(ss.InputError, match="must be a Dataset, not None"):
         plot_sweep.parameter_map(None)  # type: ignore[arg-type]
+
+
+def test_a_basin_is_the_same_whatever_the_order_of_the_dimensions() -> None:
+    over = {"initial.x1": [0.0, 1.0], "initial.x2": [0.1, 0.2, 0.3]}
+    ds = ss.sweep(BISTABLE, over, belt_speed=0.85, t_end=20, observe=("state_min", "state_max"))
+    drawn = [
+        np.asarray(plot_sweep.basin(one).axes[0].collections[0].get_array())
+        for one in (ds, ds.transpose("state", ...))
+    ]
+    np.testing.assert_array_equal(*drawn)
+    with pytest.raises(ss.InputError, match="one state left"):
+        plot_sweep.basin(ds.isel(state=0))
+
+
+def test_a_map_of_what_has_no_values_to_draw_over_is_refused() -> None:
+    over = {"alpha1": [8.0, 16.0], "belt_speed": [0.1, 0.2, 0.3]}
+    ds = ss.sweep(MODEL, over, t_end=20, observe=("points", "stick_fraction"))
+    with pytest.raises(ss.InputError, match="no values along point; choose one value, as in ds"):
+        plot_sweep.parameter_map(ds.isel(alpha1=0), "points", state="x1")
+    with pytest.raises(ss.InputError, match=r"no values along alpha1; ds\.assign_coords"):
+        plot_sweep.parameter_map(ds.drop_vars("alpha1"))
+
+
+def test_a_map_has_no_cells_without_width() -> None:
+    over = {"alpha2": ("i", [8.0, 8, 8]), "alpha1": ("i", [10.0, 12, 14]), "belt_speed": [0.1, 0.2]}
+    ds = ss.sweep(MODEL, over, t_end=20)
+    assert "alpha_{1}" in plot_sweep.parameter_map(ds).axes[0].get_ylabel()
+    with pytest.raises(ss.InputError, match="alpha2 has the value 8 more than once"):
+        plot_sweep.parameter_map(ds.drop_vars("alpha1"))

@@ -18,6 +18,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import stickslip as ss
+from stickslip import sweep_store
 from stickslip.cli import main
 from stickslip.sweep_observe import OBSERVABLES
 from stickslip.sweep_request import Block, Request
@@ -227,8 +228,6 @@ def test_two_workers_one_killed(memory: xr.Dataset, tmp_path: Path) -> None:
             victim = next(iter(client.run(os.getpid).values()))
             delivered = 0
 
-            from stickslip import sweep_store
-
             put = sweep_store.ZarrSink.put
 
             def killing(self: sweep_store.ZarrSink, block: Block, arrays: Any) -> None:
@@ -331,3 +330,15 @@ def test_a_fault_of_what_varies_is_said_of_its_table(tmp_path: Path, over: str, 
     said, out = swept(tmp_path, over)
     assert line in said.replace("\n", " ")
     assert not out.exists()
+
+
+def test_the_slower_of_two_that_make_a_store_goes_on_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    over, out = {"belt_speed": [0.1, 0.2]}, tmp_path / "a.zarr"
+    first = ss.sweep(MODEL, over, t_end=2, out=out).load()
+    monkeypatch.setattr(sweep_store, "_exists", lambda _: False)  # it was not there when it was looked for
+    xr.testing.assert_identical(ss.sweep(MODEL, over, t_end=2, out=out).load(), first)
+    with pytest.raises(ss.InputError, match="holds a sweep with another t_end"):
+        ss.sweep(MODEL, over, t_end=3, out=out)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.zarr"]

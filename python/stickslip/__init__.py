@@ -14,6 +14,7 @@ from stickslip.forecast import forecast
 from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.identified import Identified
 from stickslip.identify import identify
+from stickslip.instruction_set import check_instruction_set
 from stickslip.lyapunov import LyapunovSpectrum, lyapunov
 from stickslip.model import Model, load_model
 from stickslip.recording import Recording, load_recording
@@ -23,6 +24,8 @@ from stickslip.simulate import Status, Trajectory, Transitions, simulate
 from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
 from stickslip.sweep import sweep
 from stickslip.units import Channel
+
+check_instruction_set()  # before anything is computed with another one than was asked for
 
 
 def __getattr__(name: str) -> str:

@@ -11,13 +11,13 @@ from typing import Annotated
 
 import click
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from rich.console import Console
 
 from stickslip.cli_path import Named
 from stickslip.config import Document, read_toml
 from stickslip.declared import read_effect, read_friction, read_rig
-from stickslip.errors import InputError, ModelWarning
+from stickslip.errors import InputError, ModelWarning, nearest
 from stickslip.model import Model, load_model
 from stickslip.sweep import sweep as run_sweep
 from stickslip.sweep_observe import DEFAULT
@@ -29,25 +29,44 @@ INTERRUPTED = 130  # what a shell reports of a program that Ctrl-C ended
 class Axis(BaseModel):
     """What a name runs through: `values`, or `start`, `stop` and `count` equal steps; `dim` to share a dimension."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
     values: list[float] | None = None
     start: float | None = None
     stop: float | None = None
     count: Annotated[int, Field(ge=1, le=10**8)] | None = None
     dim: str | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _briefly(cls, given: object) -> object:
+        """Take a list for its values; say what a number alone, and a name among the keys, should be."""
+        if isinstance(given, list):
+            return {"values": given}
+        if not isinstance(given, dict):
+            single = isinstance(given, (int, float)) and not isinstance(given, bool)
+            what = "a single number" if single else "not numbers"
+            raise ValueError(f"{what}; give a list, or start, stop and count")
+        ours = given.keys() & cls.model_fields.keys()
+        names = [name for name in given if name not in ours and nearest(name, cls.model_fields) is None]
+        if ours and names:
+            raise ValueError(f"{min(ours)} beside names of states ({', '.join(names)}); leave one out")
+        return given
+
 
 def _axes(given: object) -> object:
-    """[over] with a table for each whole name: a list is its values, and a name with a dot need not be quoted."""
+    """[over] with an entry for each whole name: one with a dot need not be quoted."""
     if not isinstance(given, dict):
-        return given
+        if isinstance(given, list) and given and all(isinstance(one, dict) for one in given):
+            return given  # headed [[over]], which is said of any table
+        raise ValueError("must be a table [over] of names and values")
     out: dict[str, object] = {}
     for name, axis in given.items():
-        if isinstance(axis, dict) and axis and not axis.keys() & Axis.model_fields.keys():
-            out |= {f"{name}.{rest}": one for rest, one in axis.items()}
-        else:
-            out[name] = axis
-    return {name: {"values": one} if isinstance(one, list) else one for name, one in out.items()}
+        dotted = isinstance(axis, dict) and axis and not axis.keys() & Axis.model_fields.keys()
+        for whole, one in ((f"{name}.{rest}", axis[rest]) for rest in axis) if dotted else ((name, axis),):
+            if whole in out:
+                raise ValueError(f"'{whole}' is given twice; leave one out")
+            out[whole] = one
+    return out
 
 
 def _names(given: object) -> object:
@@ -57,7 +76,7 @@ def _names(given: object) -> object:
 class Settings(BaseModel):
     """The table [sweep]: the keywords of `stickslip.sweep`."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
     t_end: float
     after: float = 0.0
     belt_speed: float | None = None
@@ -74,7 +93,7 @@ class Settings(BaseModel):
 class SweepFile(BaseModel):
     """sweep.toml. The model is a path, or the tables of a model file here."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
     model: str | None = None
     sweep: Settings
     over: Annotated[dict[str, Axis], BeforeValidator(_axes)]
@@ -112,6 +131,9 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
     asked = document.validated(SweepFile)
     model = _model(document, asked)
     over = {name: _values(document, name, axis) for name, axis in asked.over.items()}
+    if not over:
+        words = "empty; give at least one name and its values, like belt_speed = [0.1, 0.2]"
+        raise document.error(words, "over")
     with (
         warnings.catch_warnings(record=True) as interrupts,
         _the_option_out(),
@@ -164,6 +186,8 @@ def _model(document: Document, asked: SweepFile) -> Model:
     if asked.model is not None:
         if asked.rig is not None or asked.friction or asked.effect:
             raise document.error("a file is given, and tables of a model beside it; leave one out", "model")
+        if not asked.model:
+            raise document.error('is empty; give the path of a model, like "model.toml"', "model")
         return load_model(document.path.parent / asked.model)
     if asked.rig is None:
         raise document.error('lacks its model: give model = "model.toml", or a table [rig]')

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar, get_args
+from types import NoneType
+from typing import TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -164,13 +165,20 @@ def _first_fault(document: Document, model: type[BaseModel], error: ValidationEr
             return document.error("not a number; give one like 0.5", *keys, value=fault["input"])
         case "dict_type" | "model_type":
             return _no_table(document, keys, fault["input"])
+        case "list_type" if set(_leaves(_at(model, keys))) <= {float, int, str, NoneType}:
+            return document.error("must be a list, in [ ]", *keys, value=fault["input"])
         case "list_type":
             table = " ".join(str(key) for key in keys)
             return document.error(f"must be tables, each headed [[{table}]]", *keys)
         case "string_type":
             return document.error('not text; write it in "quotes"', *keys, value=fault["input"])
+        case "int_type":
+            return document.error("must be a whole number", *keys, value=fault["input"])
+        case "bool_type":
+            return document.error("must be true or false", *keys, value=fault["input"])
         case "value_error":
-            return document.error(str(fault["ctx"]["error"]), *keys, value=fault["input"])
+            given = None if isinstance(fault["input"], (dict, list)) else fault["input"]
+            return document.error(str(fault["ctx"]["error"]), *keys, value=given)
     words = fault["msg"].replace("Input should", "must")
     return document.error(f"{words[:1].lower()}{words[1:]}", *keys, value=fault["input"])
 
@@ -181,7 +189,7 @@ def _no_table(document: Document, keys: tuple[Key, ...], given: object) -> Input
     if names[:1] == ["channels"] and len(names) == 2:
         words = f'must be a table: {names[1]} = {{ column = "...", unit = "..." }}'
         return document.error(words, *keys, value=None if isinstance(given, list) else given)
-    if isinstance(given, list):
+    if isinstance(given, list) and all(isinstance(one, dict) for one in given):
         words = f"is there once, so it is headed [{names[-1]}], not [[{names[-1]}]]"
         return InputError(words, key=names[-1], place=Place(str(document.path), document.line(*names, 0)))
     return document.error(f"must be a table, headed [{names[-1]}]", *keys, value=given)
@@ -189,17 +197,27 @@ def _no_table(document: Document, keys: tuple[Key, ...], given: object) -> Input
 
 def _known(model: type[BaseModel], keys: tuple[Key, ...], *, required: bool = False) -> list[str]:
     """Names of the fields (all, or those required) at `keys` below a model, through lists of tables."""
-    here: object = model
-    for key in (key for key in keys if isinstance(key, str)):
-        if isinstance(here, type) and issubclass(here, BaseModel):
-            by_name = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
-            here = by_name.get(key)
-            models = [one for one in _leaves(here) if isinstance(one, type) and issubclass(one, BaseModel)]
-            here = models[0] if models else here
+    here = _at(model, keys)
     if isinstance(here, type) and issubclass(here, BaseModel):
         fields = here.model_fields.items()
         return [field.alias or name for name, field in fields if field.is_required() or not required]
     return []
+
+
+def _at(model: type[BaseModel], keys: tuple[Key, ...]) -> object:
+    """What stands at `keys` below a model: a model, through lists of them, or the type of a field."""
+    here: object = model
+    named_by_user = False  # the key of a dict, which is not a field
+    for key in (key for key in keys if isinstance(key, str)):
+        if named_by_user:
+            named_by_user = False
+        elif isinstance(here, type) and issubclass(here, BaseModel):
+            by_name = {field.alias or name: field.annotation for name, field in here.model_fields.items()}
+            here = by_name.get(key)
+            named_by_user = get_origin(here) is dict
+            models = [one for one in _leaves(here) if isinstance(one, type) and issubclass(one, BaseModel)]
+            here = models[0] if models else here
+    return here
 
 
 def _leaves(annotation: object) -> Iterator[object]:

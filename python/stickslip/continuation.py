@@ -31,7 +31,7 @@ from stickslip.branch import (
     neimark_sacker_test,
 )
 from stickslip.branch_problem import Point, Problem
-from stickslip.cycles import LimitCycle, limit_cycle
+from stickslip.cycles import LimitCycle, check_states, limit_cycle
 from stickslip.errors import InputError, StickslipError, number, unknown
 from stickslip.flow import Floats, Flow
 from stickslip.lowering import READING_EFFECTS
@@ -95,8 +95,10 @@ def continuation(
     if not isinstance(parameter, str):
         raise InputError("must be the name of a parameter", key="parameter", value=parameter)
     name, speed, value = _start(model, belt_speed, parameter, (low, high))
-    first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
     flow = Flow(model, speed)
+    if isinstance(guess, LimitCycle):
+        check_states(guess, flow)
+    first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
     problem = Problem(flow, name, first.turns, first.contact, _scale(first, high - low), tol)
     x = np.concatenate([first.state, [first.period, value]]) / problem.scale
     e = np.zeros(len(x))

@@ -112,6 +112,9 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Say what would have been right for an unknown `name`: the nearest one, or all of them."""
     names = list(known)
+    whole = [one for one in names if one.endswith(f".{name}")]
+    if whole:  # "x1" for "initial.x1"
+        return f"did you mean {' or '.join(repr(one) for one in whole[:3])}?"
     guess = nearest(name, names)
     if guess is not None:
         return f"did you mean '{guess}'?"

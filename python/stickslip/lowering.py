@@ -61,7 +61,7 @@ class Lowered:
         return np.array([*visible, *gap, *hidden, *rest], dtype=np.float64)
 
     def seeds(self, names: Iterable[str]) -> Floats:
-        """Return one row of weights a name, over all slots and states.
+        """Return one row of weights a full name (see `Model.full_name`), over all slots and states.
 
         Raises
         ------
@@ -84,13 +84,6 @@ class Lowered:
             return self.slots[name]
         if name.startswith("initial.") and name in self.known_names():
             return (WIDTH + STATES[name.removeprefix("initial.")],)
-        if name.startswith("effect."):
-            parameter = name.removeprefix("effect.")
-            owners = [known for known in self.slots if known.endswith(f".{parameter}")]
-            if len(owners) == 1:
-                return self.slots[owners[0]]
-            if owners:
-                raise InputError(f"ambiguous: give one of {', '.join(owners)}", key=name)
         hidden = name.removeprefix("initial.")
         owners = [kind.name for kind in CATALOGUE.values() if hidden in kind.hidden]
         if owners and name != hidden:

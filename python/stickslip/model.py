@@ -127,6 +127,10 @@ class Model:
         """
         return self._named(name, self.parameters)
 
+    def full_name(self, name: str) -> str:
+        """Return what a short name "effect.c" stands for, and any other name as it is."""
+        return self.parameter_name(name) if name.startswith("effect.") else name
+
     def _named(self, name: str, known: Mapping[str, float]) -> str:
         if name in known:
             return name

@@ -157,11 +157,15 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
         The dataset has not two dimensions, varies anything but initial values, or lacks these results.
     """
     tolerance = number("tolerance", tolerance, above=0)
-    low, high = observed(ds, "state_min"), observed(ds, "state_max")
-    down, across = starts(ds, [str(dim) for dim in low.dims if dim != "state"])
+    low, high, status = (observed(ds, name) for name in ("state_min", "state_max", "status"))
+    if "state" not in low.dims:
+        raise InputError("has one state left; a basin is told by all of them", key="dataset")
+    dims = [dim for dim in low.dims if dim != "state"]
+    down, across = starts(ds, [str(dim) for dim in dims])
+    low, high, status = low.transpose(*dims, "state"), high.transpose(*dims, "state"), status.transpose(*dims)
     features = np.concatenate([low.values, high.values], axis=-1)
     flat = features.reshape(-1, features.shape[-1])
-    flat = np.where((observed(ds, "status").values.ravel() == 0)[:, None], flat, np.nan)
+    flat = np.where((status.values.ravel() == 0)[:, None], flat, np.nan)
     which, kinds, lumped = attractors(flat, tolerance)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 4.6), layout="constrained")
@@ -280,4 +284,4 @@ def _mesh(
 
 def _label(ds: xr.Dataset, name: str) -> str:
     unit = str(ds[name].attrs.get("units", "1"))
-    return label(SYMBOLS.get(name, name.replace("_", " ")), "1" if "rig's units" in unit else unit)
+    return label(SYMBOLS.get(name, name), "1" if "rig's units" in unit else unit)

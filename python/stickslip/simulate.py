@@ -235,7 +235,7 @@ def simulate(
         rtol=tolerances[0],
         atol=tolerances[1],
         locator=_core.Locator[locator],
-        seeds=lowered.seeds(names),
+        seeds=lowered.seeds(map(model.full_name, names)),
         max_transitions=whole_number("max_transitions", max_transitions),
         order=0 if order is None else whole_number("order", order, least=2, most=30),
         fixed_step=0.0 if step is None else number("step", step, above=0),
@@ -271,11 +271,12 @@ def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -
     most = len(names) + len(HIDDEN)
     owned = _owned(model)
     if not len(names) <= given.size <= most:
-        raise InputError(
-            f"has {given.size} numbers; give {len(names)} ({', '.join(names)}), or up to {most} with the "
-            f"hidden states {', '.join(HIDDEN)}",
-            key="initial",
-        )
+        words = f"has {given.size} number{'s' * (given.size != 1)}; give {len(names)} ({', '.join(names)})"
+        if owned:
+            hidden = HIDDEN[: HIDDEN.index(owned[-1]) + 1]
+            states = f"hidden state{'s' * (len(hidden) > 1)} {', '.join(hidden)}"
+            words += f", or up to {len(names) + len(hidden)} with the {states}"
+        raise InputError(words, key="initial")
     values: list[float] = given.tolist()  # so few that numpy's loops cost more
     if not all(map(math.isfinite, values)):
         bad = next(name for name, x in zip((*names, *HIDDEN), values, strict=False) if not math.isfinite(x))

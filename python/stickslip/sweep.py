@@ -19,10 +19,11 @@ from stickslip.friction_sign import driving_friction
 from stickslip.lowering import lower
 from stickslip.model import Model
 from stickslip.simulate import checked_initial, checked_tolerances
+from stickslip.sweep_cluster import WorkersLostError, run_dask, usable
 from stickslip.sweep_grid import Grid, make_grid
 from stickslip.sweep_observe import DEFAULT, TAKEN, Arrays, chosen
 from stickslip.sweep_request import Block, Request
-from stickslip.sweep_run import run_dask, run_local, telling
+from stickslip.sweep_run import run_local, telling
 from stickslip.sweep_store import MemorySink, Sink, ZarrSink
 
 if TYPE_CHECKING:
@@ -115,10 +116,11 @@ def sweep(
 
     Notes
     -----
-    An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed".
+    An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed". So does a
+    cluster that loses all its workers again and again; with `out` that is an error, and the same call goes on.
     """
-    if client is not None and not hasattr(client, "scatter"):
-        raise InputError(f"must be a dask.distributed.Client, not {type(client).__name__}", key="client")
+    if client is not None:
+        usable(client)
     request = _request(
         model,
         over,
@@ -146,10 +148,10 @@ def _driving(request: Request) -> list[str]:
     """What is said of effects that turn the sign of friction, each of what varies at its least and greatest."""
     model, ends = request.model, [request.model]
     for column in request.grid.columns:
-        if column.name in model.parameters:
+        if column.full_name in model.parameters:
             for value in (column.values.min(), column.values.max()):
                 with suppress(InputError):  # allowed beside another value of a shared dimension alone
-                    ends.append(model.replace({column.name: float(value)}))
+                    ends.append(model.replace({column.full_name: float(value)}))
     said = [one for end in ends for one in driving_friction(end, 0.0, request.t_end)]
     return list({one.partition(":")[0].partition(".")[0]: one for one in reversed(said)}.values())
 
@@ -180,9 +182,21 @@ def _compute(request: Request, sink: Sink, threads: int, progress: bool, client:
                 run_local(request, missing(), threads, deliver)
             else:
                 run_dask(request, missing(), client, deliver)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, WorkersLostError) as stopped:
             done = f"{computed + there} of {request.grid.members} members"
-            warnings.warn(f"sweep interrupted: {done} computed, the rest has status -1", stacklevel=3)
+            why = "sweep interrupted"
+            if isinstance(stopped, WorkersLostError):
+                why = str(stopped)
+                _raise_if_kept(why, done, sink, computed)
+            warnings.warn(f"{why}: {done} computed, the rest has status -1", stacklevel=3)
+
+
+def _raise_if_kept(why: str, done: str, sink: Sink, computed: int) -> None:
+    """A sweep whose cluster failed is an error, unless that would throw away what memory alone holds."""
+    if isinstance(sink, ZarrSink):
+        raise InputError(f"{why}; {done} are in the store, and the same call goes on", key="client") from None
+    if not computed:
+        raise InputError(f"{why} before any member was computed", key="client") from None
 
 
 def _request(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stickslip.arguments import must_be
 from stickslip.errors import InputError, did_you_mean
 
@@ -24,11 +26,18 @@ def observed(ds: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def two(ds: xr.Dataset, dims: list[str]) -> tuple[str, str]:
-    """Names of the ordinate and the abscissa."""
+    """Names of the ordinate and the abscissa of cells; refuse values that would have the same place."""
     if len(dims) != 2:
         rest = _choose(ds, dims) if len(dims) == 3 else ""
         raise InputError(f"needs two dimensions, has {_listed(dims)}{rest}", key="dataset")
-    return coordinate(ds, None, dims[0]), coordinate(ds, None, dims[1])
+    found = coordinate(ds, None, dims[0]), coordinate(ds, None, dims[1])
+    for name in found:
+        if (value := repeated(ds, name)) is not None:
+            raise InputError(
+                f"{name} has the value {value:g} more than once; its cells would hide each other",
+                key="dataset",
+            )
+    return found
 
 
 def second(ds: xr.Dataset, dims: list[str], along: str, most: int) -> str | None:
@@ -86,10 +95,30 @@ def _choose(ds: xr.Dataset, dims: list[str]) -> str:
 
 
 def coordinate(ds: xr.Dataset, name: str | None, dim: str) -> str:
-    """Name of a coordinate along `dim`; of a shared dimension the first."""
+    """Name of a coordinate along `dim`; of a shared dimension the first that has no value twice, if any.
+
+    Raises
+    ------
+    InputError
+        There is none of that name, or none along the dimension.
+    """
     names = [str(one) for one, values in ds.coords.items() if values.ndim == 1 and one != "state"]
     if name is None:
-        return next(one for one in names if ds[one].dims == (dim,))
+        along = [one for one in names if ds[one].dims == (dim,)]
+        if not along:
+            hint = (
+                _choose(ds, [dim])
+                if dim == "point"
+                else f"; ds.assign_coords({{'{dim}': ...}}) gives it some"
+            )
+            raise InputError(f"has no values along {dim}{hint}", key="dataset")
+        return next((one for one in along if repeated(ds, one) is None), along[0])
     if name not in names:
         raise InputError(f"unknown parameter; {did_you_mean(name, names)}", key="parameter", value=name)
     return name
+
+
+def repeated(ds: xr.Dataset, name: str) -> float | None:
+    """Return the first value that a coordinate has more than once."""
+    values, counts = np.unique(ds[name].values, return_counts=True)
+    return float(values[counts > 1][0]) if (counts > 1).any() else None

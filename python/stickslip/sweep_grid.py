@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.arguments import must_be
 from stickslip.effects import CATALOGUE, CONSTANTS
 from stickslip.errors import InputError, number
-from stickslip.lowering import Lowered
+from stickslip.lowering import READING_EFFECTS, Lowered
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
@@ -25,10 +25,11 @@ CHECKED = 2000  # members of which a model is made to see that it is allowed
 @dataclass(frozen=True)
 class Column:
     """One varied name: its values along its dimension, the slots of the core they go to, and by what they are
-    multiplied there.
+    multiplied there. `name` is as it was given, `full_name` what it stands for.
     """
 
     name: str
+    full_name: str
     dim: str
     values: Floats
     slots: tuple[int, ...]
@@ -96,19 +97,7 @@ def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str
         raise InputError(
             "empty; give at least one name and its values, like {'belt_speed': array}", key="over"
         )
-    columns: list[Column] = []
-    for name, given in over.items():
-        must_be("over", name, str, "the names of what varies are strings")
-        dim, values = _column(name, given)
-        if dim != name and dim in over:
-            raise InputError(f"is varied too; give the dimension of '{name}' another name", key=dim)
-        if not dim:
-            raise InputError("its dimension's name is empty", key=f"over['{name}']")
-        if dim in taken:
-            raise InputError(f"cannot be a dimension's name, a result has it; it varies {name}", key=dim)
-        columns.append(
-            Column(name, dim, values, _slots(name, model, lowered), lowered.factors.get(name, 1.0))
-        )
+    columns = [_varied(name, given, over, model, lowered, taken) for name, given in over.items()]
     _consistent(columns)
     grid = Grid(tuple(columns))
     if math.prod(grid.sizes.values()) > MOST:
@@ -119,16 +108,49 @@ def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str
     return grid
 
 
+def _varied(
+    name: str,
+    given: object,
+    over: Mapping[str, object],
+    model: Model,
+    lowered: Lowered,
+    taken: frozenset[str],
+) -> Column:
+    must_be("over", name, str, "the names of what varies are strings")
+    if name == "initial":
+        first = model.rig.state_names[0]
+        raise InputError(
+            f"'initial' is not one number; vary its states: 'initial.{first}', ...; whole starts on a shared "
+            f"dimension: {{'initial.{first}': ('start', {first}), ...}}",
+            key="over",
+        )
+    dim, values = _column(name, given)
+    if dim != name and dim in over:
+        raise InputError(f"is varied too; give the dimension of '{name}' another name", key=dim)
+    if not dim:
+        raise InputError("its dimension's name is empty", key=f"over['{name}']")
+    if dim in taken:
+        raise InputError(f"cannot be a dimension's name, a result has it; it varies {name}", key=dim)
+    full = model.full_name(name)
+    return Column(name, full, dim, values, _slots(name, full, model, lowered), lowered.factors.get(full, 1.0))
+
+
 def _column(name: str, given: object) -> tuple[str, Floats]:
     key, dim = f"over['{name}']", name
     if isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str):
         dim, given = given
+    if np.ma.is_masked(given):
+        raise InputError("has masked entries, which are missing; fill them in or leave them out", key=key)
     try:
         raw = np.asarray(given)
         if raw.dtype.kind not in "iufO":
             raise TypeError
+        if raw.dtype.kind == "O" or isinstance(given, (list, tuple)):
+            _all_numbers(key, given if isinstance(given, (list, tuple)) else raw)
         values = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError("not numbers; give an array, or a pair (dimension, array)", key=key) from None
     if values.ndim != 1:
         words = "a single number; set it in the model, or give an array" if values.ndim == 0 else ""
@@ -141,20 +163,32 @@ def _column(name: str, given: object) -> tuple[str, Floats]:
     return dim, values
 
 
-def _slots(name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
-    known = model.parameters
-    if name.partition(".")[0] in CONSTANTS:
-        raise InputError("corrects a number of the rig; vary that number itself", key=name)
-    if name in known and name not in lowered.slots:
-        raise InputError("acts on the reading, not on the motion; a sweep observes the motion", key=name)
-    if name.partition(".")[0] in CATALOGUE and name not in known:
-        owner = name.partition(".")[0]
+def _all_numbers(key: str, given: Iterable[object]) -> None:
+    """Refuse what numpy would make a number of: a truth value among numbers, a text, None."""
+    for i, one in enumerate(given):
+        if isinstance(one, (bool, np.bool_, str, bytes)) or one is None:
+            raise InputError(f"entry {i} is {one!r}, not a number", key=key)
+
+
+def _slots(given: str, name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
+    """Slots of a full name; what is wrong is said of the name as given."""
+    known, owner = model.parameters, name.partition(".")[0]
+    if name in known and (name not in lowered.slots or _read_alone(owner, model)):
+        raise InputError("acts on the reading, not on the motion; a sweep observes the motion", key=given)
+    if owner in CONSTANTS:
+        raise InputError("corrects a number of the rig; vary that number itself", key=given)
+    if owner in CATALOGUE and name not in known:
         if all(one.name != owner for one in model.effects):
-            raise InputError(f"the model has no effect '{owner}'; add it to its effects first", key=name)
+            raise InputError(f"the model has no effect '{owner}'; add it to its effects first", key=given)
         CATALOGUE[owner].parameter(name.partition(".")[2])
     if "." not in name and name not in known and name != "belt_speed":
         model.parameter_name(name)  # says what is wrong, and the nearest name
     return tuple(int(slot) for slot in np.flatnonzero(lowered.seeds([name])[0]))
+
+
+def _read_alone(owner: str, model: Model) -> bool:
+    """Does the effect act on nothing but the reading? Some have a slot, for a lag behind them in the chain."""
+    return owner in READING_EFFECTS and all(one.name != "sensor_lag" for one in model.effects)
 
 
 def _consistent(columns: list[Column]) -> None:
@@ -179,16 +213,17 @@ def _allowed(grid: Grid, model: Model) -> None:
     Bounds are intervals and orders of two numbers (eta12 >= eta1), so it is enough to look at the extremes of each
     number and of each difference of two along each dimension, in all their combinations.
     """
-    ours = [column for column in grid.columns if column.name in model.parameters or "effect." in column.name]
+    ours = [column for column in grid.columns if column.full_name in model.parameters]
     sizes = {column.dim: len(column.values) for column in ours}
     places = {dim: _extremes([column.values for column in ours if column.dim == dim]) for dim in sizes}
     for place in _combinations(places):
-        values = {column.name: float(column.values[place[column.dim]]) for column in ours}
+        values = {column.full_name: float(column.values[place[column.dim]]) for column in ours}
         try:
             model.replace(values)
         except InputError as error:
             culprit = next(
-                (c for c in ours if c.name.rsplit(".", 1)[-1] == (error.key or "").rsplit(".", 1)[-1]), None
+                (c for c in ours if c.full_name.rsplit(".", 1)[-1] == (error.key or "").rsplit(".", 1)[-1]),
+                None,
             )
             if culprit is None:
                 raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from stickslip.sweep_observe import OBSERVABLES, POINTS, Arrays, bits, from_rows
 
 Floats = NDArray[np.float64]
 BATCH, BATCHES_A_BLOCK = 1024, 8
+LEAST = 64  # members that the core is given at once, at least
 TYPICAL = 200.0  # a run this long takes some 40 microseconds
 
 
@@ -71,7 +73,7 @@ class Request:
         fixed batches, each by one thread, make every way of computing equal to the last bit.
         """
         by_length = int(BATCH * min(1.0, TYPICAL / self.t_end))
-        return max(64, min(by_length, math.ceil(self.grid.members / 16)))
+        return max(LEAST, min(by_length, math.ceil(self.grid.members / 16)))
 
     @property
     def block_shape(self) -> tuple[int, ...]:
@@ -101,8 +103,12 @@ class Request:
             start = stop
 
     def batches(self, block: Block) -> list[tuple[int, int]]:
-        """Members of a block as (start, stop) for the core."""
-        return [(a, min(a + self.batch, block.stop)) for a in range(block.start, block.stop, self.batch)]
+        """Members of a block as (start, stop) for the core; ever fewer at the very end, where threads run dry."""
+        cuts, last = [block.start], block.stop == self.grid.members
+        while (left := block.stop - cuts[-1]) > 0:
+            size = min(self.batch, max(LEAST, left // 2)) if last else self.batch
+            cuts.append(cuts[-1] + min(size, left))
+        return list(itertools.pairwise(cuts))
 
     def compute(self, start: int, stop: int) -> Arrays:
         """Compute members start..stop, one batch, and return their results by name, members first."""
@@ -167,6 +173,7 @@ class Request:
             "observe": list(self.observe),
             **{name: getattr(self, name) for name in plain},
             "instruction_set": str(build.get("isa", "")),
+            "stickslip_version": str(build.get("version", "")),
         }
 
 

@@ -1,13 +1,11 @@
-"""The chunks of a sweep computed: by threads here, or by the workers of a dask cluster; with a progress bar."""
+"""The chunks of a sweep computed by threads of this machine; with a progress bar."""
 
 from __future__ import annotations
 
-import itertools
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import (
@@ -21,9 +19,6 @@ from rich.progress import (
 
 from stickslip.sweep_observe import Arrays
 from stickslip.sweep_request import Block, Request, joined
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 Deliver = Callable[[Block, Arrays], None]
 AHEAD = 2  # chunks handed out beyond the one being waited for
@@ -58,42 +53,6 @@ def run_local(request: Request, blocks: Iterable[Block], threads: int, deliver: 
             finish()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-
-
-def run_dask(request: Request, blocks: Iterable[Block], client: Client, deliver: Deliver) -> None:
-    """Compute chunks on a cluster; one whose worker dies is computed by another.
-
-    Chunks are few at a time on the way, so that a large sweep does not wait in the scheduler's memory.
-    """
-    from distributed import as_completed
-
-    cluster: Any = client  # distributed declares few types
-    completed: Any = as_completed
-    shared = cluster.scatter(request, broadcast=True)  # the same for every chunk: sent once
-    todo: Iterator[Block] = iter(blocks)
-    where: dict[str, Block] = {}
-
-    def submit(block: Block) -> Any:
-        future = cluster.submit(_block, shared, block, pure=False, retries=3)
-        where[future.key] = block
-        return future
-
-    at_once = 2 * max(1, sum(cluster.nthreads().values())) + AHEAD
-    flow = completed([submit(block) for block in itertools.islice(todo, at_once)])
-    try:
-        for future in flow:
-            deliver(where.pop(future.key), future.result())
-            future.release()
-            block = next(todo, None)
-            if block is not None:
-                flow.add(submit(block))
-    except BaseException:
-        cluster.cancel(list(flow.futures))
-        raise
-
-
-def _block(request: Request, block: Block) -> Arrays:
-    return request.compute_block(block)
 
 
 @contextmanager

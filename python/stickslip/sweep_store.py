@@ -6,6 +6,7 @@ marks the chunk complete: killed at any moment, the store holds whole chunks and
 
 from __future__ import annotations
 
+import errno
 import json
 import shutil
 import tempfile
@@ -149,10 +150,8 @@ class ZarrSink:
     def __init__(self, request: Request, path: Path) -> None:
         self.request, self.path = request, path
         module = _zarr()
-        if _exists(path):
+        if _exists(path) or not _made(module, request, path):
             _same_sweep(module, request, path)
-        else:
-            _make(module, request, path)
         self.group = module.open_group(str(path), mode="r+")
         _mended(self.group, request)
 
@@ -250,7 +249,7 @@ def _same_sweep(module: ModuleType, request: Request, path: Path) -> None:
         _same_chunks(group, request, path)
         return
     name = differing[0]
-    detail = "" if name in ("model", "over") else f": there {there.get(name)}, here {now[name]}"
+    detail = "" if name in ("model", "over") else f": there {there.get(name, 'unknown')}, here {now[name]}"
     raise InputError(
         f"holds a sweep with another {' and another '.join(differing)}{detail}; give the same or another path",
         key="out",
@@ -301,8 +300,8 @@ def _same_order(group: zarr.Group, request: Request, path: Path) -> None:
         raise InputError(f"{said}; give them in that order, or another path", key="out", value=path.name)
 
 
-def _make(module: ModuleType, request: Request, path: Path) -> None:
-    """Make an empty store beside and rename it, so that there is never half of one."""
+def _made(module: ModuleType, request: Request, path: Path) -> bool:
+    """Make an empty store beside and rename it, so that there is never half of one; False if another was quicker."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}."))
@@ -318,8 +317,13 @@ def _make(module: ModuleType, request: Request, path: Path) -> None:
             module.consolidate_metadata(str(beside))
         beside.chmod(0o755)
         beside.rename(path)
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+            raise
+        return False
     finally:
         shutil.rmtree(beside, ignore_errors=True)
+    return True
 
 
 def _fill(group: zarr.Group, request: Request) -> None:
