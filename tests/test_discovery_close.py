@@ -143,8 +143,12 @@ def test_the_last_fit_is_on_long_windows_if_it_fits_these_as_well(monkeypatch, c
 class Valley:
     """A curved valley whose floor falls to (1, 1); each fit creeps along it by at most 1 %."""
 
-    def __init__(self, pace):
-        self.pace, self.fits = pace, 0
+    def __init__(self, pace, most=10**6):
+        self.pace, self.fits, self.most = pace, 0, most
+
+    @property
+    def left(self):
+        return self.most - self.fits
 
     def submit(self, function, *args):
         return SimpleNamespace(result=lambda: function(self, *args))
@@ -168,6 +172,12 @@ def test_a_fit_that_creeps_along_a_valley_is_taken_to_its_end(start):
     search = Valley(0.01)
     assert last._onward(search, valley(start, 40)).fit.cost == pytest.approx(1000.0, abs=0.2)
     assert search.fits < 40  # 7 to 400 by creeping
+
+
+def test_a_valley_is_left_where_the_time_is_up():
+    search = Valley(1e-4, most=3)
+    assert last._onward(search, valley(0.0, 40)).fit.cost > 1000.2
+    assert 3 <= search.fits <= 5
 
 
 def test_a_fit_that_has_ended_is_not_taken_further():

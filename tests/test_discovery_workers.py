@@ -122,6 +122,35 @@ def test_the_time_of_workers_is_off_the_budget(data):
     assert search.away().budget == pytest.approx(10.0, abs=0.5)
 
 
+def test_what_is_asked_for_later_comes_out_of_the_same_time(data):
+    search = search_in(data, 1, budget=10.0)
+    search.most = 25.0
+    search.extend(12.0)
+    assert search.left == pytest.approx(12.0, abs=0.5)
+    search.extend(5.0)  # there is more
+    assert search.left == pytest.approx(12.0, abs=0.5)
+    search.spent = 20.0
+    search.extend(12.0)
+    assert search.budget == 25.0
+    assert search.left == pytest.approx(5.0, abs=0.5)
+    again = search.afresh(data[:1])
+    assert (again.budget, again.most, again.spent, again.began) == (25.0, 25.0, 20.0, search.began)
+    assert len(again.data) == 1
+    assert not again.tried
+
+
+@pytest.mark.parametrize(("left", "anyway", "ends"), [(1e6, False, 12), (-1.0, True, 5), (-1.0, False, 0)])
+def test_how_long_a_fit_may_take(data, monkeypatch, left, anyway, ends):
+    search = search_in(data, 1, budget=left)
+    now = [search.began]
+    monkeypatch.setattr("stickslip.discovery.search.time.process_time", lambda: now[0])
+    late = search._late(anyway)
+    now[0] += ends - 0.01
+    assert not late() or ends == 0
+    now[0] += 0.02
+    assert late()
+
+
 @pytest.mark.parametrize("longest", [0.0, 1e6])
 def test_no_fit_goes_on_for_ever_even_when_it_must_be_made(data, monkeypatch, longest):
     monkeypatch.setattr("stickslip.discovery.search.LONGEST", longest)
