@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 
 import stickslip as ss
 from stickslip.sweep_observe import OBSERVABLES, periodicity
+from stickslip.sweep_request import Block, Request
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 PAPER = ss.Model(RIG, friction=ss.PaperFriction())
@@ -238,3 +240,12 @@ def test_a_forbidden_combination_is_found_among_many() -> None:
     grid = {name: np.linspace(*ends, 8) for name, ends in over.items()}
     with pytest.raises(ss.InputError, match="eta12"):
         ss.sweep(model, grid, belt_speed=0.1, t_end=1)
+
+
+def test_batches_cover_a_chunk_and_grow_smaller_at_the_very_end_alone():
+    request = SimpleNamespace(batch=256, grid=SimpleNamespace(members=4096))
+    cuts = {stop: Request.batches(request, Block(stop - 512, stop, ())) for stop in (512, 4096)}
+    assert cuts[512] == [(0, 256), (256, 512)]
+    assert cuts[4096] == [(3584, 3840), (3840, 3968), (3968, 4032), (4032, 4096)]
+    request.grid.members = 10
+    assert Request.batches(request, Block(0, 10, ())) == [(0, 10)]
