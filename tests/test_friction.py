@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip.errors import InputError
@@ -55,6 +55,7 @@ def test_paper_law_that_never_saturates_has_no_kink() -> None:
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
+@settings(deadline=None)  # a busy machine is not a fault
 @given(v=st.floats(-10, 10))
 def test_friction_dissipates_and_stays_below_static(law: PaperFriction, v: float) -> None:
     force = float(law.force(v))
