@@ -145,9 +145,7 @@ def whole_number(key: str, value: object, *, least: int = 1, most: int = 10**15)
 def path(key: str, value: object) -> Path:
     """Return a path, or raise `InputError` for what is none."""
     if isinstance(value, (str, os.PathLike)) and isinstance(os.fspath(value), str):
-        if (
-            value == ""
-        ):  # as an unset variable of a shell leaves it; Path would take it for the working folder
+        if value == "":  # an unset variable of a shell; Path would take it for the working folder
             raise InputError("is empty; give a path", key=key)
         return Path(value)
     raise InputError(f"must be the path of a file, not {_kind(value)}", key=key)
