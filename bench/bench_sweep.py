@@ -336,7 +336,11 @@ def main() -> None:
     work = results["arithmetic"] = arithmetic()
     asked = work["steps_per_trajectory"] * work["operations_per_step"] * results["P2_per_s"]["1"]
     work["share_of_peak"] = asked / 1e9 / work["peak_Gflop_per_s"]
-    results["P2_per_s_by_instruction_set"], results["lanes_over_scalar"] = instruction_sets(options.repeats)
+    rates, ratios = instruction_sets(options.repeats)
+    results["P2_per_s_by_instruction_set"] = rates
+    plain = rates["baseline, scalar kernel"]  # what a build without vectors and without dispatch would do
+    results["lanes_over_portable_scalar"] = {isa: rates[isa] / plain for isa in ratios}
+    results["lanes_over_scalar_of_the_same_set"] = ratios
     results["microseconds_a_member"] = cost(options.large)
     results["peak_memory_MiB"] = {str(options.large): memory(options.large)}
     print(json.dumps(results, indent=2))

@@ -20,6 +20,8 @@ from run to run.
 """
 
 CONSTANTS_HEAD = """
+Several effects of the x1 channel act in this order: crosstalk, the lag of what it makes, the curvature of that, drift.
+
 With `contact_compliance` the bristle's rate is k |v| z/R: where a `normal_force_feedback` beside it takes the load
 off the contact, R goes to 0 and the equation is singular. Such runs end with `step_too_small` or `not_finite`; one
 that goes past the singular point has no converged end, whatever the tolerance.

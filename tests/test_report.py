@@ -261,7 +261,7 @@ def test_velocity_of_a_reading_is_its_derivative(effect: ss.Effect) -> None:
         )
         state, x1, y1 = bare.state, bare.state[:, 0], bare.state[:, 2]
         reading = x1 + p.get("c", 0) * y1 + p.get("q", 0) * x1**2 + (p.get("r", 0) * t if "r" in p else 0.0)
-    rate = reading_velocity(model, state, reading)
+    rate = reading_velocity(model, t, state, reading)
     differences = np.gradient(reading, t)
     assert np.median(np.abs(rate - differences)[2:-2]) < 2e-5
 

@@ -20,7 +20,7 @@ Setup all_effects() {
   p[friction_memory_tau] = 0.3, p[friction_drift_r] = 0.02, p[belt_seam_a] = 0.1, p[belt_seam_L] = 1.5;
   p[belt_seam_phi] = 0.9, p[contact_compliance_k] = 300, p[contact_compliance_c] = 2, p[belt_speed_ripple_a] = 0.15;
   p[belt_speed_ripple_w] = 2.3, p[belt_speed_ripple_phi] = 1.1, p[belt_load_droop_k] = 0.004;
-  p[belt_load_droop_tau] = 0.8, p[sensor_lag_tau] = 0.2, p[sensor_crosstalk_c] = 0.1, p[sensor_nonlinearity_q] = 0.3;
+  p[belt_load_droop_tau] = 0.8, p[sensor_lag_tau] = 0.2, p[sensor_crosstalk_c] = 0.1;
   s.structure.knots = 3;
   for (std::size_t i = 0; i < 3; ++i) {
     s.structure.knot[i] = -1.0 + static_cast<double>(i);
@@ -143,7 +143,7 @@ void check_equations(const Equations& e) {
          p[belt_load_droop_k] * at.friction - at.z[hidden_b]);
   if (e.acts(fx_lag))
     near("sensor lag", p[sensor_lag_tau] * at.slope[hidden_m],
-         e.x1() + p[sensor_crosstalk_c] * e.y1() + p[sensor_nonlinearity_q] * e.x1() * e.x1() - at.z[hidden_m]);
+         e.x1() + p[sensor_crosstalk_c] * e.y1() - at.z[hidden_m]);
   if (e.mode.contact == 0) {
     near("v_w in stick", e.v(), 0.0);
     near("limit of T_-", at.limit_minus, e.limit(p[T_s_minus]));

@@ -209,10 +209,11 @@ class _Chain:
         """Displacements (n, 1) behind the readings; the rig of two degrees has its own way."""
         if not self.model.effects or isinstance(self.model.rig, Rig):
             return run.readings
-        read = run.readings[:, 0] + self._lag * run.track.v  # m' = (reading - m)/tau
-        x = read
+        x = read = run.readings[:, 0]
         for _ in range(4):  # curves are small beside what they are added to
-            x = self._sensor.undone(read - self._curves(x, run.t), run.t)
+            x = (
+                self._sensor.undone(read - self._curves(x, run.t), run.t) + self._lag * run.track.v
+            )  # m + tau m'
         return x[:, None]
 
     def read(self, out: Trajectory) -> Array:
@@ -220,10 +221,8 @@ class _Chain:
         readings = out.state[:, list(columns(self.model.rig))].copy()
         if not self.model.effects:
             return readings
-        chain, x = self._sensor, out.state[:, 0]
-        if self._lag:  # the core lags what the sensor reads
-            chain, x = replace(chain, curvature=0.0), out.hidden["m"]
-        readings[:, 0] = chain.of(x, out.t) + self._curves(out.state[:, 0], out.t)
+        x = out.hidden["m"] if self._lag else out.state[:, 0]
+        readings[:, 0] = self._sensor.of(x, out.t) + self._curves(out.state[:, 0], out.t)
         return readings
 
 

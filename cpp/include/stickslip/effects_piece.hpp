@@ -86,8 +86,7 @@ void expand_effects(const System<T>& sys, const Mode& mode, const State<T>& stat
     if (has(sys, fx_droop))
       fx.b[k + 1] = (p[belt_load_droop_k] * fx.friction[k] - fx.b[k]) / p[belt_load_droop_tau] * over;
     if (has(sys, fx_lag)) {
-      if (!has(sys, fx_cubic1)) fx.x1_square[k] = product(s.x1, s.x1, k);
-      const T reads = s.x1[k] + p[sensor_crosstalk_c] * s.y1[k] + p[sensor_nonlinearity_q] * fx.x1_square[k];
+      const T reads = s.x1[k] + p[sensor_crosstalk_c] * s.y1[k];
       fx.reads[k] = reads;
       fx.m[k + 1] = (reads - fx.m[k]) / p[sensor_lag_tau] * over;
     }

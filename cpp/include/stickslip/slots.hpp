@@ -73,7 +73,6 @@ inline constexpr std::array<std::string_view, slot_count> slot_names{"alpha1",
                                                                      "belt_load_droop.tau",
                                                                      "sensor_lag.tau",
                                                                      "sensor_crosstalk.c",
-                                                                     "sensor_nonlinearity.q",
                                                                      "tabulated.w",
                                                                      "tabulated.phi"};
 

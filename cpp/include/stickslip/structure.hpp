@@ -78,7 +78,6 @@ enum Slot : int {
   belt_load_droop_tau,
   sensor_lag_tau,
   sensor_crosstalk_c,
-  sensor_nonlinearity_q,
   tabulated_w,  // of a table that repeats in time: it is read at (w t + phi) period / 2 pi
   tabulated_phi,
   slot_count

@@ -146,18 +146,18 @@ def read(
 
 
 def _read_x1(s: _Samples) -> None:
-    if "sensor_lag.tau" in s.p:
-        s.out.values[:, 0] = s.state[:, M]
-        s.out.slopes[:, 0] = s.slopes[M]
-    else:
-        c, q = s.p.get("sensor_crosstalk.c", 0.0), s.p.get("sensor_nonlinearity.q", 0.0)
-        x, y = s.state[:, 0], s.state[:, 2]
-        s.out.values[:, 0] = x + c * y + q * x**2 if c or q else x
-        s.out.slopes[:, 0] = (
-            s.slopes[0] * (1 + 2 * q * x)[:, None] + c * s.slopes[2] if c or q else s.slopes[0]
-        )
-        s.add(0, "sensor_crosstalk.c", y)
-        s.add(0, "sensor_nonlinearity.q", x**2)
+    """Crosstalk, the lag of what it makes, the curvature of that, drift."""
+    c, q = s.p.get("sensor_crosstalk.c", 0.0), s.p.get("sensor_nonlinearity.q", 0.0)
+    late = "sensor_lag.tau" in s.p
+    seen, slopes = (s.state[:, M], s.slopes[M]) if late else (s.state[:, 0], s.slopes[0])
+    if c and not late:
+        seen, slopes = seen + c * s.state[:, 2], slopes + c * s.slopes[2]
+    steepness = 1 + 2 * q * seen
+    s.out.values[:, 0] = seen + q * seen**2 if q else seen
+    s.out.slopes[:, 0] = slopes * steepness[:, None] if q else slopes
+    if not late:
+        s.add(0, "sensor_crosstalk.c", s.state[:, 2] * steepness)
+    s.add(0, "sensor_nonlinearity.q", seen**2)
     if "sensor_drift.r" in s.p:
         s.out.values[:, 0] += s.p["sensor_drift.r"] * s.t
         s.add(0, "sensor_drift.r", s.t)
@@ -284,33 +284,33 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.add(channel, name, basis[:, i])
 
 
-def reading_velocity(model: Model, state: Floats, reading: Floats) -> Floats:
+def reading_velocity(model: Model, t: Floats, state: Floats, reading: Floats) -> Floats:
     """d(x1 reading)/dt from the model's own states, exact for every effect of the x1 channel.
 
-    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged reading m is (x1 - m)/tau.
+    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged m is (x1 - m)/tau.
 
     Parameters
     ----------
+    t : (n,) times within the run.
     state : (n, 4) x1, x2, y1, y2.
     reading : (n,) predicted x1 reading.
     """
     x1, x2, y1, y2 = state.T
     known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-    rate: float | Floats = known.get("sensor_drift", {}).get("r", 0.0)
-    along = {"x1": (x1, x2), "y1": (y1, y2)}
+    c, q = known.get("sensor_crosstalk", {}).get("c", 0.0), known.get("sensor_nonlinearity", {}).get("q", 0.0)
+    drift = known.get("sensor_drift", {}).get("r", 0.0)
+    rate: float | Floats = drift
+    along = {"x1": (x1, x2), "y1": (y1, y2), "t": (t, 1.0)}
+    added: float | Floats = drift * t
     for one in model.effects:
-        if isinstance(one, Tabulated) and one.where == "x1 channel" and one.variable in along:
+        if isinstance(one, Tabulated) and one.where == "x1 channel":
             x, v = along[one.variable]
             step = 1e-5 * (one.knots[-1] - one.knots[0])
             rate = rate + v * (one.curve(x + step) - one.curve(x - step)) / (2 * step)
+            added = added + one.curve(x)
+    seen, moves = x1 + c * y1, x2 + c * y2
     if "sensor_lag" in known:
-        return np.asarray((_unlagged(x1, y1, known) - reading) / known["sensor_lag"]["tau"] + rate)
-    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
-    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    return np.asarray(x2 * (1.0 + 2.0 * q * x1) + c * y2 + rate)
-
-
-def _unlagged(x1: Floats, y1: Floats, known: Mapping[str, Mapping[str, float]]) -> Floats:
-    c = known.get("sensor_crosstalk", {}).get("c", 0.0)
-    q = known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    return x1 + c * y1 + q * x1**2
+        flat = reading - added
+        m = 2 * flat / (1 + np.sqrt(np.maximum(1 + 4 * q * flat, 0.0)))  # m + q m^2 = flat
+        seen, moves = m, (seen - m) / known["sensor_lag"]["tau"]
+    return np.asarray(moves * (1 + 2 * q * seen) + rate)

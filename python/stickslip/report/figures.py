@@ -110,7 +110,7 @@ def _portrait(ax: Plot, found: Found, run: RunView, smooth: Measured | None, whi
     state, reading = (
         (run.state_before, run.before["x1"]) if which == "before" else (run.state_after, run.after["x1"])
     )
-    rate = reading_velocity(found.before if which == "before" else found.after, state, reading)
+    rate = reading_velocity(found.before if which == "before" else found.after, run.t, state, reading)
     late = run.t >= half
     x, v = broken(run.t[late], state[late], reading[late], rate[late])
     colour, style = (BEFORE, DASH) if which == "before" else (AFTER, "-")
