@@ -19,7 +19,7 @@ from stickslip.catalogue import KINDS
 from stickslip.cli_discover import effects_table
 from stickslip.report import words
 from stickslip.report.contents import contents
-from stickslip.report.page import error, page, percent
+from stickslip.report.page import error, interval, page, percent, span, valued
 from stickslip.report.units import axes_of
 
 
@@ -148,3 +148,25 @@ def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verd
         assert words.sureness(below)[0] == (
             "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
         )
+
+
+def test_a_tie_among_two_effects_is_numbered(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    tied = found.effects[0]
+    other = dataclasses.replace(tied, name="harmonic_forcing", alternatives=())
+    line = words.headline(dataclasses.replace(found, effects=(tied, other)))
+    assert re.match(
+        r"The declared model lacks 2 things: \(1\) .+ or .+; \(2\) .+; where it says \"or\"", line
+    )
+    apart = words.headline(
+        dataclasses.replace(found, effects=(dataclasses.replace(tied, alternatives=()), other))
+    )
+    assert " and " in apart
+    assert "(1)" not in apart
+
+
+def test_the_table_of_all_numbers_keeps_the_digits_of_an_interval() -> None:
+    row = interval({"value": 6.30004, "low": 6.29998, "high": 6.3001})
+    assert valued(row) == "6.30004"
+    assert span(row) == "6.29998 … 6.3001"
+    assert span(interval({"value": 6.3, "low": None, "high": None})) == "–"

@@ -74,6 +74,7 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         "error": error,
         "span": span,
         "valued": valued,
+        "interval": interval,
         "percent": percent,
         "tied": words.ties,
         "guessed": words.guessed,
@@ -156,6 +157,11 @@ def span(one: Interval | None) -> str:
 def valued(one: Interval) -> str:
     """A value with the digits that its interval leaves it."""
     return words.spanned(one)[0]
+
+
+def interval(row: Mapping[str, float | None]) -> Interval:
+    """The interval of a row of the table of all numbers."""
+    return Interval(float(row["value"] or 0.0), row.get("low"), row.get("high"))
 
 
 def beneath(one: Mapping[str, float]) -> bool:

@@ -126,11 +126,15 @@ def headline(found: Found) -> str:
         acts = "acts, most likely" if guessed(effect) else "acts"
         return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
     lacking = [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
-    settled = "" if not any(ties(e) for e in found.effects) else ": these runs cannot tell which"
-    if len(lacking) <= FEW:
-        return f"The declared model lacks {joined(lacking)}{settled}."
+    tied = any(ties(e) for e in found.effects)
+    if len(lacking) == 1 or (
+        len(lacking) <= FEW and not tied
+    ):  # "and" and "or" in one sentence may be read either way
+        return (
+            f"The declared model lacks {joined(lacking)}{': these runs cannot tell which' if tied else ''}."
+        )
     listed = "; ".join(f"({i}) {one}" for i, one in enumerate(lacking, 1))
-    settled = settled and '; where it says "or" these runs cannot tell which'
+    settled = '; where it says "or" these runs cannot tell which' if tied else ""
     return f"The declared model lacks {len(lacking)} things: {listed}{settled}."
 
 
