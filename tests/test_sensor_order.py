@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from discover_cases import LAW, make_case
 from stickslip import reference
+from stickslip.discovery.data import prepare
+from stickslip.discovery.errors import measure
 from stickslip.discovery.readings import no_slopes, read, reading_velocity
 from stickslip.lowering import HIDDEN
 
@@ -37,3 +40,12 @@ def test_the_order_is_that_of_the_reference(kinds):
     np.testing.assert_allclose(seen[late], told[late], atol=2e-7)
     rate = reading_velocity(model, t, run.state, seen[:, 0])
     assert np.median(np.abs(rate - np.gradient(seen[:, 0], t))[late]) < 5e-6
+
+
+def test_the_portrait_of_a_forecast_has_every_sensor_effect():
+    data = prepare(make_case(seed=5).validate)[0]
+    effects = [ss.effect(kind, **SENSORS[kind]) for kind in SENSORS]
+    found = measure(ss.Model(RIG, friction=LAW, effects=effects), data)
+    assert len(found.samples) < len(data.t)  # a forecast begins after what it begins from
+    assert np.isfinite(found.portrait)
+    assert found.portrait > measure(ss.Model(RIG, friction=LAW), data).portrait

@@ -48,7 +48,9 @@ def measure(model: Model, run: Data) -> Measured:
     except StickslipError:
         prediction, samples = _second_half(forecaster)
     rmse = _rmse(prediction, run, samples)
-    v = _as_seen(run, reading_velocity(model, run.t, prediction.state[:, :4], prediction.readings[:, 0]))
+    v = _as_seen(
+        run, reading_velocity(model, run.t[samples], prediction.state[:, :4], prediction.readings[:, 0])
+    )
     try:
         longer, later = stitched(forecaster, 2.0)
         two = _relative(_rmse(longer, run, later), run)
