@@ -129,3 +129,17 @@ def test_a_headline_of_many_effects_numbers_them():
     assert "(1)" not in headline_of(names[:2])
     assert [f"({i})" in headline_of(names) for i in range(1, 6)] == [True] * 4 + [False]
     assert headline_of(names).startswith("The declared model lacks 4 things: (1) ")
+
+
+def test_of_a_long_run_the_last_transitions_are_drawn_over_time():
+    for t_end, part in ((100, 1.0), (1000, 0.25)):
+        t = np.arange(0, t_end, 0.1)
+        run = ss.simulate(MODEL, belt_speed=0.1, initial=(0, 0, 0, 0), t_end=t_end, t_eval=t)
+        left, right = plot.trajectory(run, ("x1", "x2", "y1", "y2"), belt_speed=0.1).axes
+        drawn = left.lines[0].get_xdata()
+        assert np.ptp(drawn) == pytest.approx(part * t_end, rel=0.3)
+        marks = sum(len(one.get_xdata()) for one in left.lines if one.get_label() in ("release", "capture"))
+        assert marks == min(len(run.transitions.t), plot.MOST_DRAWN)
+        whole = [one.get_xdata() for one in right.lines if len(one.get_xdata()) > 2]
+        assert sum(map(len, whole)) >= len(t)  # the portrait has all of the run
+        assert left.get_title() == ("" if part == 1 else f"the last {plot.MOST_DRAWN} of 192 transitions")

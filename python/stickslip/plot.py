@@ -45,6 +45,7 @@ STYLE: dict[Any, Any] = {  # matplotlib's own stubs spell every key out
 }
 DOTS = 4000  # points drawn at most; more only make the file large
 THIN = 0.01  # of an axis
+MOST_DRAWN = 40  # transitions of a run over time
 P = ParamSpec("P")
 
 
@@ -294,6 +295,8 @@ def trajectory(
 ) -> Figure:
     """A simulation: the block over time with its transitions, and its phase portrait.
 
+    Of a run with many transitions the last ones are drawn over time, and stand out in the portrait.
+
     Parameters
     ----------
     run, names, belt_speed
@@ -303,32 +306,31 @@ def trajectory(
     """
     t, x, v, y = ((units or {}).get(name, Scale()) for name in ("t", "x1", "x2", "y1"))
     times, state = _with_corners(run)
+    happened = run.transitions.t[(run.transitions.t >= run.t[0]) & (run.transitions.t <= run.t[-1])]
+    begin = happened[-MOST_DRAWN] if len(happened) > MOST_DRAWN else run.t[0]
+    late = times >= begin
     figure, (left, right) = _figure(9.0, 3.8, 1, 2)
-    left.plot(t.size * times, x.size * state[:, 0], color=SIMULATED, lw=1.1, label="$x_1$")
+    left.plot(t.size * times[late], x.size * state[late, 0], color=SIMULATED, lw=1.1, label="$x_1$")
     if "y1" in names:
-        own = label("$y_1$", "" if y.unit == x.unit else y.unit)
-        left.plot(t.size * times, y.size * state[:, names.index("y1")], color=MEASURED, lw=1.0, label=own)
+        own, second = label("$y_1$", "" if y.unit == x.unit else y.unit), state[late, names.index("y1")]
+        left.plot(t.size * times[late], y.size * second, color=MEASURED, lw=1.0, label=own)
     for mode, marker, name in ((False, "^", "release"), (True, "v", "capture")):
         chosen = (run.transitions.after == 0) == mode
-        inside = chosen & (run.transitions.t >= run.t[0]) & (run.transitions.t <= run.t[-1])
-        if inside.sum() <= 60:
-            at = t.size * run.transitions.t[inside]
-            left.plot(
-                at,
-                x.size * run.transitions.state[inside, 0],
-                marker,
-                color=LIMIT,
-                mfc="white",
-                ms=5,
-                label=name,
-            )
+        inside = chosen & (run.transitions.t >= begin) & (run.transitions.t <= run.t[-1])
+        at, where = t.size * run.transitions.t[inside], x.size * run.transitions.state[inside, 0]
+        left.plot(at, where, marker, color=LIMIT, mfc="white", ms=5, label=name)
     left.set_xlabel(label("time $t$", t.unit))
     left.set_ylabel(label("displacement", x.unit))
-    right.plot(x.size * state[:, 0], v.size * state[:, 1], color=SIMULATED, lw=1.0)
+    if not late.all():
+        left.set_title(f"the last {MOST_DRAWN} of {len(happened)} transitions", fontsize="medium")
+        right.plot(
+            x.size * state[~late, 0], v.size * state[~late, 1], color=GREY, lw=0.6, label="before these"
+        )
+    right.plot(x.size * state[late, 0], v.size * state[late, 1], color=SIMULATED, lw=1.0)
     right.axhline(v.size * belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
     right.set_xlabel(label("$x_1$", x.unit))
     right.set_ylabel(label("$x_2$", v.unit))
-    figure.legend(loc="outside upper center", ncols=4)
+    figure.legend(loc="outside upper center", ncols=5)
     return figure
 
 
