@@ -109,7 +109,7 @@ def test_the_rate_of_a_bent_reading() -> None:
     t = np.linspace(0, 6, 2001)
     state = np.stack([np.sin(t), np.cos(t), 0 * t, 0 * t], 1) * 0.9
     reading = state[:, 0] + bent_x1.curve(state[:, 0])
-    rate = reading_velocity(Model(RIG, friction=LAW, effects=[bent_x1]), state, reading)
+    rate = reading_velocity(Model(RIG, friction=LAW, effects=[bent_x1]), t, state, reading)
     np.testing.assert_allclose(rate[5:-5], np.gradient(reading, t)[5:-5], atol=1e-4)
 
 

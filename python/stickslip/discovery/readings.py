@@ -300,7 +300,8 @@ def reading_velocity(model: Model, t: Floats, state: Floats, reading: Floats) ->
     c, q = known.get("sensor_crosstalk", {}).get("c", 0.0), known.get("sensor_nonlinearity", {}).get("q", 0.0)
     drift = known.get("sensor_drift", {}).get("r", 0.0)
     rate: float | Floats = drift
-    along = {"x1": (x1, x2), "y1": (y1, y2), "t": (t, 1.0)}
+    # accelerations are not known here: what a curve in a velocity adds to the rate is left out
+    along = {"x1": (x1, x2), "y1": (y1, y2), "x2": (x2, 0.0), "y2": (y2, 0.0), "t": (t, 1.0)}
     added: float | Floats = drift * t
     for one in model.effects:
         if isinstance(one, Tabulated) and one.where == "x1 channel":
