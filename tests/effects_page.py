@@ -20,7 +20,10 @@ from run to run.
 """
 
 CONSTANTS_HEAD = """
-Several effects of the x1 channel act in this order: crosstalk, the lag of what it makes, the curvature of that, drift.
+Several effects of the x1 channel act in this order: crosstalk, the lag of what it makes, the curvature of that (with
+`sensor_gain` m (1 + e) + q m^2 for q of the true deflection), drift; learned curves, functions of the true state or of
+t, are added last. The lagged deflection is the hidden state m. `simulate` starts it at 0 unless `initial` names it:
+let a run begin a few tau before what is looked at, or give `initial` an m of x1 + c y1 - tau (x2 + c y2).
 
 With `contact_compliance` the bristle's rate is k |v| z/R: where a `normal_force_feedback` beside it takes the load
 off the contact, R goes to 0 and the equation is singular. Such runs end with `step_too_small` or `not_finite`; one

@@ -83,7 +83,7 @@ def view(model: Model, recording: ss.Recording) -> r.RunView:
     fields = {}
     for name, one in (("before", bare), ("after", model)):
         state = np.empty((len(t), 4))
-        read, mode = np.empty(len(t)), np.empty(len(t), dtype=np.int8)
+        read, rate, mode = np.empty(len(t)), np.empty(len(t)), np.empty(len(t), dtype=np.int8)
         for start in range(0, len(t), 200):
             part = slice(start, min(start + 200, len(t)))
             own = [*truth.state[start], *((0, 0, 0, truth.hidden["m"][start]) if one.effects else ())]
@@ -92,9 +92,12 @@ def view(model: Model, recording: ss.Recording) -> r.RunView:
             )
             state[part], mode[part] = run.state, run.mode
             read[part] = run.hidden["m"] if one.effects else run.state[:, 0]
+            tau = one.effects[0].parameters["tau"] if one.effects else 1.0
+            rate[part] = (run.state[:, 0] - read[part]) / tau if one.effects else run.state[:, 1]
         v_w = state[:, 1] - speed
         fields |= {
             name: {"x1": read, "y1": state[:, 2]},
+            f"rate_{name}": rate,
             f"state_{name}": state,
             f"mode_{name}": mode,
             f"speed_{name}": v_w,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -123,3 +125,50 @@ def test_noise_makes_the_largest_speed_larger_on_both_sides(tmp_path):
         "largest slip speed"
     )
     assert abs(row.difference) < 2 * row.scatter
+
+
+BLOCK = ss.BlockOnBelt(mass=1.0, stiffness=100.0, damping=0.5)
+WAVE = ss.tabulated("x1 channel", "x1", [-0.06, -0.02, 0.02, 0.06], [0.004, -0.004, 0.004, -0.004])
+
+
+@pytest.mark.parametrize(
+    ("sensors", "most"),
+    [
+        ({"sensor_nonlinearity": {"q": 2.0}}, 2),
+        ({"sensor_gain": {"e": 0.02}, "sensor_nonlinearity": {"q": 2.0}, "sensor_drift": {"r": 1e-4}}, 2),
+        ({"sensor_lag": {"tau": 0.01}}, 60),  # whose rounded tops make the level 0.6 % too high
+        ({}, 4),
+    ],
+    ids=["curved", "gained, curved, drifting", "lagged", "waved"],
+)
+def test_one_channel_is_forecast_and_compared_as_its_sensor_reads(tmp_path, sensors, most):
+    effects = [ss.effect(kind, **p) for kind, p in sensors.items()] or [WAVE]
+    model = ss.Model(BLOCK, friction=ss.CoulombFriction(static=6.0, kinetic=3.0), effects=effects)
+    t, noise = np.arange(0, 24, 0.004), 2e-5
+    run = ss.simulate(model, belt_speed=0.05, initial=(0.03, 0.05), t_end=24, t_eval=t)
+    p, x = model.parameters, run.hidden["m"] if "sensor_lag" in sensors else run.state[:, 0]
+    seen = (1 + p.get("sensor_gain.e", 0)) * x + p.get("sensor_nonlinearity.q", 0) * x**2
+    seen = seen + p.get("sensor_drift.r", 0) * t + (WAVE.curve(x) if not sensors else 0)
+    seen += noise * np.random.default_rng(0).standard_normal(len(t))
+    record = recording(tmp_path, BLOCK, t, seen, None, 0.05, "exact", noise)
+    past = record.window(0.0, 22.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ss.ModelWarning)  # the sticks of a bent reading ride at another speed
+        ahead = ss.forecast(model, past, belt_speed=0.05, horizon=1.5)
+    off = ahead["x1"].to_numpy() - np.interp(ahead["t"], t, seen)
+    assert np.sqrt(np.mean(off**2)) < most * noise
+    c = ss.compare(model, record)
+    assert np.sqrt(np.mean((c.simulated_readings - c.readings) ** 2)) < 1.3 * noise
+    assert c.row("forecast NRMSE").simulated < 1.5 * c.row("forecast NRMSE").scatter
+
+
+def test_a_curve_in_a_velocity_that_is_not_recorded_is_refused(tmp_path):
+    curve = ss.tabulated("x1 channel", "x2", [-1, 0, 1], [0.01, 0, 0.01])
+    model = ss.Model(BLOCK, friction=ss.CoulombFriction(static=6.0, kinetic=3.0), effects=[curve])
+    t = np.arange(0, 24, 0.004)
+    run = ss.simulate(model, belt_speed=0.05, initial=(0.03, 0.05), t_end=24, t_eval=t)
+    record = recording(tmp_path, BLOCK, t, run.state[:, 0], None, 0.05, "curved", 2e-5)
+    with pytest.raises(ss.InputError, match="learned_x1_x2: a curve of the reading in x2 cannot be undone"):
+        ss.compare(model, record)
+    with pytest.raises(ss.InputError, match="learned_x1_x2: a curve of the reading in x2 cannot be undone"):
+        ss.forecast(model, record, belt_speed=0.05, horizon=1.0)

@@ -13,7 +13,7 @@ from stickslip.discovery import errors
 from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.readings import as_terms, curves_of, reading_velocity
+from stickslip.discovery.readings import as_terms, curves_of, reading_rate
 from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
 from stickslip.forecast import forecast
@@ -109,7 +109,8 @@ def test_the_rate_of_a_bent_reading() -> None:
     t = np.linspace(0, 6, 2001)
     state = np.stack([np.sin(t), np.cos(t), 0 * t, 0 * t], 1) * 0.9
     reading = state[:, 0] + bent_x1.curve(state[:, 0])
-    rate = reading_velocity(Model(RIG, friction=LAW, effects=[bent_x1]), t, state, reading)
+    model = Model(RIG, friction=LAW, effects=[bent_x1])
+    rate = reading_rate(t, np.pad(state, ((0, 0), (0, 5))), model.parameters, curves_of(model))
     np.testing.assert_allclose(rate[5:-5], np.gradient(reading, t)[5:-5], atol=1e-4)
 
 

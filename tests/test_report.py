@@ -15,7 +15,7 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from stickslip.discovery.readings import reading_velocity
+from stickslip.discovery.readings import reading_rate
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
 from stickslip.report import motion, words
@@ -254,14 +254,15 @@ def test_velocity_of_a_reading_is_its_derivative(effect: ss.Effect) -> None:
         "sensor_nonlinearity": x1 + p.get("q", 0) * x1**2,
         "sensor_drift": x1 + p.get("r", 0) * t,
     }[effect.name]
-    state = run.state.copy()
+    state = np.zeros((len(t), 9))
+    state[:, :4], state[:, 7] = run.state, run.hidden.get("m", 0.0)
     if effect.name != "sensor_lag":  # simulate returns readings for these: undo them
         bare = ss.simulate(
             model.with_effects([]), belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=8.0, t_eval=t
         )
-        state, x1, y1 = bare.state, bare.state[:, 0], bare.state[:, 2]
+        state[:, :4], x1, y1 = bare.state, bare.state[:, 0], bare.state[:, 2]
         reading = x1 + p.get("c", 0) * y1 + p.get("q", 0) * x1**2 + (p.get("r", 0) * t if "r" in p else 0.0)
-    rate = reading_velocity(model, t, state, reading)
+    rate = reading_rate(t, state, model.parameters)
     differences = np.gradient(reading, t)
     assert np.median(np.abs(rate - differences)[2:-2]) < 2e-5
 

@@ -170,3 +170,18 @@ def test_the_table_of_all_numbers_keeps_the_digits_of_an_interval() -> None:
     assert valued(row) == "6.30004"
     assert span(row) == "6.29998 … 6.3001"
     assert span(interval({"value": 6.3, "low": None, "high": None})) == "–"
+
+
+def test_what_explains_nothing_is_no_finding(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    far = dataclasses.replace(found.residual_after, chi2=6037.0, clean=False)
+    worse = dataclasses.replace(found.error, before=0.96, after=2.3)
+    lost = dataclasses.replace(found, residual_after=far, error=worse)
+    assert words.headline(lost).startswith(
+        "No explanation found: the best of all that was tried is still off by 78 times the noise"
+    )
+    said = " ".join(words.sureness(lost))
+    assert "That is no finding" in said
+    assert "stands" not in said
+    helps = dataclasses.replace(lost, error=dataclasses.replace(worse, after=0.3))
+    assert not words.hopeless(helps)

@@ -123,7 +123,10 @@ def test_a_headline_of_many_effects_numbers_them():
 
     def headline_of(found):
         effects = [SimpleNamespace(name=n, alternatives=[]) for n in found]
-        rig = SimpleNamespace(verdict=Verdict.effect_found, before=MODEL, effects=effects)
+        fits = SimpleNamespace(chi2=1.0)
+        rig = SimpleNamespace(
+            verdict=Verdict.effect_found, before=MODEL, effects=effects, residual_after=fits
+        )
         return headline(rig)
 
     assert "(1)" not in headline_of(names[:2])

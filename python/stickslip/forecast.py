@@ -36,7 +36,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
 
     The state at its last sample, hidden states of effects and phases included, comes from its own readings by
     output error over windows; from there the model runs freely. The belt speed is that of the past and of the future:
-    a change of speed is not modelled.
+    a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where the run
+    began.
 
     Parameters
     ----------
@@ -58,8 +59,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Raises
     ------
     InputError
-        A horizon that is not positive, a past too short or without y1, or a belt speed of the wrong sign or ten times
-        off the one that the past rides at.
+        A horizon that is not positive, a past too short or without y1, a belt speed of the wrong sign or ten times
+        off the one that the past rides at, or, for a block on a belt, a curve of the reading in x2.
     StickslipError
         The model's run stops before the horizon.
 
@@ -117,18 +118,25 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     import pandas as pd
 
     from stickslip.discovery.slider.predict import Forecaster as Slider
+    from stickslip.discovery.slider.sensor import Reading, reading_of
     from stickslip.discovery.slider.table import measure
     from stickslip.discovery.slider.table import prepare as ready
 
-    _refuse(wrong_set_point(recording, clear=BEYOND))
-    wrong = wrong_set_point(recording, clear=NEAR)
+    sensor, t = reading_of(model, recording.channel("x1") == "spring_force"), recording.t - recording.t[0]
+    m, _ = sensor.behind(recording.x1, np.gradient(recording.x1, t), t)
+    noise = {name: size / (sensor.gain if name == "x1" else 1.0) for name, size in recording.noise.items()}
+    bare = replace(recording, x1=m, noise=noise)
+    _refuse(wrong_set_point(bare, clear=BEYOND))
+    wrong = wrong_set_point(bare, clear=NEAR)
     if wrong:
         said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
         warnings.warn(said, ModelWarning, stacklevel=4)
-    measured = measure(ready(recording))
+    measured = measure(ready(bare))
     run = measured.run
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
-    readings = run.sign * Slider(model, measured).forecast(len(run.t), future).reading
+    slider = Slider(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag))  # all but the lag is undone
+    ahead = slider.forecast(len(run.t), future)
+    readings = sensor.read(run.sign * ahead.state[:, 0], run.sign * ahead.reading, future)
     columns = {"t": future + float(recording.t[0]), recording.channel("x1"): readings}
     return pd.DataFrame(
         {name: values / recording.factor("t" if name == "t" else "x1") for name, values in columns.items()}

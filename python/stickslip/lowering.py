@@ -80,6 +80,10 @@ class Lowered:
         return [*self.slots, *(f"initial.{name}" for name in (*visible, *self.hidden))]
 
     def _columns(self, name: str) -> tuple[int, ...]:
+        owner = name.partition(".")[0]
+        read = owner in READING_EFFECTS and ("m" not in self.hidden or name not in self.slots)
+        if read or owner.startswith("learned_"):
+            raise InputError("acts on the reading, not on the motion; no state depends on it", key=name)
         if name in self.slots:
             return self.slots[name]
         if name.startswith("initial.") and name in self.known_names():

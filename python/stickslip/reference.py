@@ -327,8 +327,9 @@ def _advance(system: System, side: Side, t: float, z: Floats, end: float) -> Flo
 def readings(model: Model, run: Run, t: ArrayLike) -> Floats:
     """Return what the sensors show at the increasing times `t` (n,): x1, y1 (n, 2), or x1 alone (n, 1).
 
-    x1 reads g(m) + r t with g(x) = x + q x^2 and tau m' = x1 + c y1 - m, m(0) = x1(0) + c y1(0); y1 reads
-    y1(t - delay), and y1(0) before that (the catalogue's sensor effects; nonlinearity after lag, drift last).
+    x1 reads g(m) + r t with g(x) = x + q x^2 and tau m' = x1 + c y1 - m, m(0) = x1(0) + c y1(0) as after rest
+    (`simulate` starts from its own `initial`, m = 0 if none is given); y1 reads y1(t - delay), and y1(0) before that
+    (the catalogue's sensor effects; nonlinearity after lag, drift last).
     """
     effects, times = {e.name: e.parameters for e in model.effects}, np.asarray(t, float)
     two, c = run.system.two, effects.get("sensor_crosstalk", {"c": 0.0})["c"]

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import segments
-from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
 from stickslip.identify import Measured, columns, natural_period
 from stickslip.lowering import HIDDEN, hidden_states
@@ -25,7 +24,7 @@ from stickslip.simulate import Trajectory
 
 if TYPE_CHECKING:
     from stickslip.discovery.data import Data
-    from stickslip.discovery.slider.predict import Reading
+    from stickslip.discovery.slider.sensor import Reading
 
 THREADS = 2
 PHASES = 24  # of a turn, tried for an unknown phase
@@ -129,7 +128,8 @@ def _free_run(run: Measured, chain: _Chain, simulator: Simulator) -> Array:
             fitted = longer.windows[0] if np.isfinite(longer.chi2) else fitted
     except (StickslipError, np.linalg.LinAlgError):
         fitted = opening
-    out = _simulated(model, replace(whole, initial=fitted.initial), simulator, 0.0, ())
+    whole = replace(whole, initial=fitted.initial)
+    out = _simulated(model, whole, simulator, 0.0, chain.settled(whole))
     if out is None:
         raise InputError("the model cannot be simulated over the run from the estimated start")
     return chain.read(out)
@@ -144,15 +144,18 @@ def _forecasts(
     hidden: tuple[float, ...] = ()
     for i, (given, start) in enumerate(windows):
         at = float(run.t[start]) if model.effects else 0.0
-        out = _simulated(model, given, simulator, at, hidden)
+        n = len(given.t)
+        follows = model.effects and i + 1 < len(windows) and windows[i + 1][1] == start + n
+        to = np.append(given.t, run.t[start + n] - run.t[start]) if follows else given.t
+        out = _simulated(model, replace(given, t=to), simulator, at, hidden or chain.settled(given))
+        hidden = ()
         if out is None:
-            hidden = ()
             continue
-        if model.effects:  # what a hidden state has come to is known from the window before alone
+        if follows:  # what a hidden state has come to is known from the window before alone
             owned = hidden_states(model)
             hidden = tuple(float(out.hidden[n][-1]) if n in owned else 0.0 for n in HIDDEN)
         if i > 0:
-            ahead[start : start + len(out.state)] = chain.read(out)
+            ahead[start : start + n] = chain.read(out)[:n]
     return ahead
 
 
@@ -186,43 +189,30 @@ class _Chain:
 
     @property
     def _sensor(self) -> Reading:
-        from stickslip.discovery.slider.predict import reading_of
+        from stickslip.discovery.slider.sensor import reading_of
 
         return reading_of(self.model, self.force)
-
-    @property
-    def _lag(self) -> float:
-        return next((one.parameters["tau"] for one in self.model.effects if one.name == "sensor_lag"), 0.0)
-
-    def _curves(self, x: Array, t: Array) -> Array:
-        """What curves on the channel add, (n,)."""
-        from stickslip.discovery.readings import Learned  # slow to import
-
-        out = np.zeros(len(x))
-        for one in self.model.effects:
-            if isinstance(one, Tabulated) and one.of_reading and one.variable in ("x1", "t"):
-                basis = Learned("x1", one.variable, one.knots).basis(x if one.variable == "x1" else t)
-                out += basis @ np.array(one.values)
-        return out
 
     def undone(self, run: Measured) -> Array:
         """Displacements (n, 1) behind the readings; the rig of two degrees has its own way."""
         if not self.model.effects or isinstance(self.model.rig, Rig):
             return run.readings
-        x = read = run.readings[:, 0]
-        for _ in range(4):  # curves are small beside what they are added to
-            x = (
-                self._sensor.undone(read - self._curves(x, run.t), run.t) + self._lag * run.track.v
-            )  # m + tau m'
-        return x[:, None]
+        m, moves = self._sensor.behind(run.readings[:, 0], run.track.v, run.t)
+        return (m + self._sensor.lag * moves)[:, None]
+
+    def settled(self, window: Window) -> tuple[float, ...]:
+        """Hidden states that a window starts from where nothing else is known: a lag that has settled."""
+        if isinstance(self.model.rig, Rig) or not self._sensor.lag:
+            return ()
+        x, v = window.initial[:2]
+        return tuple(self._sensor.settled(x, v) if name == "m" else 0.0 for name in HIDDEN)
 
     def read(self, out: Trajectory) -> Array:
         """Readings (n, c) of a run: its states, with what the sensors add."""
         readings = out.state[:, list(columns(self.model.rig))].copy()
         if not self.model.effects:
             return readings
-        x = out.hidden["m"] if self._lag else out.state[:, 0]
-        readings[:, 0] = self._sensor.of(x, out.t) + self._curves(out.state[:, 0], out.t)
+        readings[:, 0] = self._sensor.read(out.state[:, 0], out.hidden.get("m"), out.t)
         return readings
 
 

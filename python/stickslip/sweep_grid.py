@@ -19,6 +19,7 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 MOST = 10**18  # members
+READS = READING_EFFECTS | {"sensor_lag"}  # what acts on nothing but the reading
 CHECKED = 2000  # members of which a model is made to see that it is allowed
 
 
@@ -173,7 +174,7 @@ def _all_numbers(key: str, given: Iterable[object]) -> None:
 def _slots(given: str, name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
     """Slots of a full name; what is wrong is said of the name as given."""
     known, owner = model.parameters, name.partition(".")[0]
-    if name in known and (name not in lowered.slots or _read_alone(owner, model)):
+    if name == "initial.m" or (name in known and (name not in lowered.slots or owner in READS)):
         raise InputError("acts on the reading, not on the motion; a sweep observes the motion", key=given)
     if owner in CONSTANTS:
         raise InputError("corrects a number of the rig; vary that number itself", key=given)
@@ -184,11 +185,6 @@ def _slots(given: str, name: str, model: Model, lowered: Lowered) -> tuple[int, 
     if "." not in name and name not in known and name != "belt_speed":
         model.parameter_name(name)  # says what is wrong, and the nearest name
     return tuple(int(slot) for slot in np.flatnonzero(lowered.seeds([name])[0]))
-
-
-def _read_alone(owner: str, model: Model) -> bool:
-    """Does the effect act on nothing but the reading? Some have a slot, for a lag behind them in the chain."""
-    return owner in READING_EFFECTS and all(one.name != "sensor_lag" for one in model.effects)
 
 
 def _consistent(columns: list[Column]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import found_by_hand
@@ -70,6 +71,15 @@ def one_run(folder: Path) -> None:
 @bad_input(DISCOVER, "a channel in a wrong unit")
 def wrong_unit(folder: Path) -> None:
     run(folder, spoilt(folder, 'x1 = { column = "x1", unit = "mm" }', 'x1 = { column = "x1", unit = "m" }'))
+
+
+@bad_input(DISCOVER, "an inertia in kg mm^2")
+def inertia_in_another_unit(folder: Path) -> None:
+    number = re.search(
+        r"^J = (\S+)", found_by_hand.write_case(folder, si=True).read_text(encoding="utf-8"), re.M
+    )
+    assert number is not None
+    run(folder, spoilt(folder, number.group(0), f"J = {1e6 * float(number.group(1))}"))
 
 
 @bad_input(DISCOVER, "a result folder that is a file")

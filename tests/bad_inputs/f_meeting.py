@@ -39,6 +39,16 @@ def identify_wrong_unit(folder: Path) -> None:
     ss.identify(ss.load_case(path))
 
 
+@bad_input(MEETING, "identify, a leg of the angle body in mm")
+def identify_leg_in_mm(folder: Path) -> None:
+    path = found_by_hand.write_case(folder, si=True)
+    text = path.read_text(encoding="utf-8")
+    number = re.search(r"^r = (\S+)", text, re.M)
+    assert number is not None
+    path.write_text(text.replace(number.group(0), f"r = {1e3 * float(number.group(1))}"), encoding="utf-8")
+    ss.identify(ss.load_case(path))
+
+
 @bad_input(MEETING, "identify, a mass in grams")
 def identify_grams(folder: Path) -> None:
     path = found_by_hand.write_case(folder, si=True)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data, read_again, velocity_width
 from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
-from stickslip.discovery.readings import curves_of, reading_velocity
+from stickslip.discovery.readings import curves_of
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.discovery.workers import Workers
 from stickslip.errors import StickslipError
@@ -48,9 +48,7 @@ def measure(model: Model, run: Data) -> Measured:
     except StickslipError:
         prediction, samples = _second_half(forecaster)
     rmse = _rmse(prediction, run, samples)
-    v = _as_seen(
-        run, reading_velocity(model, run.t[samples], prediction.state[:, :4], prediction.readings[:, 0])
-    )
+    v = _as_seen(run, prediction.rate)
     try:
         longer, later = stitched(forecaster, 2.0)
         two = _relative(_rmse(longer, run, later), run)

@@ -30,6 +30,7 @@ SPEED = 2.5  # the same for the speed of the sticking block over the belt's
 ODD, ALIKE = 0.33, 0.03  # in the logarithm: a run's speed that is off, where the others' are right
 GAIN = 1.15  # a belt channel off by more, where block and set-point agree, is not believed
 SHIFTED = 0.1  # share of the equation left over below which a shifted zero explains what is wrong
+INERTIA = 8.0  # the angle body's inertia over the declared one that no effect of the list has
 FITS = 0.15  # how near a unit must bring a ratio to 1, in the logarithm, to be suggested
 TIMES = ("s", "ms", "us", "min", "hour")
 LENGTHS = ("m", "cm", "mm", "um", "inch")
@@ -159,6 +160,7 @@ def plausible(case: Case, data: Sequence[Data]) -> tuple[list[Data], tuple[str, 
     if not ratio.sure:
         _odd_run(data, rig)
         _columns(case, data)
+        _inertia(data, rig)
     if speed is not None and not 1 / SPEED < speed < SPEED:
         raise InputError(_belt(case, data, speed, ratio))
     if speed is not None:
@@ -262,6 +264,37 @@ def _columns(case: Case, data: Sequence[Data]) -> None:
                 f"channel t is in '{declared}' by [channels], but x1 and y1 meet the angle body's equation in (2.1) "
                 f"only with times in '{unit}': check its unit"
             )
+
+
+def _inertia(data: Sequence[Data], rig: Rig) -> None:
+    """The angle body's equation fails as it stands, and holds with quite another inertia."""
+    without, bare = replace(rig, alpha2=1e-9), replace(rig, alpha2=1e-9, beta3=1.0, eta12=rig.eta1)
+    inertia: list[float] = []
+    rest: list[float] = []
+    right: list[float] = []
+    for run in data:
+        x, y = run.readings[:, 0], run.readings[:, 1]
+        sides = [
+            np.array(list(_sides(run.t, x, y, one))) for one in (without, replace(bare, alpha2=1.0), bare)
+        ]
+        if len(sides[0]) < 3:
+            return
+        rest.extend(sides[0][:, 0])
+        right.extend(sides[0][:, 1])
+        inertia.extend(sides[1][:, 0] - sides[2][:, 0])
+    c, left = np.array(inertia), np.array(right) - np.array(rest)
+    asked = float(c @ left / (c @ c))
+    met = np.corrcoef(np.array(rest) + asked * c, right)[0, 1]
+    if asked <= 0 or met < CLOSE or 1 / INERTIA < asked / rig.alpha2 < INERTIA:
+        return
+    told, times = "check alpha2", _times(asked / rig.alpha2)
+    if rig.scales is not None:
+        r = rig.scales.r / np.sqrt(asked / rig.alpha2)
+        told = f"check J (kg m^2) and r (m): J must be {times} as much, or r {r:.3g} m"
+    raise InputError(
+        f"x1 and y1 meet the angle body's equation in (2.1) only with alpha2 = {asked:.3g}, {times} the declared "
+        f"{rig.alpha2:.3g}: {told}"
+    )
 
 
 def _belt(case: Case, data: Sequence[Data], speed: float, ratio: Ratio) -> str:

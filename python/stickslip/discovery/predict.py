@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.discovery.data import Data
 from stickslip.discovery.engine import ATOL, RTOL, Engine
-from stickslip.discovery.readings import Learned, no_slopes, read
+from stickslip.discovery.readings import Learned, no_slopes, read, reading_rate
 from stickslip.discovery.relax import relaxed
 from stickslip.discovery.solve import fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
@@ -29,10 +29,11 @@ MORE = 3.5  # cycles that it is taken from if the model explains them as well
 
 @dataclass(frozen=True)
 class Prediction:
-    """Readings (n, c), states (n, 9), contact modes (n,) and the belt's speed at times t (n,)."""
+    """Readings (n, c), the rate of x1's (n,), states (n, 9) and contact modes (n,) at times t (n,)."""
 
     t: Floats
     readings: Floats
+    rate: Floats
     state: Floats
     mode: NDArray[np.int8]
 
@@ -151,7 +152,8 @@ class Forecaster:
             raise StickslipError("the model's run stopped before the horizon; its numbers make it ill-posed")
         channels = self.run.readings.shape[1]
         chain = read(t, state, no_slopes(len(t)), (), p, self.run.belt_speed, channels, self.learned)
-        return Prediction(t, chain.values, state, np.asarray(raw["mode"]))
+        rate = reading_rate(t, state, p, self.learned)
+        return Prediction(t, chain.values, rate, state, np.asarray(raw["mode"]))
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`."""
@@ -160,7 +162,7 @@ class Forecaster:
         past = self.run.t[window.start : window.stop]
         whole = self.run_on(window, np.concatenate([past, future]))
         part = slice(len(past), None)
-        return Prediction(future, whole.readings[part], whole.state[part], whole.mode[part])
+        return Prediction(future, whole.readings[part], whole.rate[part], whole.state[part], whole.mode[part])
 
 
 def stitched(
@@ -197,6 +199,7 @@ def joined(pieces: Sequence[Prediction]) -> Prediction:
     return Prediction(
         np.concatenate([p.t for p in pieces]),
         np.concatenate([p.readings for p in pieces]),
+        np.concatenate([p.rate for p in pieces]),
         np.concatenate([p.state for p in pieces]),
         np.concatenate([p.mode for p in pieces]),
     )

@@ -1,6 +1,6 @@
 """The measurement chain: from simulated states to readings, with derivatives; the same for every hypothesis.
 
-x1 reading: x1 + c y1 + q x1^2, lagged where there is a lag (the core's hidden state m), plus r t.
+x1 reading: m + q m^2 + r t, m being x1 + c y1 or, where there is a lag, that lagged (the core's hidden state m).
 y1 reading: y1 at t - delay; or, which has no name, lagged (y1_lag.tau). belt reading: the belt's own speed V.
 Learned curves add g(variable) to a channel.
 """
@@ -17,7 +17,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.window import STATES
-from stickslip.effects import Effect, Tabulated, tabulated
+from stickslip.effects import Tabulated, tabulated
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
@@ -284,34 +284,36 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.add(channel, name, basis[:, i])
 
 
-def reading_velocity(model: Model, t: Floats, state: Floats, reading: Floats) -> Floats:
-    """d(x1 reading)/dt from the model's own states, exact for every effect of the x1 channel.
+def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Learned] = ()) -> Floats:
+    """d(x1 reading)/dt from the states of one simulation, for every effect and curve of the x1 channel.
 
-    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged m is (x1 - m)/tau.
+    The portrait is drawn of readings, so the velocity must be theirs: that of a lagged m is (x1 + c y1 - m)/tau. The
+    accelerations that a curve in a velocity asks for are differences of the velocities.
 
     Parameters
     ----------
     t : (n,) times within the run.
-    state : (n, 4) x1, x2, y1, y2.
-    reading : (n,) predicted x1 reading.
+    state : (n, 9) states, hidden ones included.
+    p : parameters by name, those of curves included.
     """
-    x1, x2, y1, y2 = state.T
-    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-    c, q = known.get("sensor_crosstalk", {}).get("c", 0.0), known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    drift = known.get("sensor_drift", {}).get("r", 0.0)
-    rate: float | Floats = drift
-    # accelerations are not known here: what a curve in a velocity adds to the rate is left out
-    along = {"x1": (x1, x2), "y1": (y1, y2), "x2": (x2, 0.0), "y2": (y2, 0.0), "t": (t, 1.0)}
-    added: float | Floats = drift * t
-    for one in model.effects:
-        if isinstance(one, Tabulated) and one.where == "x1 channel":
-            x, v = along[one.variable]
-            step = 1e-5 * (one.knots[-1] - one.knots[0])
-            rate = rate + v * (one.curve(x + step) - one.curve(x - step)) / (2 * step)
-            added = added + one.curve(x)
-    seen, moves = x1 + c * y1, x2 + c * y2
-    if "sensor_lag" in known:
-        flat = reading - added
-        m = 2 * flat / (1 + np.sqrt(np.maximum(1 + 4 * q * flat, 0.0)))  # m + q m^2 = flat
-        seen, moves = m, (seen - m) / known["sensor_lag"]["tau"]
-    return np.asarray(moves * (1 + 2 * q * seen) + rate)
+    c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
+    seen, moves = state[:, 0] + c * state[:, 2], state[:, 1] + c * state[:, 3]
+    if "sensor_lag.tau" in p:
+        seen, moves = state[:, M], (seen - state[:, M]) / p["sensor_lag.tau"]
+    rate = moves * (1 + 2 * q * seen) + p.get("sensor_drift.r", 0.0)
+    for one in learned:
+        if one.channel != "x1":
+            continue
+        values = np.array([p[f"{one.name}.value_{i}"] for i in range(len(one.knots))])
+        x = t if one.variable == "t" else state[:, _COLUMN[one.variable]]
+        rate = rate + (one.basis(x, 1) @ values) * _moves(one.variable, t, state)
+    return np.asarray(rate)
+
+
+def _moves(variable: str, t: Floats, state: Floats) -> Floats:
+    """Rate of what a curve depends on, (n,)."""
+    if variable == "t":
+        return np.ones(len(t))
+    if variable in ("x1", "y1"):
+        return state[:, _COLUMN[variable] + 1]
+    return np.asarray(np.gradient(state[:, _COLUMN[variable]], t)) if len(t) > 1 else np.zeros(len(t))

@@ -172,10 +172,11 @@ class Residual:
 class RunView:
     """One run as measured and as the models have it; model units, (n,) arrays.
 
-    `before`, `after` hold predicted readings: keys x1, y1 (and belt). `state_before`/`state_after` are (n, 4)
-    states, `force_before`/`force_after` the friction T and `speed_before`/`speed_after` v_w at the samples,
-    `mode_*` in {-1, 0, 1}. Residuals are (measured - predicted)/noise. For train runs the trajectories are the
-    fits, for validate runs one-cycle-ahead forecasts stitched together.
+    `before`, `after` hold predicted readings: keys x1, y1 (and belt); `rate_*` is the rate of x1's.
+    `state_before`/`state_after` are (n, 4) states, `force_before`/`force_after` the friction T and
+    `speed_before`/`speed_after` v_w at the samples, `mode_*` in {-1, 0, 1}. Residuals are
+    (measured - predicted)/noise. For train runs the trajectories are the fits, for validate runs one-cycle-ahead
+    forecasts stitched together.
     """
 
     name: str
@@ -186,6 +187,8 @@ class RunView:
     noise: Mapping[str, float]
     before: Mapping[str, Floats]
     after: Mapping[str, Floats]
+    rate_before: Floats
+    rate_after: Floats
     state_before: Floats
     state_after: Floats
     mode_before: NDArray[np.int8]

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.errors import Measured
+from stickslip.discovery.readings import reading_rate
 from stickslip.discovery.result import RunView
 from stickslip.discovery.solve import Fit
 from stickslip.rig import Rig
 
 Floats = NDArray[np.float64]
+
+
+@dataclass
+class _Made:
+    """What a model makes of a run: readings (n, c), the rate of x1's (n,), states (n, 9), modes (n,); NaN for none."""
+
+    readings: Floats
+    rate: Floats
+    state: Floats
+    mode: NDArray[np.int8]
 
 
 def train_view(run: Data, number: int, before: Fit, after: Fit) -> RunView:
@@ -24,41 +37,42 @@ def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> 
     return _view(run, _forecast(run, before), _forecast(run, after), rig)
 
 
-def _fitted(fit: Fit, number: int) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    """Readings, states and modes of a run in the fit; NaN where no window is."""
+def _fitted(fit: Fit, number: int) -> _Made:
+    """A run in the fit; NaN where no window is."""
     run = fit.engine.data[number]
-    readings, states, modes = _nothing(run)
+    made = _nothing(run)
+    p = fit.engine.parameters(fit.vector, number)[1]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         if w.run != number:
             continue
         done, rows = fit.engine.simulate(fit.vector, [w]), slice(w.start, w.stop)
         if done.ok[0]:
-            states[rows] = done.state
-        modes[rows] = done.mode
+            made.state[rows] = done.state
+            made.rate[rows] = reading_rate(run.t[rows], done.state, p, fit.engine.learned)
+        made.mode[rows] = done.mode
         noise = np.where(run.weight[rows] > 0, run.noise, np.nan)
-        readings[rows] = run.readings[rows] - b.r.reshape(w.stop - w.start, -1) * noise
-    return readings, states, modes
+        made.readings[rows] = run.readings[rows] - b.r.reshape(w.stop - w.start, -1) * noise
+    return made
 
 
-def _nothing(run: Data) -> tuple[Floats, Floats, NDArray[np.int8]]:
+def _nothing(run: Data) -> _Made:
     n = len(run.t)
-    return np.full((n, run.readings.shape[1]), np.nan), np.full((n, 9), np.nan), np.zeros(n, dtype=np.int8)
+    none = np.full(n, np.nan)
+    return _Made(
+        np.full(run.readings.shape, np.nan), none, np.full((n, 9), np.nan), np.zeros(n, dtype=np.int8)
+    )
 
 
-def _forecast(run: Data, measured: Measured) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    readings, states, modes = _nothing(run)
-    readings[measured.samples] = measured.prediction.readings
-    states[measured.samples] = measured.prediction.state
-    modes[measured.samples] = measured.prediction.mode
-    return readings, states, modes
+def _forecast(run: Data, measured: Measured) -> _Made:
+    made, got = _nothing(run), measured.prediction
+    made.readings[measured.samples] = got.readings
+    made.rate[measured.samples] = got.rate
+    made.state[measured.samples] = got.state
+    made.mode[measured.samples] = got.mode
+    return made
 
 
-def _view(
-    run: Data,
-    before: tuple[Floats, Floats, NDArray[np.int8]],
-    after: tuple[Floats, Floats, NDArray[np.int8]],
-    rig: object,
-) -> RunView:
+def _view(run: Data, before: _Made, after: _Made, rig: object) -> RunView:
     channels = run.channels
     return RunView(
         name=run.name,
@@ -67,16 +81,18 @@ def _view(
         t=run.t,
         measured={c: run.readings[:, i] for i, c in enumerate(channels)},
         noise={c: float(run.noise[i]) for i, c in enumerate(channels)},
-        before={c: before[0][:, i] for i, c in enumerate(channels)},
-        after={c: after[0][:, i] for i, c in enumerate(channels)},
-        state_before=before[1][:, :4],
-        state_after=after[1][:, :4],
-        mode_before=before[2],
-        mode_after=after[2],
-        force_before=_force(run, before[1], rig),
-        force_after=_force(run, after[1], rig),
-        speed_before=before[1][:, 1] - run.belt_speed - before[1][:, 6],
-        speed_after=after[1][:, 1] - run.belt_speed - after[1][:, 6],
+        before={c: before.readings[:, i] for i, c in enumerate(channels)},
+        after={c: after.readings[:, i] for i, c in enumerate(channels)},
+        rate_before=before.rate,
+        rate_after=after.rate,
+        state_before=before.state[:, :4],
+        state_after=after.state[:, :4],
+        mode_before=before.mode,
+        mode_after=after.mode,
+        force_before=_force(run, before.state, rig),
+        force_after=_force(run, after.state, rig),
+        speed_before=before.state[:, 1] - run.belt_speed - before.state[:, 6],
+        speed_after=after.state[:, 1] - run.belt_speed - after.state[:, 6],
     )
 
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
+from stickslip.discovery.readings import Y1_LAG, Learned, curves_of
 from stickslip.discovery.window import AUTO, BELT, DWELL, LAGGED, SLIPPING, STATES, STICK, W, Window, Z
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 VISIBLE = (0, 1, 2, 3)
+LEAST = 0.1  # slope of a curved reading that a rate is divided by
 FEWEST = 3  # slips of a record whose beginning may be left out
 EARLY = 0.2  # share of it that may be
 SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
@@ -49,10 +51,35 @@ def _first(run: Data) -> int:
 def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:
     """A window with its state from the readings around its start."""
     state = np.zeros(STATES)
-    state[:4] = run.local_state(start)
+    state[:4] = behind(model.parameters, curves_of(model), float(run.t[start]), run.local_state(start))
     contact, free = AUTO, VISIBLE
     window = Window(number, start, stop, state, free, state, np.full(STATES, np.inf), contact)
     return with_hidden(window, model, run)
+
+
+def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Floats) -> Floats:
+    """x1, x2, y1, y2 behind readings and their rates (4,), as far as they tell: a lag is taken for settled.
+
+    The model's own numbers undo what its sensors add; past the fold of a curvature the reading at the fold is taken.
+    """
+    x1, x2, y1, y2 = read
+    along = {"x1": (x1, x2), "x2": (x2, 0.0), "y1": (y1, y2), "y2": (y2, 0.0), "t": (t, 1.0)}
+    for one in curves:
+        values = np.array([p[f"{one.name}.value_{i}"] for i in range(len(one.knots))])
+        at, moves = along[one.variable]
+        added, rate = ((one.basis(np.array([at]), k) @ values)[0] for k in (0, 1))
+        if one.channel == "x1":
+            x1, x2 = x1 - added, x2 - rate * moves
+        elif one.channel == "y1":
+            y1, y2 = y1 - added, y2 - rate * moves
+    late = p.get("sensor_delay.delay", 0.0) + p.get(Y1_LAG, 0.0)
+    y1 += late * y2
+    r, q = p.get("sensor_drift.r", 0.0), p.get("sensor_nonlinearity.q", 0.0)
+    x1, x2 = x1 - r * t, x2 - r
+    x1 = 2 * x1 / (1 + np.sqrt(max(1 + 4 * q * x1, 0.0)))
+    x2 /= max(1 + 2 * q * x1, LEAST)
+    c = p.get("sensor_crosstalk.c", 0.0)
+    return np.array([x1 + p.get("sensor_lag.tau", 0.0) * x2 - c * y1, x2 - c * y2, y1, y2])
 
 
 def with_hidden(window: Window, model: Model, run: Data) -> Window:
@@ -77,7 +104,8 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
         free.append(BELT)
     if "sensor_lag" in names:
         tau = names["sensor_lag"].parameters["tau"]
-        state[LAGGED] = state[0] - tau * state[1]
+        c = names["sensor_crosstalk"].parameters["c"] if "sensor_crosstalk" in names else 0.0
+        state[LAGGED] = state[0] + c * state[2] - tau * (state[1] + c * state[3])
         spread[LAGGED] = 0.05 + tau * abs(v)
         free.append(LAGGED)
     contact = window.contact

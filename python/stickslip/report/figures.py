@@ -13,7 +13,6 @@ import matplotlib as mpl
 from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 
-from stickslip.discovery.readings import reading_velocity
 from stickslip.discovery.result import Found, FoundEffect, RunView, Verdict
 from stickslip.plot import GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
 from stickslip.report.motion import Measured, broken, measured
@@ -84,7 +83,7 @@ def portrait(found: Found, axes: Axes) -> Figure:
     for row, run in zip(grid, runs, strict=True):
         smooth = measured(found.after, run)
         for ax, (title, which) in zip(row, columns, strict=True):
-            _portrait(ax, found, run, smooth, which, axes)
+            _portrait(ax, run, smooth, which, axes)
             if run is runs[0]:
                 colour = BEFORE if which == "before" else AFTER
                 ax.set_title(f"{title}\n", fontsize=10, color=colour)  # above the line that names the run
@@ -99,7 +98,7 @@ def portrait(found: Found, axes: Axes) -> Figure:
     return figure
 
 
-def _portrait(ax: Plot, found: Found, run: RunView, smooth: Measured | None, which: str, axes: Axes) -> None:
+def _portrait(ax: Plot, run: RunView, smooth: Measured | None, which: str, axes: Axes) -> None:
     xs, vs = axes.x1.size, axes.x2.size
     half = run.t[-1] / 2
     if smooth is not None:
@@ -107,10 +106,11 @@ def _portrait(ax: Plot, found: Found, run: RunView, smooth: Measured | None, whi
         ax.plot(
             xs * smooth.x1[late], vs * smooth.x2[late], color=MEASURED, lw=2.2, alpha=0.4, label="measured"
         )
-    state, reading = (
-        (run.state_before, run.before["x1"]) if which == "before" else (run.state_after, run.after["x1"])
+    state, reading, rate = (
+        (run.state_before, run.before["x1"], run.rate_before)
+        if which == "before"
+        else (run.state_after, run.after["x1"], run.rate_after)
     )
-    rate = reading_velocity(found.before if which == "before" else found.after, run.t, state, reading)
     late = run.t >= half
     x, v = broken(run.t[late], state[late], reading[late], rate[late])
     colour, style = (BEFORE, DASH) if which == "before" else (AFTER, "-")

@@ -66,6 +66,7 @@ PLACE: Mapping[str, str] = {
     "y1 channel": "in the y1 channel",
 }
 
+FAR = 50.0  # chi-squared per reading that no verdict should rest on
 FEW = 3  # effects that a sentence can hold without numbers
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -103,8 +104,21 @@ def ties(effect: FoundEffect) -> list[Alternative]:
     return [one for one in effect.alternatives if one.tied]
 
 
+def hopeless(found: Found) -> bool:
+    """Whether the best of all that was tried is still far from the readings and forecasts no better than nothing."""
+    if found.verdict is Verdict.no_effect:
+        return False
+    return found.residual_after.chi2 > FAR and found.error.after > 0.9 * found.error.before
+
+
 def headline(found: Found) -> str:
     """The verdict as one sentence; a tie is part of it."""
+    if hopeless(found):
+        times = short(math.sqrt(found.residual_after.chi2), 2)
+        return (
+            f"No explanation found: the best of all that was tried is still off by {times} times the noise and "
+            "forecasts no better. Check the rig's declared numbers, the units and the belt speeds first."
+        )
     if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt):
         return "Nothing can be named: no cause stands out from friction that differs from event to event."
     if found.verdict is Verdict.no_effect and not found.residual_after.clean:
@@ -183,6 +197,9 @@ def _share(found: Found) -> str:
 def _of_the_name(found: Found, effect: FoundEffect) -> str:
     equal = ties(effect)
     curve = effect.name == "unlisted"
+    if hopeless(found):
+        name = "A learned curve" if curve else effect.name
+        return f"{name} came nearest. That is no finding: what it leaves is far too much, and it does not forecast."
     if guessed(effect):
         on = " and on what" if effect.depends_on else ""
         return f"Where it acts{on} is the likeliest guess: no name and no curve explains the readings."

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.slider.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions
 from stickslip.discovery.slider.fit import Fitted, Prior, Windows, fit
 from stickslip.discovery.slider.levels import damping, true_stiffness
-from stickslip.discovery.slider.predict import Reading, reading_of
+from stickslip.discovery.slider.sensor import Reading, reading_of
 from stickslip.discovery.slider.table import Measured, cut
 from stickslip.effects import Effect
 from stickslip.model import Model

@@ -13,7 +13,7 @@ from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.held import constants_of
 from stickslip.discovery.slider.levels import carried, number_of, sliding
 from stickslip.discovery.slider.population import Block
-from stickslip.discovery.slider.predict import reading_of
+from stickslip.discovery.slider.sensor import reading_of
 from stickslip.discovery.slider.table import Measured
 from stickslip.discovery.slider.weigh import Weighed, columns_of, weigh
 from stickslip.effects import CONSTANTS, Effect, effect

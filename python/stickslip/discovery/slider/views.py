@@ -11,7 +11,7 @@ from stickslip.discovery.result import RunView
 from stickslip.discovery.slider.held import Held, motion
 from stickslip.discovery.slider.levels import damping, true_stiffness
 from stickslip.discovery.slider.outcome import Ahead
-from stickslip.discovery.slider.predict import reading_of
+from stickslip.discovery.slider.sensor import reading_of
 from stickslip.discovery.slider.table import Measured
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt
@@ -64,21 +64,24 @@ def _view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) 
         noise={"x1": run.noise},
         before={"x1": sign * was[0][at]},
         after={"x1": sign * now[0][at]},
+        rate_before=sign * was[1][at],
+        rate_after=sign * now[1][at],
         state_before=sign * _seen(was)[at],
         state_after=sign * _seen(now)[at],
         mode_before=(sign * was[2][at]).astype(np.int8),
         mode_after=(sign * now[2][at]).astype(np.int8),
         force_before=sign * forces[0],
         force_after=sign * forces[1],
-        speed_before=sign * (was[1][at] - run.belt_speed),
-        speed_after=sign * (now[1][at] - run.belt_speed),
+        speed_before=sign * (states[0][at, 1] - run.belt_speed),
+        speed_after=sign * (states[1][at, 1] - run.belt_speed),
     )
 
 
 def _state(one: Measured, model: Model, m: Motion) -> Floats:
     """(n, 2) deflections and velocities behind predicted readings and their rates."""
     reading = reading_of(model, one.run.force_channel)
-    return np.column_stack([reading.undone(m[0], one.run.t), m[1] / reading.gain])
+    x = reading.undone(m[0], one.run.t)
+    return np.column_stack([x, (m[1] - reading.drift) / (reading.gain + 2 * reading.curvature * x)])
 
 
 def _seen(m: Motion) -> Floats:
