@@ -13,6 +13,7 @@ import stickslip as ss
 from stickslip import plot
 from stickslip.cli import comparison_table
 from stickslip.discovery.result import Verdict
+from stickslip.identify_words import misfit_messages
 from stickslip.report.words import headline, sentence
 from stickslip.scale import percent, plainly
 from test_cli import folder  # noqa: F401  # a fixture
@@ -141,8 +142,36 @@ def test_of_a_long_run_the_last_transitions_are_drawn_over_time():
         left, right = plot.trajectory(run, ("x1", "x2", "y1", "y2"), belt_speed=0.1).axes
         drawn = left.lines[0].get_xdata()
         assert np.ptp(drawn) == pytest.approx(part * t_end, rel=0.3)
-        marks = sum(len(one.get_xdata()) for one in left.lines if one.get_label() in ("release", "capture"))
+        marks = sum(
+            len(one.get_xdata())
+            for one in left.lines
+            if one.get_label() in ("release", "capture", "turn of the slip")
+        )
         assert marks == min(len(run.transitions.t), plot.MOST_DRAWN)
         whole = [one.get_xdata() for one in right.lines if len(one.get_xdata()) > 2]
         assert sum(map(len, whole)) >= len(t)  # the portrait has all of the run
         assert left.get_title() == ("" if part == 1 else f"the last {plot.MOST_DRAWN} of 192 transitions")
+
+
+def test_a_slip_that_turns_is_neither_a_release_nor_a_capture():
+    model = ss.Model(ss.Rig(alpha1=10, alpha2=5, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+    run = ss.simulate(
+        model, belt_speed=0.19, initial=(0.1, 0.19, 0, 0), t_end=60, t_eval=np.arange(0, 60, 0.1)
+    )
+    turns = run.transitions.before * run.transitions.after < 0
+    assert turns.any()
+    left, _ = plot.trajectory(run, ("x1", "x2", "y1", "y2"), belt_speed=0.19).axes
+    drawn = {one.get_label(): len(one.get_xdata()) for one in left.lines}
+    assert drawn["turn of the slip"] == turns.sum()
+    assert drawn["release"] == np.sum(run.transitions.before == 0)
+    assert drawn["capture"] == np.sum(run.transitions.after == 0)
+
+
+def test_a_law_that_misses_by_several_times_the_noise_is_not_left_at_that():
+    def said(chi2, share):
+        return misfit_messages(SimpleNamespace(reduced_chi2=chi2, diagnostics={"misfit": share}))
+
+    assert said(1.1, 0.01) == []
+    assert "differ by 6.7 times the noise: more than this law explains" in said(44.9, 0.05)[0]
+    assert "does NOT reproduce the readings" in said(44.9, 0.2)[0]
+    assert said(44.9, 0.0) == []  # slips fitted one by one have no such number

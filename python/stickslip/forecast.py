@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
 LAST = 10  # samples of the past that the start is held against
+HARDLY = 1.03  # ratio of the past's speed to the one given that may be why the model misses the last readings
 FAR = 5.0  # times the noise
 BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
 
@@ -164,7 +165,7 @@ def _doubt(
     off = root / np.asarray(run.noise)
     worst = int(np.argmax(off))
     far = off[worst] > FAR
-    wrong = contradicted(recording, seen, NEAR if far else CLEAR, who)
+    wrong = contradicted(recording, seen, HARDLY if far else CLEAR, who)
     said = [wrong] if wrong else []
     if far:
         name = CHANNELS[worst]

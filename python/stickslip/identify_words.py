@@ -11,6 +11,7 @@ from stickslip.scale import percent, plainly
 from stickslip.shooting import Shot
 
 POOR = 0.15  # of a slip's amplitude, or of the readings' spread: misfit that a friction law does not leave
+MANY = 9.0  # the same of a misfit of three times the noise
 HUNDRED = 1e4  # chi2 per degree of freedom of a misfit of a hundred times the noise
 
 
@@ -84,6 +85,11 @@ def misfit_messages(found: Identified) -> list[str]:
         return [
             f"simulation and readings differ by {spread_share(share)} only, yet by {off} times the noise: "
             "is [noise] right?"
+        ]
+    if share and found.reduced_chi2 > MANY:
+        return [
+            f"simulation and readings differ by {off} times the noise: more than this law explains, and more than the "
+            "intervals know of; a number of the rig is off or an effect is missing, and discover looks for which"
         ]
     return []
 

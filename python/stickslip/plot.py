@@ -314,9 +314,15 @@ def trajectory(
     if "y1" in names:
         own, second = label("$y_1$", "" if y.unit == x.unit else y.unit), state[late, names.index("y1")]
         left.plot(t.size * times[late], y.size * second, color=MEASURED, lw=1.0, label=own)
-    for mode, marker, name in ((False, "^", "release"), (True, "v", "capture")):
-        chosen = (run.transitions.after == 0) == mode
+    was, then = run.transitions.before, run.transitions.after
+    for chosen, marker, name in (
+        (was == 0, "^", "release"),
+        (then == 0, "v", "capture"),
+        (was * then < 0, "d", "turn of the slip"),
+    ):
         inside = chosen & (run.transitions.t >= begin) & (run.transitions.t <= run.t[-1])
+        if marker == "d" and not inside.any():
+            continue
         at, where = t.size * run.transitions.t[inside], x.size * run.transitions.state[inside, 0]
         left.plot(at, where, marker, color=LIMIT, mfc="white", ms=5, label=name)
     left.set_xlabel(label("time $t$", t.unit))
