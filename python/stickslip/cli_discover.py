@@ -112,15 +112,17 @@ def effects_table(found: Found, case: Case) -> Table:
     wrong = any(effect.of_rig for effect in found.effects)
     table = Table(title="wrong in the declared rig" if wrong else "what the declared model lacks")
     table.add_column("number", no_wrap=True)
-    for name in ("value", "95 % interval", "in SI"):
+    si = case.rig.scales is not None if isinstance(case.rig, Rig) else True
+    for name in ("value", "95 % interval", *(("in SI",) if si else ())):
         table.add_column(name, justify="right", no_wrap=True)
     for effect in found.effects:
         if not effect.of_rig:
-            table.add_row(f"[bold]{effect.name}[/bold]", "", "", "")
+            table.add_row(f"[bold]{effect.name}[/bold]")
         for parameter, one in effect.parameters.items():
-            table.add_row(f"  {parameter}", *words.spanned(one), si_text(effect, parameter, case.rig))
+            own = (si_text(effect, parameter, case.rig),) if si else ()
+            table.add_row(f"  {parameter}", *words.spanned(one), *own)
         if effect.curve is not None:
-            table.add_row("  a curve", effect.curve.guess or "-", "", "")
+            table.add_row("  a curve", effect.curve.guess or "-")
     return table
 
 
