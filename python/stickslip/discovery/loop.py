@@ -49,7 +49,7 @@ from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
 
 MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating
-BUDGET = 55.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
+BUDGET = 51.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 NAMES = 0.6  # share of them that names may take before curves and pairs are asked
 LAST = 20.0  # and beside them for the last fits
 
