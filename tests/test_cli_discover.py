@@ -239,6 +239,19 @@ def test_a_belt_speed_far_from_that_of_the_past_is_refused(
     assert not out.exists()
 
 
+@pytest.mark.parametrize("times", [0.9, 1.1])
+def test_a_belt_speed_hardly_off_is_doubted_where_the_model_misses(
+    tmp_path: Path, past: tuple[Path, Path, float], times: float
+) -> None:
+    model, run, speed = past
+    out = tmp_path / "next.csv"
+    result = invoke("forecast", model, run, "--belt-speed", times * speed, "--horizon", 1.0, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert f"but the sticks of the past ride at {speed:.3g}"[:-1] in result.output
+    right = invoke("forecast", model, run, "--belt-speed", speed, "--horizon", 1.0, "--out", out)
+    assert "sticks of the past" not in right.output
+
+
 def test_a_belt_speed_somewhat_off_is_doubted_in_units(
     tmp_path: Path, past: tuple[Path, Path, float]
 ) -> None:

@@ -198,3 +198,20 @@ def test_a_map_has_no_cells_without_width() -> None:
     assert "alpha_{1}" in plot_sweep.parameter_map(ds).axes[0].get_ylabel()
     with pytest.raises(ss.InputError, match="alpha2 has the value 8 more than once"):
         plot_sweep.parameter_map(ds.drop_vars("alpha1"))
+
+
+@pytest.mark.parametrize(
+    ("i", "j", "turns"), [(1, 4, False), (2, 8, False), (11, 18, False), (11, 19, False), (30, 20, True)]
+)
+def test_where_two_releases_a_period_are_slips_that_take_turns(i: int, j: int, turns: bool) -> None:
+    # the caption of the map in docs/sweeps.md
+    speed, alpha1 = np.linspace(0.02, 0.3, 50)[i], np.linspace(8, 40, 50)[j]
+    rig = ss.Rig(alpha1=float(alpha1), alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    model, start = ss.Model(rig, friction=ss.PaperFriction()), (0.1, 0.1, 0, 0)
+    ds = ss.sweep(
+        model, {"belt_speed": [speed]}, t_end=10000, after=9600, initial=start, observe=("periodicity",)
+    )
+    assert ds.periodicity.item() == 2
+    run = ss.simulate(model, belt_speed=float(speed), initial=start, t_end=10000, max_transitions=10**6)
+    late = run.transitions.t > 9600
+    assert np.any(late & (run.transitions.before * run.transitions.after < 0)) == turns

@@ -185,3 +185,11 @@ def test_what_explains_nothing_is_no_finding(tmp_path: Path) -> None:
     assert "stands" not in said
     helps = dataclasses.replace(lost, error=dataclasses.replace(worse, after=0.3))
     assert not words.hopeless(helps)
+
+
+@pytest.mark.parametrize("si", [True, False])
+def test_a_rig_without_units_has_no_column_of_them(tmp_path: Path, si: bool) -> None:
+    found, case = made(tmp_path, si=si)
+    table = effects_table(found, case)
+    assert [column.header for column in table.columns][3:] == (["in SI"] if si else [])
+    assert len({len(list(column.cells)) for column in table.columns}) == 1

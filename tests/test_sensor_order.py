@@ -30,10 +30,8 @@ SENSORS = {
 def test_the_order_is_that_of_the_reference(kinds):
     effects = [ss.effect(kind, **SENSORS[kind]) for kind in kinds]
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
-    start, t = (
-        (0.1, 0.1, 0, 0),
-        np.arange(5.0, 12.0, 0.004),
-    )  # from 30 time constants on: however the lag began
+    start = (0.1, 0.1, 0, 0)
+    t = np.arange(5.0, 12.0, 0.004)  # from 30 time constants on: however the lag began
     run = ss.simulate(model, belt_speed=0.1, initial=start, t_end=12, t_eval=t)
     state = np.zeros((len(t), 9))
     state[:, :4] = run.state

@@ -3,15 +3,18 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import stickslip as ss
 from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.discovery.slider.levels import carried, held_at, sliding
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
 from stickslip.discovery.slider.table import measure, prepare
+from stickslip.discovery.slider.views import _state
 from stickslip.effects import Effect, effect
 from stickslip.friction import CoulombFriction
 from stickslip.model import Model
@@ -95,3 +98,18 @@ def test_the_ends_of_a_slip_give_back_its_levels(effects: list[Effect], exact: f
     assert held_at(model, STATIC, speed) == pytest.approx(top, rel=1e-6)
     level = sliding(model, np.array([top]), np.array([bottom]), speed, float(log_w2))[0]
     assert level == pytest.approx(KINETIC, rel=exact)
+
+
+def test_the_motion_behind_a_curved_and_drifting_reading() -> None:
+    rig = ss.BlockOnBelt(mass=1.0, stiffness=100.0, damping=0.5)
+    effects = [
+        ss.effect("sensor_gain", e=0.1),
+        ss.effect("sensor_nonlinearity", q=-2.0),
+        ss.effect("sensor_drift", r=0.01),
+    ]
+    model = ss.Model(rig, friction=ss.CoulombFriction(static=6.0, kinetic=3.0), effects=effects)
+    t = np.linspace(0, 3, 301)
+    x, v = 0.05 * np.sin(2 * t), 0.1 * np.cos(2 * t)
+    motion = 1.1 * x - 2 * x**2 + 0.01 * t, 1.1 * v - 4 * x * v + 0.01, np.zeros(len(t), dtype=np.int8)
+    one = SimpleNamespace(run=SimpleNamespace(force_channel=False, t=t))
+    np.testing.assert_allclose(_state(one, model, motion), np.column_stack([x, v]), atol=1e-12)

@@ -34,7 +34,7 @@ from stickslip.branch_problem import Point, Problem
 from stickslip.cycles import LimitCycle, check_states, limit_cycle
 from stickslip.errors import InputError, StickslipError, number, unknown
 from stickslip.flow import Floats, Flow
-from stickslip.lowering import READING_EFFECTS
+from stickslip.lowering import READ_ALONE
 from stickslip.model import Model
 from stickslip.sliding import NoLimitCycleError, equilibrium
 
@@ -126,7 +126,7 @@ def _start(
         if parameter.startswith("initial."):
             raise unknown("parameter of a branch", parameter, ["belt_speed", *model.parameters])
         name = model.parameter_name(parameter)
-        if name.partition(".")[0] in READING_EFFECTS | {"sensor_lag"}:
+        if name.partition(".")[0] in READ_ALONE:
             raise InputError("acts on the reading, not on the motion; no cycle depends on it", key=name)
         if belt_speed is None:
             raise InputError("missing; give the speed of the belt", key="belt_speed")

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import must_be, vector
 from stickslip.effects import Tabulated
 from stickslip.errors import InputError, StickslipError
-from stickslip.lowering import HIDDEN, READING_EFFECTS, hidden_states
+from stickslip.lowering import HIDDEN, READ_ALONE, hidden_states
 from stickslip.model import Model
 from stickslip.rig import on_belt
 from stickslip.simulate import Trajectory, simulate
@@ -79,7 +79,7 @@ class Flow:
     @cached_property
     def plain(self) -> Model:
         """The model without its reading effects."""
-        moving = [e for e in self.model.effects if e.name not in READING_EFFECTS and e.name != "sensor_lag"]
+        moving = [e for e in self.model.effects if e.name not in READ_ALONE]
         return self.model.with_effects(moving)
 
     @cached_property

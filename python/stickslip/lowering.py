@@ -30,6 +30,7 @@ HIDDEN = ("w", "z", "b", "m", "dwell")
 PLACES = ("block", "angle_body", "contact")
 VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
 READING_EFFECTS = frozenset({"sensor_delay", "sensor_crosstalk", "sensor_nonlinearity", "sensor_drift"})
+READ_ALONE = READING_EFFECTS | {"sensor_lag"}  # what no motion depends on, though a lag has a state
 
 
 class _Put(Protocol):

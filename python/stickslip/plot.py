@@ -321,7 +321,7 @@ def trajectory(
         (was * then < 0, "d", "turn of the slip"),
     ):
         inside = chosen & (run.transitions.t >= begin) & (run.transitions.t <= run.t[-1])
-        if marker == "d" and not inside.any():
+        if not inside.any():
             continue
         at, where = t.size * run.transitions.t[inside], x.size * run.transitions.state[inside, 0]
         left.plot(at, where, marker, color=LIMIT, mfc="white", ms=5, label=name)

@@ -153,7 +153,7 @@ def _forecasts(
             continue
         if follows:  # what a hidden state has come to is known from the window before alone
             owned = hidden_states(model)
-            hidden = tuple(float(out.hidden[n][-1]) if n in owned else 0.0 for n in HIDDEN)
+            hidden = tuple(float(out.hidden[name][-1]) if name in owned else 0.0 for name in HIDDEN)
         if i > 0:
             ahead[start : start + n] = chain.read(out)[:n]
     return ahead

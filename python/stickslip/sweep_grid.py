@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from stickslip.arguments import must_be
 from stickslip.effects import CATALOGUE, CONSTANTS
 from stickslip.errors import InputError, number
-from stickslip.lowering import READING_EFFECTS, Lowered
+from stickslip.lowering import READ_ALONE, Lowered
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 MOST = 10**18  # members
-READS = READING_EFFECTS | {"sensor_lag"}  # what acts on nothing but the reading
 CHECKED = 2000  # members of which a model is made to see that it is allowed
 
 
@@ -174,7 +173,7 @@ def _all_numbers(key: str, given: Iterable[object]) -> None:
 def _slots(given: str, name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
     """Slots of a full name; what is wrong is said of the name as given."""
     known, owner = model.parameters, name.partition(".")[0]
-    if name == "initial.m" or (name in known and (name not in lowered.slots or owner in READS)):
+    if name == "initial.m" or (name in known and (name not in lowered.slots or owner in READ_ALONE)):
         raise InputError("acts on the reading, not on the motion; a sweep observes the motion", key=given)
     if owner in CONSTANTS:
         raise InputError("corrects a number of the rig; vary that number itself", key=given)

@@ -268,23 +268,23 @@ def _columns(case: Case, data: Sequence[Data]) -> None:
 
 def _inertia(data: Sequence[Data], rig: Rig) -> None:
     """The angle body's equation fails as it stands, and holds with quite another inertia."""
-    without, bare = replace(rig, alpha2=1e-9), replace(rig, alpha2=1e-9, beta3=1.0, eta12=rig.eta1)
-    inertia: list[float] = []
-    rest: list[float] = []
-    right: list[float] = []
-    for run in data:
-        x, y = run.readings[:, 0], run.readings[:, 1]
-        sides = [
-            np.array(list(_sides(run.t, x, y, one))) for one in (without, replace(bare, alpha2=1.0), bare)
-        ]
-        if len(sides[0]) < 3:
-            return
-        rest.extend(sides[0][:, 0])
-        right.extend(sides[0][:, 1])
-        inertia.extend(sides[1][:, 0] - sides[2][:, 0])
-    c, left = np.array(inertia), np.array(right) - np.array(rest)
+    one, two = (
+        np.array(
+            [
+                s
+                for run in data
+                for s in _sides(run.t, run.readings[:, 0], run.readings[:, 1], replace(rig, alpha2=a))
+            ]
+        )
+        for a in (1.0, 2.0)
+    )
+    if len(one) < 3:
+        return
+    c, right = two[:, 0] - one[:, 0], one[:, 1]  # the left-hand side is linear in alpha2
+    rest = one[:, 0] - c
+    left = right - rest
     asked = float(c @ left / (c @ c))
-    met = np.corrcoef(np.array(rest) + asked * c, right)[0, 1]
+    met = np.corrcoef(rest + asked * c, right)[0, 1]
     if asked <= 0 or met < CLOSE or 1 / INERTIA < asked / rig.alpha2 < INERTIA:
         return
     told, times = "check alpha2", _times(asked / rig.alpha2)

@@ -44,6 +44,10 @@ class Learned:
         """Prefix of its parameters."""
         return f"learned_{self.channel}_{self.variable}"
 
+    def values(self, p: Mapping[str, float]) -> Floats:
+        """Values at its knots, (k,), among parameters by name."""
+        return np.array([p[f"{self.name}.value_{i}"] for i in range(len(self.knots))])
+
     def basis(self, x: Floats, derivative: int = 0) -> Floats:
         """Value of each knot's cardinal spline, (n, k); held constant outside."""
         inside = np.clip(x, self.knots[0], self.knots[-1])
@@ -273,7 +277,7 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
     if channel >= s.out.values.shape[1]:
         return
     names = [f"{curve.name}.value_{i}" for i in range(len(curve.knots))]
-    values = np.array([s.p[name] for name in names])
+    values = curve.values(s.p)
     x = s.t if curve.variable == "t" else s.state[:, _COLUMN[curve.variable]]
     basis = curve.basis(x)
     s.out.values[:, channel] += basis @ values
@@ -282,6 +286,11 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.out.slopes[:, channel] += rate[:, None] * s.slopes[_COLUMN[curve.variable]]
     for i, name in enumerate(names):
         s.add(channel, name, basis[:, i])
+
+
+def unbent(reading: Floats, q: float) -> Floats:
+    """m of m + q m^2 = reading, on the branch through 0; at the fold where the reading lies beyond it."""
+    return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
 
 
 def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Learned] = ()) -> Floats:
@@ -304,9 +313,8 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     for one in learned:
         if one.channel != "x1":
             continue
-        values = np.array([p[f"{one.name}.value_{i}"] for i in range(len(one.knots))])
         x = t if one.variable == "t" else state[:, _COLUMN[one.variable]]
-        rate = rate + (one.basis(x, 1) @ values) * _moves(one.variable, t, state)
+        rate = rate + (one.basis(x, 1) @ one.values(p)) * _moves(one.variable, t, state)
     return np.asarray(rate)
 
 

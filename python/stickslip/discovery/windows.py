@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data
-from stickslip.discovery.readings import Y1_LAG, Learned, curves_of
+from stickslip.discovery.readings import Y1_LAG, Learned, curves_of, unbent
 from stickslip.discovery.window import AUTO, BELT, DWELL, LAGGED, SLIPPING, STATES, STICK, W, Window, Z
 from stickslip.model import Model
 
@@ -65,9 +65,8 @@ def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Fl
     x1, x2, y1, y2 = read
     along = {"x1": (x1, x2), "x2": (x2, 0.0), "y1": (y1, y2), "y2": (y2, 0.0), "t": (t, 1.0)}
     for one in curves:
-        values = np.array([p[f"{one.name}.value_{i}"] for i in range(len(one.knots))])
         at, moves = along[one.variable]
-        added, rate = ((one.basis(np.array([at]), k) @ values)[0] for k in (0, 1))
+        added, rate = ((one.basis(np.array([at]), k) @ one.values(p))[0] for k in (0, 1))
         if one.channel == "x1":
             x1, x2 = x1 - added, x2 - rate * moves
         elif one.channel == "y1":
@@ -76,7 +75,7 @@ def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Fl
     y1 += late * y2
     r, q = p.get("sensor_drift.r", 0.0), p.get("sensor_nonlinearity.q", 0.0)
     x1, x2 = x1 - r * t, x2 - r
-    x1 = 2 * x1 / (1 + np.sqrt(max(1 + 4 * q * x1, 0.0)))
+    x1 = float(unbent(x1, q))
     x2 /= max(1 + 2 * q * x1, LEAST)
     c = p.get("sensor_crosstalk.c", 0.0)
     return np.array([x1 + p.get("sensor_lag.tau", 0.0) * x2 - c * y1, x2 - c * y2, y1, y2])

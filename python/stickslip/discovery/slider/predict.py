@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import InitVar, dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.levels import carried, held_at
-from stickslip.discovery.slider.sensor import TURNS, Reading, reading_of
+from stickslip.discovery.slider.sensor import Reading, reading_of
 from stickslip.discovery.slider.table import Measured
 from stickslip.effects import Effect
 from stickslip.errors import StickslipError
@@ -41,9 +41,9 @@ class Forecaster:
 
     model: Model
     measured: Measured
-    reading: Reading | None = None  # of the measured run's channel; the model's own if none is given
+    reading: InitVar[Reading | None] = None  # of the measured run's channel; the model's own if none is given
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, reading: Reading | None) -> None:
         run = self.measured.run
         rig = (
             replace(run.rig, damping=self.model.rig.damping)
@@ -51,7 +51,7 @@ class Forecaster:
             else run.rig
         )
         self.model = replace(self.model, rig=rig, friction=seen(self.model.friction, run.sign))
-        self.chain = self.reading or reading_of(self.model, run.force_channel)
+        self.chain = reading or reading_of(self.model, run.force_channel)
 
     def state(self, stop: int) -> tuple[float, float, float]:
         """Deflection, velocity and (lagged) deflection as read, at sample `stop`, from the readings before it."""
@@ -72,12 +72,9 @@ class Forecaster:
 
     def _slipping(self, read: Floats, t: Floats, t0: float) -> tuple[float, float, float]:
         """State at t0 from the last readings of a slip: a parabola of what the lag leaves, m; x is m + tau m'."""
-        poly, reading, taken = np.polynomial.Polynomial, self.chain, read
-        for _ in range(TURNS if reading.curves else 1):
-            m = poly.fit(t - t0, reading.undone(taken, t), 2).convert()
-            x, v = m + reading.lag * m.deriv(), m.deriv() + reading.lag * m.deriv(2)
-            taken = read - reading.added(x(t - t0), t)
-        return float(x(0.0)), float(v(0.0)), float(m(0.0))
+        m = np.polynomial.Polynomial.fit(t - t0, self.chain.undone(read, t), 2).convert()
+        lag = self.chain.lag
+        return float((m + lag * m.deriv())(0.0)), float((m.deriv() + lag * m.deriv(2))(0.0)), float(m(0.0))
 
     def level(self, before: float) -> float:
         """The friction of the last events before a time over the law's: no law predicts how runs differ.

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.readings import Learned
+from stickslip.discovery.readings import Learned, unbent
 from stickslip.effects import Effect, Tabulated
 from stickslip.errors import InputError
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
-TURNS = (
-    40  # of undoing curves, small beside what they are added to: each leaves their slope's share of the last
-)
+TURNS = 40  # of undoing curves: each leaves their slope's share of what the last left
 
 
 @dataclass(frozen=True)
@@ -34,25 +32,19 @@ class Reading:
 
     def undone(self, reading: Floats, t: Floats) -> Floats:
         """(Lagged) deflections behind readings without curves."""
-        flat = (reading - self.drift * t) / self.gain
-        return np.asarray(
-            2 * flat / (1 + np.sqrt(np.maximum(1 + 4 * self.curvature / self.gain * flat, 0.0)))
-        )
+        return unbent((reading - self.drift * t) / self.gain, self.curvature / self.gain)
 
     def read(self, x: Floats, m: Floats | None, t: Floats) -> Floats:
         """Readings of a motion, (n,); `m` where there is a lag."""
-        return self.of(x if m is None or not self.lag else m, t) + self.added(x, t)
+        return self.of(x if m is None or not self.lag else m, t) + self._added(x, t)
 
     def settled(self, x: float, v: float) -> float:
         """m of a motion that has been steady for long."""
         return x - self.lag * v
 
     def steady(self, reading: Floats, v: float, t: Floats) -> Floats:
-        """Deflections behind readings taken in motion at a steady v."""
-        x = self.undone(reading, t) + self.lag * v
-        for _ in range(TURNS if self.curves else 0):
-            x = self.undone(reading - self.added(x, t), t) + self.lag * v
-        return x
+        """Deflections behind readings without curves taken in motion at a steady v."""
+        return self.undone(reading, t) + self.lag * v
 
     def behind(self, reading: Floats, rate: Floats, t: Floats) -> tuple[Floats, Floats]:
         """(Lagged) deflections m and their rates behind readings and theirs; the deflection is m + lag m'."""
@@ -60,7 +52,7 @@ class Reading:
         moves = self._rate(m, rate - self.drift)
         for _ in range(TURNS if self.curves else 0):
             x = m + self.lag * moves
-            m = self.undone(reading - self.added(x, t), t)
+            m = self.undone(reading - self._added(x, t), t)
             moves = self._rate(m, rate - self.drift - self._added_rate(x, moves, t))
         return m, moves
 
@@ -69,11 +61,11 @@ class Reading:
         slope = self.gain + 2 * self.curvature * m
         return np.asarray(rate / np.where(np.abs(slope) < 0.01 * self.gain, 0.01 * self.gain, slope))
 
-    def added(self, x: Floats, t: Floats) -> Floats:
+    def _added(self, x: Floats, t: Floats) -> Floats:
         """What curves add, (n,)."""
-        out, along = np.zeros(np.shape(x)), {"x1": x, "t": t}
+        out = np.zeros(len(x))
         for one in self.curves:
-            out += Learned("x1", one.variable, one.knots).basis(along[one.variable]) @ np.array(one.values)
+            out += one.curve(x if one.variable == "x1" else t)
         return out
 
     def _added_rate(self, x: Floats, v: Floats, t: Floats) -> Floats:
