@@ -13,7 +13,8 @@ from stickslip import reference
 from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import measure
 from stickslip.discovery.readings import curves_of, no_slopes, read, reading_rate
-from stickslip.discovery.windows import behind
+from stickslip.discovery.window import LAGGED, Window
+from stickslip.discovery.windows import behind, with_hidden
 from stickslip.errors import InputError
 from stickslip.lowering import HIDDEN
 
@@ -107,6 +108,20 @@ def test_a_window_starts_from_the_motion_behind_the_readings(kinds):
     raw = np.abs(np.column_stack([seen[:, 0], rates[:, 0]]) - run.state[:, :2])[500:-2]
     share = np.quantile(off, 0.5, axis=0)[:2] / np.quantile(raw, 0.5, axis=0)
     assert np.all(share < (0.3, 0.9 if "sensor_lag" in kinds else 0.1))
+
+
+def test_a_lag_starts_from_what_the_crosstalk_before_it_makes():
+    effects = [ss.effect(kind, **SENSORS[kind]) for kind in ("sensor_lag", "sensor_crosstalk")]
+    model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
+    t = np.arange(5, 10, 0.1)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=10, t_eval=t)
+    data = prepare(make_case(seed=5).train)[0]
+    off = []
+    for state, m in zip(run.state, run.hidden["m"], strict=True):
+        start = np.pad(state, (0, 5))
+        window = Window(0, 0, 90, start, (0, 1, 2, 3), start, np.full(9, np.inf))
+        off.append(with_hidden(window, model, data).state[LAGGED] - m)
+    assert np.median(np.abs(off)) < 0.02 * np.ptp(run.hidden["m"])
 
 
 def test_what_only_the_reading_has_is_refused_of_the_motion():

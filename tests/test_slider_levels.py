@@ -13,6 +13,8 @@ from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.discovery.slider.levels import carried, held_at, sliding
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
+from stickslip.discovery.slider.predict import Forecaster
+from stickslip.discovery.slider.sensor import Reading
 from stickslip.discovery.slider.table import measure, prepare
 from stickslip.discovery.slider.views import _state
 from stickslip.effects import Effect, effect
@@ -113,3 +115,12 @@ def test_the_motion_behind_a_curved_and_drifting_reading() -> None:
     motion = 1.1 * x - 2 * x**2 + 0.01 * t, 1.1 * v - 4 * x * v + 0.01, np.zeros(len(t), dtype=np.int8)
     one = SimpleNamespace(run=SimpleNamespace(force_channel=False, t=t))
     np.testing.assert_allclose(_state(one, model, motion), np.column_stack([x, v]), atol=1e-12)
+
+
+def test_the_state_behind_a_lag_in_mid_slip() -> None:
+    t, tau = np.linspace(1.0, 1.06, 16), 0.02
+    m = np.polynomial.Polynomial([0.03, -0.2, -3.0])  # of t - 1.06
+    forecaster = object.__new__(Forecaster)
+    forecaster.chain = Reading(1.0, 0.0, 0.0, tau)
+    got = forecaster._slipping(m(t - 1.06), t, 1.06)
+    np.testing.assert_allclose(got, (0.03 - 0.2 * tau, -0.2 - 6.0 * tau, 0.03), atol=1e-12)

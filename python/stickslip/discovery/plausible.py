@@ -268,16 +268,12 @@ def _columns(case: Case, data: Sequence[Data]) -> None:
 
 def _inertia(data: Sequence[Data], rig: Rig) -> None:
     """The angle body's equation fails as it stands, and holds with quite another inertia."""
-    one, two = (
-        np.array(
-            [
-                s
-                for run in data
-                for s in _sides(run.t, run.readings[:, 0], run.readings[:, 1], replace(rig, alpha2=a))
-            ]
-        )
-        for a in (1.0, 2.0)
-    )
+
+    def sides(other: Rig) -> Floats:
+        channels = [(run.t, run.readings[:, 0], run.readings[:, 1]) for run in data]
+        return np.array([one for t, x, y in channels for one in _sides(t, x, y, other)])
+
+    one, two = (sides(replace(rig, alpha2=alpha2)) for alpha2 in (1.0, 2.0))
     if len(one) < 3:
         return
     c, right = two[:, 0] - one[:, 0], one[:, 1]  # the left-hand side is linear in alpha2
