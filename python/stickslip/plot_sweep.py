@@ -249,7 +249,7 @@ def _percent(share: float) -> str:
 def _described(low: Floats, high: Floats, share: float) -> str:
     size = high[0] - low[0]
     what = f"steady at $x_1$ = {low[0]:.3g}" if size < 1e-3 else f"cycle, $x_1$ {low[0]:.3g} .. {high[0]:.3g}"
-    return f"{what} ({_percent(share)})"
+    return f"{what} ({_percent(share)})".replace("-", "\N{MINUS SIGN}")
 
 
 def _mesh(

@@ -199,8 +199,8 @@ def _check_runs(document: Document, runs: list[_Run]) -> None:
             words = "a folder; give the CSV or .mat file of the run"
             raise document.error(words, "run", i, "file", value=run.file)
         if not (folder / run.file).is_file():
-            known = sorted(one.name for one in folder.iterdir() if one.suffix in (".csv", ".mat"))
-            guess = nearest(run.file, known)
+            here = {one.name for one in folder.iterdir() if one.suffix in (".csv", ".mat")}
+            guess = nearest(run.file, sorted(here - {one.file for one in runs}))
             hint = f"did you mean '{guess}'?" if guess else "give it relative to rig.toml"
             raise document.error(f"no such file; {hint}", "run", i, "file", value=run.file)
         if run.start is not None and run.end is not None and run.start >= run.end:

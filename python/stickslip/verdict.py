@@ -72,12 +72,8 @@ def _cycles(rows: Mapping[str, Row]) -> str:
             continue
         ratio = abs(row.difference) / row.scatter
         (near if ratio <= 1 else far).append(name if ratio <= 1 else f"{name} ({ratio:.1f} times)")
-    said = [f"{', '.join(near)}: within the scatter of the measured cycles"] if near else []
-    said += (
-        [f"{', '.join(far)}: beyond it" if near else f"{', '.join(far)}: beyond the scatter of the cycles"]
-        if far
-        else []
-    )
+    said = [f"{', '.join(near)}: off by less than single measured cycles scatter"] if near else []
+    said += [f"{', '.join(far)}: off by more than single measured cycles scatter"] if far else []
     return "; ".join(said)
 
 
