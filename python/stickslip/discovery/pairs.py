@@ -50,6 +50,8 @@ def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
             break
         search.extend(ANOTHER[base is not bases[0]])
         found = _pairs_on(search, base)
+        if not (found and _promising(found, null)):
+            found = [*found, *_pairs_on_partner(search, base, found)]
         least = min(found, key=lambda one: one.chi2, default=base)
         if least.excess > CLEAN and least.chi2 - 1 > LIKELY * (base.chi2 - 1):
             continue
@@ -76,6 +78,30 @@ def _pairs_on(search: Search, base: Trial) -> list[Trial]:
     return known[1]
 
 
+def _pairs_on_partner(search: Search, base: Trial, pairs: Sequence[Trial]) -> list[Trial]:
+    """Pairs on the best partner of a base, alone from where their pair has the law and the windows; none where it is no
+    other to build on.
+
+    Of two effects a third may explain most alone, and one of the two then goes best with it; by itself that one may
+    never have come to its place.
+    """
+    pair = min(pairs, key=lambda one: one.chi2, default=base)
+    if pair.chi2 - 1 > STUCK * (base.chi2 - 1):
+        return []
+    alone = search.once("partner", base, lambda: _partner(search, base, pair))
+    if alone is None or alone.mean > RIVAL * base.mean or search.left < 0:
+        return []
+    return _pairs_on(search, alone)
+
+
+def _partner(search: Search, base: Trial, pair: Trial) -> Trial | None:
+    """What a pair has beside its base, alone, on the pair's windows: others may not follow it yet."""
+    start = next(one for one in starts_of(pair) if one.term.name not in base.names)
+    search.progress(f"fitting {start.term.name} from where it goes with {base.names[0]}")
+    h = hypothesis(pair.hypothesis.model, [start], search.model)
+    return search.run(h, cycles=SHORT, windows_of=pair, tolerance=1e-3, iterations=25, rounds=1)
+
+
 def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list[Trial]:
     """Pairs built on the best single effects (on `most` of them at most), and what there was; best first.
 
@@ -92,7 +118,10 @@ def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list
         found: list[Trial] = []
         while left and not (found and _promising(found, null)):
             search.extend(ANOTHER[len(left) < len(bases)])
-            found += _pairs_on(search, left.pop(0))
+            base = left.pop(0)
+            found += (more := _pairs_on(search, base))
+            if not (found and _promising(found, null)):
+                found += _pairs_on_partner(search, base, more)
         few = pairs or not (found and _promising(found, null))
         close = closely(search, sorted(found, key=lambda one: one.bic_of(readings)), most=2 if few else 4)
         if close and not _no_partner(close[0], search):

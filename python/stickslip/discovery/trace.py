@@ -26,6 +26,7 @@ AFRESH = 10.0  # processor seconds for these, at least
 STUCK = 0.5  # of the excess of a base: where all rivals leave more, those that did not move are tried afresh
 PLAIN = 2.0  # chi-squared per reading above which half of the windows will do
 NEARLY = 1.5  # chi-squared per reading that is near the noise
+MANY = 4  # rivals, beside the best, that leave nearly as little as it: they only shake the base
 OTHER = frozenset({"contact_compliance"})  # a contact of another kind: a law fitted without it leads astray
 CRUDELY = (
     0.01  # of what a base leaves over the noise: a rival that falls by less in a step is ranked as it is
@@ -36,6 +37,7 @@ SHAKEN = 8  # rivals whose windows are sought anew before they are ranked; and o
 AHEAD = 3  # rivals begun for each process: some take a hundred times as long as others
 LITTLE_ALONE = 0.9  # of the cost of the declared law: an effect that leaves more by itself explains little
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
+UNFITTED = 1.05  # of the cost of a base: a rival that leaves more than its own special case has found no way down
 OUTRUN = 1.5  # of the cost of what explains all: a rival that stalls beyond does not do so too
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
@@ -62,7 +64,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
 
     Where the misfit is plain, half of the windows show it as well: the trials are then `partial`.
     """
-    part = search.half(base) if base.chi2 > PLAIN else base
+    part = search.half(base) if base.chi2 > PLAIN and not base.partial else base
     skip = {*base.names, *exclude}
     search.progress("looking for lines in the residual's spectrum")
     lines = search.submit(_lines, base, tuple(n for n in PERIODIC if n not in skip), search.ripples)
@@ -122,17 +124,18 @@ def _worth_more(
 def _anew(
     search: Search, base: Trial, tried: Sequence[tuple[str, Start]], best: Mapping[str, Trial]
 ) -> list[tuple[str, Start]]:
-    """What is to be tried from the declared law as well: all that stalled, where every one did; and another contact,
-    unless it is known to explain little by itself.
+    """What is to be tried from the declared law as well: all that stalled, where every one did; else what ended worse
+    than the base, which it has for a special case, and another contact, unless that is known to explain little alone.
     """
     cost = {name: trial.fit.cost / base.fit.cost for name, trial in best.items()}
     hopeless = OTHER & _little_alone(search) if base.names else frozenset[str]()
+    able = [one for one in tried if one[0] not in hopeless]
     if _stuck(base, best.values()):
         search.extend(AFRESH)
-        return [one for one in tried if one[0] not in hopeless and MOVED < cost.get(one[0], 1.0) < FARTHEST]
+        return [one for one in able if cost.get(one[0], 1.0) > MOVED]
     least = min((one.chi2 for one in best.values()), default=base.chi2)
     plain = base.excess > CLEAN and min(least, base.chi2) > NEARLY
-    return [one for one in tried if plain and one[0] in OTHER - hopeless]
+    return [one for one in able if plain and (one[0] in OTHER or cost.get(one[0], 1.0) > UNFITTED)]
 
 
 def _little_alone(search: Search) -> frozenset[str]:
@@ -150,9 +153,12 @@ def _promising_first(search: Search) -> list[str]:
 
 
 def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
-    """Do all leave most of what the base leaves? Then the right one may find no way out of where the base is."""
-    least = min((one.chi2 for one in trials), default=base.chi2)
-    return base.excess > CLEAN and base.chi2 > NEARLY and least - 1 > STUCK * (base.chi2 - 1)
+    """Do all leave most of what the base leaves, or as many do of what the best leaves? Then the right one may find no
+    way out of where the base is.
+    """
+    left = sorted(one.chi2 - 1 for one in trials) or [base.chi2 - 1]
+    idle = min([base.chi2 - 1, *left[MANY:MANY + 1]])  # so much falls away with whatever is added
+    return base.excess > CLEAN and base.chi2 > NEARLY and left[0] > STUCK * idle
 
 
 def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bool = False) -> Trial | None:
