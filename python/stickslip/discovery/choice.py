@@ -65,14 +65,17 @@ class Choice:
     lag: Interval | None = None
 
 
-def choose(search: Search, trials: list[Trial]) -> Choice:
-    """The choice for the runs of a search and the trials of single effects, held against windows left out."""
+def choose(search: Search, trials: list[Trial], *, one_cause: bool = False) -> Choice:
+    """The choice for the runs of a search and the trials of single effects, held against windows left out.
+
+    `one_cause`: a curve or a name is known to come near, so that curves come before pairs.
+    """
     single = Choice(search.tried[()], trials[0], None, trials)
     choice = _with_drift(search, single)
     if choice is single:
         choice = _with_lag(search, single, alone=True)
     if choice is single:
-        choice = _with_lag(search, _with_drift(search, _choose(search, trials)))
+        choice = _with_lag(search, _with_drift(search, _choose(search, trials, one_cause)))
     return _held(search, _with_rig(search, choice))
 
 
@@ -116,7 +119,7 @@ def _with_rig(search: Search, choice: Choice) -> Choice:
     return replace(choice, tied=tuple(one for one in wrong if one.bic < chosen.bic + MARGIN))
 
 
-def _choose(search: Search, trials: list[Trial]) -> Choice:
+def _choose(search: Search, trials: list[Trial], one_cause: bool = False) -> Choice:
     null, best = search.tried[()], trials[0]
     if explained(best, null) and best.excess < DOUBTFUL and not _wide(best):
         return Choice(null, best, None, trials)
@@ -131,7 +134,8 @@ def _choose(search: Search, trials: list[Trial]) -> Choice:
             return Choice(null, wrong[0], None, [*wrong, *trials])
     search.extend(CURVES)
     crude = unlisted.crude(search, null)
-    if not explained(best, null) and best.names and crude.beyond(best) > ON_TRACK:
+    off_track = crude.beyond(best) > ON_TRACK and not one_cause
+    if not explained(best, null) and best.names and off_track:
         pairs = likely_pairs(search, trials)
         if pairs and len(pairs[0].names) > 1 and pairs[0].excess < DOUBTFUL:
             return Choice(null, pairs[0], None, pairs)

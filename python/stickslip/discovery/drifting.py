@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
 from stickslip.discovery.rivals import BOUNDS, Start, hypothesis
-from stickslip.discovery.search import SHORT, Search, Trial
+from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.unknowns import without
 from stickslip.discovery.unlisted import guess, knots_for
 from stickslip.discovery.window import BELT
@@ -57,7 +57,7 @@ def _unloaded(search: Search, droop: Trial) -> Trial | None:
     longest = {f"{DROOP}.k": BOUNDS[f"{DROOP}.k"][0], f"{DROOP}.tau": BOUNDS[f"{DROOP}.tau"][1]}
     h = droop.hypothesis
     free = replace(h, model=h.model.replace(longest), unknowns=without(h.unknowns, [DROOP]))
-    trial = search.run(free, cycles=SHORT, windows_of=droop, tolerance=1e-3, anyway=True)
+    trial = search.run(free, windows_of=droop, tolerance=1e-3, anyway=True)
     gained = search.tried[()].fit.cost - droop.fit.cost
     lost = trial is None or trial.fit.cost - droop.fit.cost > UNLOADED * gained
     return None if lost else trial
@@ -84,7 +84,7 @@ def _wave(search: Search, free: Trial, t: Floats, share: Floats, turned: float) 
     h = hypothesis(free.hypothesis.model, [start], search.model)
     low, high = (turns / longest for turns in SLOW)
     slow = tuple(replace(u, bounds=(low, high)) if u.name == f"{WAVE}.w" else u for u in h.unknowns)
-    trial = search.run(replace(h, unknowns=slow), cycles=SHORT, windows_of=free, anyway=True)
+    trial = search.run(replace(h, unknowns=slow), windows_of=free, anyway=True)
     return None if trial is None else search.close(trial)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery import unlisted
-from stickslip.discovery.search import CLEAN, LONG, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, LONG, Search, Trial
 
 Floats = NDArray[np.float64]
 FAR_OFF = 50.0  # of CLEAN: a misfit whose numbers are not worth perfecting
@@ -23,7 +23,7 @@ WORSE = 1.05  # of the cost of the first fit: one that stays beyond has ended so
 def final(search: Search, trial: Trial) -> Trial:
     """The trial on long windows, which say more, where these are fitted as well as the short ones."""
     short, vector = trial, _in_order(trial)
-    again = _finely(search, vector, trial=trial, cycles=SHORT, windows_of=trial)
+    again = _finely(search, vector, trial=trial, windows_of=trial)
     named_anew = not np.array_equal(vector, trial.fit.vector)
     if again is not None and (named_anew or again.fit.cost < trial.fit.cost):
         short = again

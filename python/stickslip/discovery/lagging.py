@@ -9,7 +9,7 @@ from stickslip.discovery.intervals import intervals
 from stickslip.discovery.readings import Y1_LAG
 from stickslip.discovery.result import Interval
 from stickslip.discovery.rivals import LOGARITHMIC, hypothesis
-from stickslip.discovery.search import SHORT, Search, Trial
+from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import MARGIN, starts_of
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 
@@ -31,7 +31,7 @@ def lag_of(search: Search, chosen: Trial) -> tuple[Trial, Trial] | None:
         return None
     search.progress("letting the y1 reading lag")
     h = _hypothesis(search, delay, late)
-    found = search.run(h, cycles=SHORT, windows_of=delay, tolerance=2e-5, anyway=True)
+    found = search.run(h, windows_of=delay, tolerance=2e-5, anyway=True)
     return None if found is None or found.bic > chosen.bic - MARGIN else (delay, found)
 
 

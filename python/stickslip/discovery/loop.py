@@ -20,6 +20,7 @@ from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
+from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.plausible import plausible
@@ -153,7 +154,7 @@ def _discover(
         search = search.afresh(data[:count])
         search.extend(NAMES * budget)
         trials = decide_single(search, known)
-    choice = choose(search, trials)
+    search, choice = looked_at_longer(search, choose(search, trials))
     if choice.trial.names:
         data, more = _cleaned_of_what_shows(case, data, choice.trial)
         search, corrected = replace(search, data=data[:count]), (*corrected, *more)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from stickslip.discovery.rivals import Start, hypothesis
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import (
     MARGIN,
     NEARLY,
@@ -99,7 +99,7 @@ def _partner(search: Search, base: Trial, pair: Trial) -> Trial | None:
     start = next(one for one in starts_of(pair) if one.term.name not in base.names)
     search.progress(f"fitting {start.term.name} from where it goes with {base.names[0]}")
     h = hypothesis(pair.hypothesis.model, [start], search.model)
-    return search.run(h, cycles=SHORT, windows_of=pair, tolerance=1e-3, iterations=25, rounds=1)
+    return search.run(h, windows_of=pair, tolerance=1e-3, iterations=25, rounds=1)
 
 
 def decide_pairs(search: Search, trials: Sequence[Trial], most: int = 3) -> list[Trial]:
@@ -170,16 +170,14 @@ def _eliminated(search: Search, pair: Trial) -> list[Trial]:
 
 def _alone(search: Search, start: Start, *, pair: Trial) -> Trial | None:
     h = hypothesis(pair.hypothesis.model, [start], search.model)
-    crude = search.run(h, cycles=SHORT, windows_of=pair, tolerance=1e-2, iterations=4, rounds=0, anyway=True)
+    crude = search.run(h, windows_of=pair, tolerance=1e-2, iterations=4, rounds=0, anyway=True)
     if crude is None or crude.fit.cost > HOPELESS * pair.fit.cost:
         return crude
     near = crude.fit.cost < BESIDE * pair.fit.cost  # it may do as well, however slowly it comes there
     if search.left < 0 and not near:
         return crude
     worst = math.inf if near else ALONE * (pair.fit.cost + MARGIN)
-    return search.run(
-        crude.hypothesis, cycles=SHORT, windows_of=crude, tolerance=2e-5, worst=worst, anyway=True
-    )
+    return search.run(crude.hypothesis, windows_of=crude, tolerance=2e-5, worst=worst, anyway=True)
 
 
 def slimmed(search: Search, trial: Trial) -> Trial:

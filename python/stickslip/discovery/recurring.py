@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.periodic import TABLE_KNOTS, Line, strongest_line
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import MARGIN, OUTRUN
 from stickslip.discovery.unknowns import Unknown
 from stickslip.discovery.unlisted import SPREAD, Term, repeating
@@ -89,7 +89,7 @@ def _learned(
 def _without(search: Search, base: Trial, beat: Trial) -> Trial:
     """The base where a name has its law and windows; as it is if that cannot be simulated."""
     law = hypothesis(beat.hypothesis.model, [], search.model)
-    return search.run(law, cycles=SHORT, windows_of=beat, iterations=0, rounds=0, anyway=True) or base
+    return search.run(law, windows_of=beat, iterations=0, rounds=0, anyway=True) or base
 
 
 def _fitted(
@@ -117,4 +117,4 @@ def _fitted(
         phases={**h.phases, f"{term.prefix}.phi": phases},
     )
     learned = base.fit.engine.learned
-    return term, search.run(h, cycles=SHORT, windows_of=base, learned=learned, iterations=60, worst=worst)
+    return term, search.run(h, windows_of=base, learned=learned, iterations=60, worst=worst)

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.discovery.intervals import combined, intervals
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rivals import hypothesis
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
+from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.unknowns import RIG, Unknown
 from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
@@ -99,7 +99,7 @@ def _fitted(search: Search, kind: Kind, own: Sequence[Unknown], chosen: Trial) -
         own += [Unknown(f"{line.name}.value_{i}", 0.0, False, 0.0, STEEP) for i in range(2)]
     return search.run(
         replace(h, unknowns=(*h.unknowns, *own)),
-        cycles=SHORT, windows_of=chosen, tolerance=1e-4, worst=WORSE * chosen.fit.cost, anyway=True,
+        windows_of=chosen, tolerance=1e-4, worst=WORSE * chosen.fit.cost, anyway=True,
     )  # fmt: skip
 
 

@@ -106,6 +106,7 @@ class Search:
     progress: Callable[[str], None]
     budget: float  # processor seconds that may be spent for now
     most: float = math.inf  # and in all
+    length: float = SHORT  # cycles in a window
     began: float = field(default_factory=time.process_time)
     tried: dict[tuple[str, ...], Trial] = field(default_factory=dict)
     screened: list[Trial] = field(default_factory=list)
@@ -138,7 +139,7 @@ class Search:
 
     def away(self) -> Search:
         """The search as another process needs it: the data, the declared model, the time that is left."""
-        return Search(self.data, self.model, 1, _silent, min(self.left, LARGEST))
+        return Search(self.data, self.model, 1, _silent, min(self.left, LARGEST), length=self.length)
 
     def back(self, value: object, seconds: float) -> None:
         """What came back from another process is on our data and threads, and its time is ours."""
@@ -160,10 +161,10 @@ class Search:
         """See to it that at least so many processor seconds are left, as far as there are any."""
         self.budget = max(self.budget, min(self.most, self.budget + seconds - self.left))
 
-    def afresh(self, data: list[Data]) -> Search:
-        """A search on other readings that goes on with the time of this one."""
+    def afresh(self, data: list[Data], length: float = SHORT) -> Search:
+        """A search on other readings, or in other windows, that goes on with the time of this one."""
         return Search(
-            data, self.model, self.threads, self.progress, self.budget, self.most,
+            data, self.model, self.threads, self.progress, self.budget, self.most, length,
             began=self.began, workers=self.workers, spent=self.spent,
         )  # fmt: skip
 
@@ -171,7 +172,7 @@ class Search:
         self,
         h: Hypothesis,
         *,
-        cycles: float,
+        cycles: float | None = None,
         iterations: int = 40,
         tolerance: float = 1e-4,
         rounds: int = 3,
@@ -184,12 +185,13 @@ class Search:
     ) -> Trial | None:
         """Fit one hypothesis.
 
-        `windows_of` lends its windows and states, `states_of` the states of windows that start at the same sample;
-        `worst` is a hopeless cost; `anyway` goes on for a while when the time is up.
+        Windows are of `cycles`, the search's length if not given. `windows_of` lends its windows and states,
+        `states_of` the states of windows that start at the same sample; `worst` is a hopeless cost; `anyway` goes on
+        for a while when the time is up.
         """
         engine = Engine(self.data, h, self.threads, learned)
         if windows_of is None:
-            windows = cut(self.data, h.model, cycles)
+            windows = cut(self.data, h.model, self.length if cycles is None else cycles)
             if states_of is not None:
                 known = {(w.run, w.start): w for w in states_of.fit.windows}
                 windows = [_from(w, known.get((w.run, w.start))) for w in windows]
@@ -242,11 +244,11 @@ class Search:
             best = self._rephased(best)
             if best.excess < CLEAN:
                 break
-            long, ends = self._again(best, LONG + turn, None), [best.fit.cost]
+            long, ends = self._again(best, self.length + 1 + turn, None), [best.fit.cost]
             for origin in (long, self.with_declared_law(best)):
                 if best.excess < CLEAN:
                     break
-                short = None if origin is None else self._again(origin, SHORT, None)
+                short = None if origin is None else self._again(origin, None, None)
                 if short is not None:
                     ends.append(short.fit.cost)
                     best = short if short.fit.cost < best.fit.cost else best
@@ -302,19 +304,19 @@ class Search:
     def sides(self, trial: Trial) -> list[Trial]:
         """The trial fitted on from where it is; and, above the noise, afresh with its law from the declared start."""
         done = False
-        if trial.partial and (whole := self._again(trial, SHORT, None, 25, trial)):
+        if trial.partial and (whole := self._again(trial, None, None, 25, trial)):
             done = whole.fit.iterations < 25 and _tolerance(whole) == _tolerance(trial)
             trial = whole
-        last, best = trial, trial if done else self._again(trial, SHORT, trial, 25) or trial
+        last, best = trial, trial if done else self._again(trial, None, trial, 25) or trial
         for _ in range(MORE):
             if best.excess < CLEAN or best.fit.iterations < 25 or best.fit.cost > 0.7 * last.fit.cost:
                 break
             if self.left < 0:
                 break
-            last, best = best, self._again(best, SHORT, best, 25) or best
+            last, best = best, self._again(best, None, best, 25) or best
         if best.excess < CLEAN or not trial.names:
             return [best]
-        fresh = self._again(self.with_declared_law(trial), SHORT, None, 25)
+        fresh = self._again(self.with_declared_law(trial), None, None, 25)
         return [best] if fresh is None else [best, fresh]
 
     def with_declared_law(self, trial: Trial) -> Trial:
@@ -328,7 +330,7 @@ class Search:
     def _again(
         self,
         trial: Trial,
-        cycles: float,
+        cycles: float | None,
         windows_of: Trial | None,
         iterations: int = 40,
         states_of: Trial | None = None,

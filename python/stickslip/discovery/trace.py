@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
-from stickslip.discovery.search import CLEAN, JUDGED, SHORT, Search, Trial, stands
+from stickslip.discovery.search import CLEAN, JUDGED, Search, Trial, stands
 from stickslip.discovery.solve import QUIET
 from stickslip.discovery.workers import each
 from stickslip.effects import CATALOGUE, Effect
@@ -37,7 +37,9 @@ SHAKEN = 8  # rivals whose windows are sought anew before they are ranked; and o
 AHEAD = 3  # rivals begun for each process: some take a hundred times as long as others
 LITTLE_ALONE = 0.9  # of the cost of the declared law: an effect that leaves more by itself explains little
 MOVED = 0.99  # of the cost of a base: a rival that leaves more did not move
-UNFITTED = 1.05  # of the cost of a base: a rival that leaves more than its own special case has found no way down
+UNFITTED = (
+    1.05  # of the cost of a base: a rival that leaves more than its own special case has found no way down
+)
 OUTRUN = 1.5  # of the cost of what explains all: a rival that stalls beyond does not do so too
 MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
@@ -45,8 +47,8 @@ MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 def declared(search: Search, known: Trial | None = None) -> Trial | None:
     """The declared law alone, on short windows; from where it is `known` to end on readings cleaned less."""
     if known is not None:
-        return search.run(known.hypothesis, cycles=SHORT, windows_of=known, vector=known.fit.vector)
-    return search.run(hypothesis(search.model, []), cycles=SHORT)
+        return search.run(known.hypothesis, windows_of=known, vector=known.fit.vector)
+    return search.run(hypothesis(search.model, []))
 
 
 def starts_of(trial: Trial) -> list[Start]:
@@ -157,7 +159,7 @@ def _stuck(base: Trial, trials: Iterable[Trial]) -> bool:
     way out of where the base is.
     """
     left = sorted(one.chi2 - 1 for one in trials) or [base.chi2 - 1]
-    idle = min([base.chi2 - 1, *left[MANY:MANY + 1]])  # so much falls away with whatever is added
+    idle = min([base.chi2 - 1, *left[MANY : MANY + 1]])  # so much falls away with whatever is added
     return base.excess > CLEAN and base.chi2 > NEARLY and left[0] > STUCK * idle
 
 
@@ -166,7 +168,6 @@ def _screened(search: Search, one: tuple[str, Start], *, base: Trial, afresh: bo
     model = search.model if afresh else base.hypothesis.model
     return search.run(
         hypothesis(model, [*starts_of(base), one[1]], search.model),
-        cycles=SHORT,
         iterations=_steps(one[0], afresh),
         tolerance=_crudely(base),
         rounds=0,
@@ -180,7 +181,6 @@ def _shaken(search: Search, one: tuple[str, Trial], *, base: Trial, afresh: bool
     name, trial = one
     return search.run(
         trial.hypothesis,
-        cycles=SHORT,
         iterations=_steps(name, afresh) - trial.fit.iterations,
         tolerance=_crudely(base),
         rounds=1,
@@ -285,7 +285,7 @@ def beside(search: Search, trials: Sequence[Trial], curve: Trial, most: int = 4)
 def _beside(search: Search, i: int, *, trials: Sequence[Trial], curve: Trial) -> Trial | None:
     h = hypothesis(curve.hypothesis.model, starts_of(trials[i]), search.model)
     worst = OUTRUN * curve.fit.cost
-    return search.run(h, cycles=SHORT, windows_of=curve, tolerance=1e-3, worst=worst, anyway=True)
+    return search.run(h, windows_of=curve, tolerance=1e-3, worst=worst, anyway=True)
 
 
 def decide_single(search: Search, known: Trial | None = None) -> list[Trial]:
@@ -316,7 +316,7 @@ def settled(search: Search, trial: Trial) -> Trial:
             search.progress(f"fitting {' + '.join(trial.names)} from another start")
             others = [one for one in starts_of(trial) if one.term.name != name]
             h = hypothesis(trial.hypothesis.model, [*others, start], search.model)
-            again = search.run(h, cycles=SHORT, windows_of=trial, iterations=30, tolerance=1e-3)
+            again = search.run(h, windows_of=trial, iterations=30, tolerance=1e-3)
             if again is not None and again.fit.cost < 3 * best.fit.cost:
                 again = search.polish(again, turns=1)
             if again is not None and again.fit.cost < best.fit.cost:
@@ -334,7 +334,7 @@ def explained(trial: Trial, null: Trial) -> bool:
 def _refitted(search: Search, null: Trial, winner: Trial) -> Trial:
     """The declared law again, from where the winner has its law: refit against refit."""
     law = hypothesis(winner.hypothesis.model, [], search.model)
-    other = search.run(law, cycles=SHORT, windows_of=winner, tolerance=2e-5)
+    other = search.run(law, windows_of=winner, tolerance=2e-5)
     if other is not None and other.fit.cost < null.fit.cost:
         null = other
         search.keep(null, ())

@@ -14,7 +14,7 @@ from stickslip.discovery.engine import Engine
 from stickslip.discovery.promise import rest
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
-from stickslip.discovery.search import CLEAN, SHORT, Search, Trial, same
+from stickslip.discovery.search import CLEAN, Search, Trial, same
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.workers import each
 from stickslip.effects import Tabulated, tabulated
@@ -127,7 +127,7 @@ def with_term(search: Search, base: Trial, term: Term, **options: float) -> Tria
     """A trial with a curve added, from zero."""
     h, unknowns, learned = _extended(base, term)
     h = replace(h, unknowns=(*h.unknowns, *unknowns))
-    return search.run(h, cycles=SHORT, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
+    return search.run(h, windows_of=base, learned=learned, **options)  # type: ignore[arg-type]
 
 
 def sensitivity(base: Trial, term: Term) -> list[Floats | None]:
