@@ -123,7 +123,7 @@ def test_the_last_fit_is_on_long_windows_if_it_fits_these_as_well(monkeypatch, c
     short, long = trial(1.0, names=(name,), label="short"), trial(chi2, names=(name,), label="long")
     begun = []
 
-    def finely(_search, _vector, *, cycles, **_):
+    def finely(_search, _vector, *, cycles=SHORT, **_):
         return short if cycles == SHORT else long
 
     def submit(function, *args, **options):

@@ -59,6 +59,9 @@ class Search:
     def extend(self, seconds):
         self.extended.append(seconds)
 
+    def once(self, _what, _of, compute):
+        return compute()
+
     def run(self, _h, **options):
         self.options.append(options)
 
@@ -187,6 +190,36 @@ def test_another_contact_is_tried_afresh_beside_an_effect_only_if_it_explains_mu
     assert [name for name, _ in trace._anew(search, base, [("contact_compliance", None)], best)] == expected
 
 
+@pytest.mark.parametrize(
+    ("others", "stuck"),
+    [
+        ([1.6] * trace.MANY, True),  # whatever is added takes away the same: the base was not at its end
+        ([1.6] * (trace.MANY - 1), False),
+        ([2.2] * trace.MANY, False),  # the best stands out
+    ],
+)
+def test_rivals_that_all_leave_the_same_are_stuck_with_their_base(others, stuck):
+    base = SimpleNamespace(chi2=3.0, excess=100.0)
+    trials = [SimpleNamespace(chi2=chi2) for chi2 in (1.55, *others)]
+    assert trace._stuck(base, trials) == stuck
+
+
+@pytest.mark.parametrize(
+    ("worse", "least", "names"), [(1.1, 20.0, ["aging"]), (1.02, 20.0, []), (1.1, 1.1, [])]
+)
+def test_a_rival_that_ends_worse_than_its_own_special_case_is_tried_from_the_declared_law(
+    worse, least, names
+):
+    """Aging beside a ripple: the law alone had taken the aging up, and from there no way led down."""
+    base = SimpleNamespace(names=(), chi2=60.0, excess=100.0, fit=SimpleNamespace(cost=1000.0))
+    best = {
+        "lag": SimpleNamespace(chi2=least, fit=SimpleNamespace(cost=400.0)),
+        "aging": SimpleNamespace(chi2=60.0 * worse, fit=SimpleNamespace(cost=1000.0 * worse)),
+    }
+    tried = [("lag", None), ("aging", None)]
+    assert [name for name, _ in trace._anew(SimpleNamespace(), base, tried, best)] == names
+
+
 def ended(cost, iterations=10, mean=50.0):
     return SimpleNamespace(mean=mean, fit=SimpleNamespace(cost=cost, iterations=iterations))
 
@@ -267,6 +300,7 @@ def test_likely_pairs_are_fitted_closely_only_if_one_all_but_reaches_the_noise(m
         return [trial(trials[0].names, CLEAN_COST)]
 
     monkeypatch.setattr(pairs, "polished", polished)
+    monkeypatch.setattr(pairs, "_partner", lambda *_: None)
     monkeypatch.setattr(pairs, "_eliminated", lambda *_: [])
     monkeypatch.setattr(pairs, "explained", lambda one, _: one.chi2 < 1.01)
     both = [("a", "z"), ("a",)]

@@ -50,16 +50,21 @@ def likely_pairs(search: Search, trials: Sequence[Trial]) -> list[Trial]:
             break
         search.extend(ANOTHER[base is not bases[0]])
         found = _pairs_on(search, base)
-        if not (found and _promising(found, null)):
+        if not _likely(found, base):
             found = [*found, *_pairs_on_partner(search, base, found)]
-        least = min(found, key=lambda one: one.chi2, default=base)
-        if least.excess > CLEAN and least.chi2 - 1 > LIKELY * (base.chi2 - 1):
+        if not _likely(found, base):
             continue
         pairs = polished(search, sorted(found, key=lambda one: one.bic_of(null.fit.readings)))
         if not pairs or not explained(pairs[0], null):
             continue
         return _together(search, trials, _eliminated(search, pairs[0]), pairs)
     return []
+
+
+def _likely(pairs: Sequence[Trial], base: Trial) -> bool:
+    """Does a pair, crudely fitted, all but reach the noise?"""
+    least = min(pairs, key=lambda one: one.chi2, default=base)
+    return least.excess <= CLEAN or least.chi2 - 1 <= LIKELY * (base.chi2 - 1)
 
 
 def _together(
