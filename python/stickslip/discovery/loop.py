@@ -53,6 +53,7 @@ MANY = 5  # readings taken out, from which the fits before are worth repeating
 BUDGET = 51.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 NAMES = 0.6  # share of them that names may take before curves and pairs are asked
 LAST = 20.0  # and beside them for the last fits
+LATE, BRIEF = 0.8, 10.0  # share of the budget from which these must be brief, and how brief
 
 
 @arguments.explained
@@ -204,7 +205,8 @@ def _found(
     began: float,
     notes: tuple[str, ...] = (),
 ) -> Found:
-    search = replace(search, budget=search.budget - search.left + LAST)
+    spent = search.budget - search.left
+    search = replace(search, budget=spent + (LAST if spent < LATE * search.most else BRIEF))
     task = search.submit(final, choice.null)
     after = None if choice.trial is choice.null else final(search, choice.trial)
     before = task.result()
