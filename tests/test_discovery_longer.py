@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, make_case
-from stickslip.discovery import longer
+from stickslip.discovery import longer, loop
 from stickslip.discovery.data import prepare
 from stickslip.discovery.longer import LEAST, looked_at_longer
 from stickslip.discovery.search import CLEAN, LONG, SHORT, Search
@@ -94,3 +94,9 @@ def test_what_does_not_last_gives_way_to_what_does_better_over_two_cycles(look, 
 @pytest.mark.parametrize("found", [trial(("b",), 0.0, 1001.0 - MARGIN), trial((), 0.0, 0.0)])
 def test_what_does_not_last_stays_where_nothing_does_better(look, found):
     assert look(("a",), 1.0, 100.0, found)[0] == "first"
+
+
+@pytest.mark.parametrize(("spent", "seconds"), [(0.0, loop.LAST), (39.0, loop.LAST), (42.0, loop.BRIEF)])
+def test_the_last_fits_are_brief_where_tracing_took_most_of_its_time(spent, seconds):
+    search = Search([], Model(RIG, friction=PaperFriction()), 1, lambda _: None, 45.0, 50.0, spent=spent)
+    assert loop._for_the_last_fits(search).left == pytest.approx(seconds, abs=0.5)

@@ -205,8 +205,7 @@ def _found(
     began: float,
     notes: tuple[str, ...] = (),
 ) -> Found:
-    spent = search.budget - search.left
-    search = replace(search, budget=spent + (LAST if spent < LATE * search.most else BRIEF))
+    search = _for_the_last_fits(search)
     task = search.submit(final, choice.null)
     after = None if choice.trial is choice.null else final(search, choice.trial)
     before = task.result()
@@ -242,6 +241,12 @@ def _found(
         messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate, case.noise)),
         seconds=time.monotonic() - began,
     )
+
+
+def _for_the_last_fits(search: Search) -> Search:
+    """The search with the time that the last fits have: less of it where tracing took most of its own."""
+    spent = search.budget - search.left
+    return replace(search, budget=spent + (LAST if spent < LATE * search.most else BRIEF))
 
 
 def _views(

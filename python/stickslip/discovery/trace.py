@@ -45,7 +45,7 @@ MARGIN = 10.0  # what an effect must gain beyond the penalty for its numbers
 
 
 def declared(search: Search, known: Trial | None = None) -> Trial | None:
-    """The declared law alone, on short windows; from where it is `known` to end on readings cleaned less."""
+    """The declared law alone, on the search's windows; from where it is `known` to end on readings cleaned less."""
     if known is not None:
         return search.run(known.hypothesis, windows_of=known, vector=known.fit.vector)
     return search.run(hypothesis(search.model, []))
