@@ -204,8 +204,8 @@ def tabulated(
     """
     place = _member("where", where, get_args(TabulatedPlace))
     variable = _member("depends_on", depends_on, get_args(TabulatedVariable))
-    if place.endswith("channel") and (variable == "v_w" or period is not None):
-        words = "a curve of a reading depends on x1, x2, y1, y2 or t, without a period"
+    if place.endswith("channel") and variable == "v_w":
+        words = "a curve of a reading depends on x1, x2, y1, y2 or t"
         raise InputError(words, key="where", value=where)
     at = tuple(number(f"knots[{i}]", x) for i, x in enumerate(listed("knots", knots, "numbers")))
     curve = tuple(number(f"values[{i}]", x) for i, x in enumerate(listed("values", values, "numbers")))

@@ -13,7 +13,7 @@ from stickslip.discovery.lagging import lag_of, time_constant
 from stickslip.discovery.messages import absurd
 from stickslip.discovery.pairs import decide_pairs, likely_pairs, slimmed
 from stickslip.discovery.place import place_of, promises
-from stickslip.discovery.recurring import learn_recurring
+from stickslip.discovery.recurring import learn_hum, learn_recurring
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import BOUNDS, PERIODIC
@@ -70,7 +70,11 @@ def choose(search: Search, trials: list[Trial], *, one_cause: bool = False) -> C
 
     `one_cause`: a curve or a name is known to come near, so that curves come before pairs.
     """
-    single = Choice(search.tried[()], trials[0], None, trials)
+    null = search.tried[()]
+    hum = learn_hum(search, null)
+    if _settles(hum, trials[0], null):
+        return _held(search, _curve_of(null, hum, trials))
+    single = Choice(null, trials[0], None, trials)
     choice = _with_drift(search, single)
     if choice is single:
         choice = _with_lag(search, single, alone=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data, refined, rounding, without_outliers
+from stickslip.discovery.residual import by_run
 from stickslip.discovery.solve import Fit
 from stickslip.errors import InputError
 from stickslip.scale import plainly
@@ -35,10 +36,7 @@ def cleaned(
         return list(data), ()
     fitted = first.engine.data
     channels = fitted[0].channels
-    residuals = [np.full(run.readings.shape, np.nan) for run in fitted]
-    for w, b in zip(first.windows, first.blocks, strict=True):
-        unused = fitted[w.run].weight[w.start : w.stop] == 0
-        residuals[w.run][w.start : w.stop] = np.where(unused, np.nan, b.r.reshape(-1, len(channels)))
+    residuals = by_run(first)
     coarse = [rounding(run.readings) / run.noise for run in fitted]
     factor, said = np.ones(len(channels)), []
     for c, channel in enumerate(channels):

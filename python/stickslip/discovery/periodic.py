@@ -22,6 +22,7 @@ from stickslip.effects import AnyEffect, Effect, effect, tabulated
 
 Floats = NDArray[np.float64]
 TABLE_KNOTS = 8  # a spline through so many a turn is a sine to half a percent
+HIGHEST = 14.0  # angular frequency that a motion still shows
 SMALL = 1e-6  # amplitude at which responses are taken; they are linear in it
 WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
 
@@ -87,7 +88,7 @@ def periodic_starts(
     names: Sequence[str] = PERIODIC,
     *,
     peaks: int = 2,
-    highest: float = 14.0,
+    highest: float = HIGHEST,
     step: float = 0.4,
 ) -> dict[str, list[Start]]:
     """Best starts of the periodic effects on top of a fit, `peaks` of each.
@@ -111,7 +112,7 @@ def periodic_starts(
     return {name: _best(name, lines, peaks, step) for name, lines in found.items()}
 
 
-def strongest_line(fit: Fit, where: str, *, highest: float = 14.0, step: float = 0.4) -> Line:
+def strongest_line(fit: Fit, where: str, *, highest: float = HIGHEST, step: float = 0.4) -> Line:
     """The sine in time at a place that promises most to first order, of any frequency up to `highest` and with a phase
     of its own in each run, the base refitted.
 

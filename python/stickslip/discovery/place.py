@@ -6,13 +6,18 @@ import math
 from dataclasses import dataclass
 from functools import partial
 
-from stickslip.discovery.recurring import cost_of_line, strongest_lines
+import numpy as np
+
+from stickslip.discovery.recurring import cost_of_line, learn_hum, strongest_lines
+from stickslip.discovery.residual import by_run
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import MARGIN
 from stickslip.discovery.unlisted import Term, gain_by_window, scores, terms
 from stickslip.discovery.workers import each
 
 REPEATS = 0.6  # of what a number for every window promises: where a line promises more, it repeats
+
+FAR_TOO_MUCH = 0.3  # of chi-squared above 1, for nothing to be missing
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,8 @@ def _promises(search: Search, null: Trial) -> Promises:
 
 def place_of(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, ...]] | None:
     """Where an effect that nothing here describes most likely acts, and on what; None where it does not show."""
+    if lines := learn_hum(search, null):
+        return lines[0][0].where, ("t",)
     promised = promises(search, null)
     if promised.wandering is not None:
         return promised.wandering, ("t",)
@@ -65,7 +72,18 @@ def place_of(search: Search, null: Trial, best: Trial) -> tuple[str, tuple[str, 
     line, where = max((promised.lines[where], where) for where in ("angle_body", "contact"))
     if line - cost_of_line(null) + MARGIN > max(most, MARGIN):
         return where, ("t",)
-    return (term.where, (term.variable,)) if most > MARGIN else None
+    return (term.where, (term.variable,)) if most > MARGIN else _noisy(null)
+
+
+def _noisy(null: Trial) -> tuple[str, tuple[str, ...]] | None:
+    """The reading that what is left is in, where that is far too much to be nothing though no motion is like it."""
+    if null.chi2 - 1 < FAR_TOO_MUCH:
+        return None
+    sizes = [
+        np.nanmean(np.square(np.concatenate(one)))
+        for one in zip(*(r.T for r in by_run(null.fit)), strict=True)
+    ]
+    return f"{null.fit.engine.data[0].channels[int(np.argmax(sizes[:2]))]} channel", ("t",)
 
 
 def _by_window(_: Search, term: Term, *, base: Trial) -> float:

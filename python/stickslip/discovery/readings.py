@@ -32,12 +32,14 @@ NEARBY = 1e-5  # of tau: step of its derivative
 class Learned:
     """A smooth curve added to a channel's reading: natural cubic spline through unknown values at knots.
 
-    `channel` is "x1", "y1" or "belt"; `variable` "x1", "x2", "y1", "y2" or "t".
+    `channel` is "x1", "y1" or "belt"; `variable` "x1", "x2", "y1", "y2" or "t". One that `recurs` is the periodic
+    spline in (w t + phi)/(2 pi), its knots from 0 to 1; its first value is 0 unless it is given.
     """
 
     channel: str
     variable: str
     knots: tuple[float, ...]
+    recurs: bool = False
 
     @property
     def name(self) -> str:
@@ -46,10 +48,22 @@ class Learned:
 
     def values(self, p: Mapping[str, float]) -> Floats:
         """Values at its knots, (k,), among parameters by name."""
+        if self.recurs:
+            first = p.get(f"{self.name}.value_0", 0.0)
+            inner = (p[f"{self.name}.value_{i}"] for i in range(1, len(self.knots) - 1))
+            return np.array([first, *inner, first])
         return np.array([p[f"{self.name}.value_{i}"] for i in range(len(self.knots))])
+
+    def at(self, t: Floats, state: Floats, p: Mapping[str, float]) -> Floats:
+        """What it depends on, (n,), at times and states (n, 9)."""
+        if self.recurs:
+            return np.asarray((p[f"{self.name}.w"] * t + p[f"{self.name}.phi"]) / (2 * np.pi) % 1.0)
+        return t if self.variable == "t" else state[:, _COLUMN[self.variable]]
 
     def basis(self, x: Floats, derivative: int = 0) -> Floats:
         """Value of each knot's cardinal spline, (n, k); held constant outside."""
+        if self.recurs:
+            return np.asarray(_cardinal_turn(self.knots)(x, derivative))
         inside = np.clip(x, self.knots[0], self.knots[-1])
         out = np.asarray(_cardinal(self.knots)(inside, derivative))
         return out if derivative == 0 else np.where((x == inside)[:, None], out, 0.0)
@@ -61,23 +75,38 @@ def _cardinal(knots: tuple[float, ...]) -> scipy.interpolate.CubicSpline:
     return scipy.interpolate.CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
 
 
+@lru_cache(maxsize=64)
+def _cardinal_turn(knots: tuple[float, ...]) -> scipy.interpolate.CubicSpline:
+    """The periodic splines; the first is 1 at both ends, and the last is none."""
+    ends = np.eye(len(knots))
+    ends[-1] = ends[0]
+    ends[:, -1] = 0.0
+    return scipy.interpolate.CubicSpline(knots, ends, bc_type="periodic")
+
+
 def curves_of(model: Model) -> tuple[Learned, ...]:
     """The curves that a model adds to its readings; their values are among its parameters."""
     terms = [one for one in model.effects if isinstance(one, Tabulated) and one.of_reading]
-    return tuple(Learned(one.where[:2], one.variable, one.knots) for one in terms)
+    return tuple(
+        Learned(one.where[:2], one.variable, one.knots)
+        if one.period is None
+        else Learned(one.where[:2], one.variable, tuple(k / one.knots[-1] for k in one.knots), recurs=True)
+        for one in terms
+    )
 
 
 def as_terms(learned: Sequence[Learned], values: Mapping[str, float]) -> tuple[Tabulated, ...]:
     """Curves on readings as a model holds them; `values` by name, `learned_x1_y1.value_0` and so on."""
-    return tuple(
-        tabulated(
-            f"{one.channel} channel",
-            one.variable,
-            one.knots,
-            [values[f"{one.name}.value_{i}"] for i in range(len(one.knots))],
-        )
-        for one in learned
-    )
+    return tuple(_as_term(one, values) for one in learned)
+
+
+def _as_term(one: Learned, values: Mapping[str, float]) -> Tabulated:
+    where, numbers = f"{one.channel} channel", one.values(values)
+    if not one.recurs:
+        return tabulated(where, one.variable, one.knots, numbers)
+    period = 2 * np.pi / values[f"{one.name}.w"]
+    knots = (*(period * k for k in one.knots[:-1]), period)
+    return tabulated(where, one.variable, knots, numbers, period=period, phi=values[f"{one.name}.phi"])
 
 
 @dataclass
@@ -278,10 +307,14 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         return
     names = [f"{curve.name}.value_{i}" for i in range(len(curve.knots))]
     values = curve.values(s.p)
-    x = s.t if curve.variable == "t" else s.state[:, _COLUMN[curve.variable]]
+    x = curve.at(s.t, s.state, s.p)
     basis = curve.basis(x)
     s.out.values[:, channel] += basis @ values
-    if curve.variable != "t":
+    if curve.recurs:
+        turning = curve.basis(x, 1) @ values / (2 * np.pi)
+        s.add(channel, f"{curve.name}.w", s.t * turning)
+        s.add(channel, f"{curve.name}.phi", turning)
+    elif curve.variable != "t":
         rate = curve.basis(x, 1) @ values
         s.out.slopes[:, channel] += rate[:, None] * s.slopes[_COLUMN[curve.variable]]
     for i, name in enumerate(names):
@@ -313,13 +346,15 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     for one in learned:
         if one.channel != "x1":
             continue
-        x = t if one.variable == "t" else state[:, _COLUMN[one.variable]]
-        rate = rate + (one.basis(x, 1) @ one.values(p)) * _moves(one.variable, t, state)
+        rate = rate + (one.basis(one.at(t, state, p), 1) @ one.values(p)) * _moves(one, t, state, p)
     return np.asarray(rate)
 
 
-def _moves(variable: str, t: Floats, state: Floats) -> Floats:
+def _moves(curve: Learned, t: Floats, state: Floats, p: Mapping[str, float]) -> Floats:
     """Rate of what a curve depends on, (n,)."""
+    if curve.recurs:
+        return np.full(len(t), p[f"{curve.name}.w"] / (2 * np.pi))
+    variable = curve.variable
     if variable == "t":
         return np.ones(len(t))
     if variable in ("x1", "y1"):

@@ -9,7 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.periodic import TABLE_KNOTS, Line, strongest_line
+from stickslip.discovery.hum import humming
+from stickslip.discovery.periodic import HIGHEST, TABLE_KNOTS, Line, strongest_line
+from stickslip.discovery.readings import Learned
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import MARGIN, OUTRUN
@@ -21,6 +23,7 @@ from stickslip.effects import Tabulated
 Floats = NDArray[np.float64]
 PLACES = ("block", "angle_body", "contact")
 FINE = 2 * TABLE_KNOTS
+OFF = 1.5  # times that the frequency of a reading's own line may move
 NEXT = 0.3  # of the gain of the strongest line: one elsewhere that promises less is not tried
 
 
@@ -37,6 +40,19 @@ def learn_recurring(search: Search, base: Trial, beat: Trial | None = None) -> l
         task.result() for _, task in each(search, partial(_learned, base=base, beat=beat), shown, say_where)
     ]
     return sorted((one for one in learned if one is not None), key=lambda one: one[1].bic)
+
+
+def learn_hum(search: Search, base: Trial) -> list[tuple[Term, Trial]]:
+    """The same of a reading, where its own line is nearly all that `base` leaves, beside what a force at such a line
+    does, best first; none where no reading has one.
+    """
+    hum = humming(base)
+    if hum is None:
+        return []
+    search.progress(f"learning what repeats in time: {hum[0]}")
+    learned = _learned(search, hum, base=base)
+    forces = learn_recurring(search, base) if hum[1].w < HIGHEST else []
+    return sorted([*([learned] if learned else []), *forces], key=lambda one: one[1].bic)
 
 
 def cost_of_line(base: Trial) -> float:
@@ -61,7 +77,7 @@ def _learned(
     """The sine first, on more knots if that leaves something."""
     where, line = one
     turns = np.linspace(0.0, 1.0, TABLE_KNOTS + 1)
-    size = min(float(np.median(np.hypot(*line.amplitudes.T))), 0.5 * SPREAD[where])
+    size = min(float(np.median(np.hypot(*line.amplitudes.T))), 0.5 * SPREAD.get(where, 0.5))
     phases = tuple(float(np.arctan2(b, a)) for a, b in line.amplitudes)
     if beat is not None:
         base = _without(search, base, beat)
@@ -74,12 +90,11 @@ def _learned(
     trial = search.polish(trial, turns=1)
     if trial.excess < CLEAN or trial.fit.cost > 0.7 * base.fit.cost:
         return term, trial
-    found = trial.hypothesis
-    curve = found.model.effects[-1]
+    curve = trial.model.effects[-1]
     assert isinstance(curve, Tabulated)
     assert curve.period is not None
     values = curve.replace(phi=0.0).curve(np.linspace(0.0, curve.period, FINE + 1))
-    phases = found.phases[f"{term.prefix}.phi"]
+    phases = trial.hypothesis.phases[f"{term.prefix}.phi"]
     fine, more = _fitted(search, base, where, curve.parameters["w"], values, phases, worst)
     if more is not None:
         more = search.polish(more, turns=1)
@@ -100,14 +115,20 @@ def _fitted(
     term = Term(where, "t", tuple(knots.tolist()), recurs=True)
     values = values - values[0]
     values[-1] = values[0]
-    h = base.hypothesis
-    model = h.model.with_effects([*h.model.effects, repeating(term, values)])
+    h, learned = base.hypothesis, base.fit.engine.learned
+    model, of_reading = h.model, where.endswith("channel")
+    if of_reading:
+        at = tuple(np.linspace(0.0, 1.0, len(values)).tolist())
+        learned = (*learned, Learned(where[:2], "t", at, recurs=True))
+    else:
+        model = model.with_effects([*model.effects, repeating(term, values)])
+    bounds = (w / OFF, w * OFF) if of_reading else BOUNDS["harmonic_forcing.w"]
     unknowns = [
-        Unknown(f"{term.prefix}.value_{i}", float(values[i]), False, 0.0, SPREAD[where])
+        Unknown(f"{term.prefix}.value_{i}", float(values[i]), False, 0.0, SPREAD.get(where, 0.5))
         for i in range(1, len(values) - 1)
     ]
     unknowns += [
-        Unknown(f"{term.prefix}.w", w, True, math.log(w), LOGARITHMIC, bounds=BOUNDS["harmonic_forcing.w"]),
+        Unknown(f"{term.prefix}.w", w, True, math.log(w), LOGARITHMIC, bounds=bounds),
         Unknown(f"{term.prefix}.phi", phases[0], False, phases[0], 30.0, per_run=True),
     ]
     h = replace(
@@ -116,5 +137,4 @@ def _fitted(
         unknowns=(*h.unknowns, *unknowns),
         phases={**h.phases, f"{term.prefix}.phi": phases},
     )
-    learned = base.fit.engine.learned
     return term, search.run(h, windows_of=base, learned=learned, iterations=60, worst=worst)

@@ -103,6 +103,15 @@ def _part(what: str, name: str, r: Floats, share: float) -> Iterator[Part]:
         yield Part(what, name, float(r @ r) / (len(r) * share), math.sqrt(2.0 / len(r)), len(r))
 
 
+def by_run(fit: Fit) -> list[Floats]:
+    """Residuals in units of the noise, run by run as its readings are (n, c); NaN where a reading is not used."""
+    out = [np.full(run.readings.shape, np.nan) for run in fit.engine.data]
+    for w, b in zip(fit.windows, fit.blocks, strict=True):
+        unused = fit.engine.data[w.run].weight[w.start : w.stop] == 0
+        out[w.run][w.start : w.stop] = np.where(unused, np.nan, b.r.reshape(unused.shape))
+    return out
+
+
 def _series(fit: Fit) -> Iterator[Floats]:
     """Residual of each window and channel in time order."""
     for w, b in zip(fit.windows, fit.blocks, strict=True):
