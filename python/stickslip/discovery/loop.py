@@ -17,6 +17,7 @@ from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, copied_words, held_words, prepare
 from stickslip.discovery.errors import Measured, error_block
+from stickslip.discovery.filtered import filtered, thinned, told
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
@@ -52,6 +53,7 @@ MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating
 BUDGET = 51.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
 NAMES = 0.6  # share of them that names may take before curves and pairs are asked
+LIKELY = 3  # rivals whose rest is looked at for a filter's noise
 LAST = 20.0  # and beside them for the last fits
 LATE, BRIEF = 0.8, 10.0  # share of the budget from which these must be brief, and how brief
 
@@ -144,9 +146,18 @@ def _discover(
     search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")
     data, corrected, known = _cleaned(case, data, search)
+    data, thin, known = _thinned(case, data, search, [known] if known else [])
     search = search.afresh(data[:count])
     search.workers = workers
     trials = decide_single(search, known)
+    if not thin:
+        data, thin, known = _thinned(case, data, search, trials[:LIKELY])
+        if thin:
+            tell("what is left is a filter's noise: once more with readings that are independent")
+            search = search.afresh(data[:count])
+            search.extend(NAMES * budget)
+            trials = decide_single(search, known)
+    corrected = thin or corrected
     freed, more = _cleaned_of_what_shows(case, data, trials[0])
     if trials[0].excess > CLEAN and _masked(data, freed) > MANY:
         tell("single readings stand out from what is left: once more without them")
@@ -184,6 +195,18 @@ def _cleaned(
     return out, said, first
 
 
+def _thinned(
+    case: Case, data: list[Data], search: Search, trials: Sequence[Trial]
+) -> tuple[list[Data], tuple[str, ...], Trial | None]:
+    """The runs thinned where a trial leaves but a filter's noise, and the law's fit to them; else as they are."""
+    known = search.tried.get(()) or next(iter(trials), None)
+    for trial in trials:
+        if found := filtered(trial, data):
+            data = thinned(data, *found)
+            return data, (told(case, data, found[0]),), declared(search.afresh(data[: len(search.data)]))
+    return data, (), known
+
+
 def _cleaned_of_what_shows(case: Case, data: list[Data], found: Trial) -> tuple[list[Data], tuple[str, ...]]:
     """The runs cleaned by the fit of what was found, if it shows outliers that a misfit had hidden."""
     out, said = cleaned(data, found.fit, case.noise)
@@ -214,7 +237,7 @@ def _found(
     tell("forecasting the validate runs")
     error, forecasts = error_block(before_model, after_model, validate, case.validate, search.workers, seed)
     singles = [t for t in search.tried.values() if len(t.names) == 1]
-    drop = max((choice.null.fit.cost - t.fit.cost for t in singles), default=0.0)
+    drop = max((choice.null.fit.cost - t.fit.cost - t.hidden for t in singles), default=0.0)
     passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)

@@ -74,8 +74,12 @@ class Trial:
     @property
     def bic(self) -> float:
         """chi-squared with ln N for each added number, and 1 for each hidden state that a window starts from."""
-        hidden = sum(k >= 4 for w in self.fit.windows for k in w.free)
-        return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + hidden
+        return self.fit.cost + self.extra * math.log(max(self.fit.readings, 2)) + self.hidden
+
+    @property
+    def hidden(self) -> int:
+        """Hidden states that its windows start from: on noise each lowers the cost by 1."""
+        return sum(k >= 4 for w in self.fit.windows for k in w.free)
 
     def bic_of(self, readings: int) -> float:
         """The same of a trial on a part of the windows, as if it were of all these readings."""

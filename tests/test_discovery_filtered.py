@@ -1,0 +1,108 @@
+"""Noise behind a sensor's filter: seen as noise, and no misfit is taken for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from discover_cases import NOISE, RIG, make_case
+from stickslip.discovery.data import prepare
+from stickslip.discovery.filtered import filtered, thinned, told
+from stickslip.discovery.loop import _cleaned
+from stickslip.discovery.search import CLEAN, Search, Trial
+from stickslip.discovery.trace import declared
+from stickslip.friction import PaperFriction
+from stickslip.model import Model
+from stickslip.records import Case
+
+TAPS = {"mean of three": np.ones(3) / 3**0.5, "first order": 0.6 ** np.arange(15) * 0.8}
+
+
+def noisy(taps: np.ndarray, effects=(), *, known: bool = True, size: float = 3 * NOISE) -> Case:
+    """A case whose noise has passed a filter of unit gain in power; declared as it is, or not at all."""
+    rng = np.random.default_rng(9)
+    case = make_case(effects, length=60.0, dt=0.025, noise=1e-9)
+
+    def draw(n: int) -> np.ndarray:
+        return size * np.convolve(rng.standard_normal(n + len(taps)), taps, "full")[len(taps) : n + len(taps)]
+
+    declared_noise = {"x1": size, "y1": size} if known else {}
+    runs = [
+        replace(run, x1=run.x1 + draw(len(run.t)), y1=run.y1 + draw(len(run.t)), noise=declared_noise)
+        for run in case.runs
+    ]
+    return replace(case, runs=tuple(runs), noise=declared_noise)
+
+
+def fitted(case: Case, data=None) -> tuple[list, Trial]:
+    data = prepare(case.runs) if data is None else data
+    count = len(case.train)
+    search = Search(data[:count], Model(RIG, friction=PaperFriction()), 1, lambda _: None, 60.0)
+    data, _, _ = _cleaned(case, data, search)
+    return data, declared(search.afresh(data[:count]))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("name", TAPS)
+def test_a_filter_s_noise_is_taken_at_its_size_where_readings_are_independent(name, known):
+    taps = TAPS[name]
+    case = noisy(taps, known=known)
+    data, null = fitted(case)
+    assert null.excess > 10 * CLEAN  # as it scatters from sample to sample, it is far too large
+    step, size = filtered(null, data)
+    correlation = np.correlate(taps, taps, "full")[len(taps) - 1 :]
+    assert abs(np.append(correlation, 0.0)[min(step, len(taps))]) < 0.1
+    np.testing.assert_allclose(size[:2] * data[0].noise[:2], 3 * NOISE, rtol=0.06)
+    thin = thinned(data, step, size)
+    assert [len(run.t) for run in thin] == [-(-len(run.t) // step) for run in data]
+    again = fitted(case, thin)[1]
+    assert again.excess < CLEAN
+    assert filtered(again, thin) is None
+    assert f"one reading in {step} is used" in told(case, thin, step)
+    assert f"{thin[0].noise[0]:.3g} in x1" in told(case, thin, step)
+
+
+def test_white_noise_is_left_alone():
+    data, null = fitted(noisy(np.ones(1)))
+    assert null.excess < CLEAN
+    assert filtered(null, data) is None
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        ss.effect("static_aging", dT=1.0, tau=1.5),
+        ss.effect("belt_speed_ripple", a=0.05, w=2.2, phi=0.0),
+        ss.effect("block_quadratic_damping", c=3.0),
+        ss.effect("contact_compliance", k=400.0, c=1.0),
+        ss.effect("harmonic_forcing", a=0.05, w=9.0, phi=0.0),
+    ],
+    ids=lambda one: one.name,
+)
+def test_a_misfit_near_the_noise_is_no_noise(effect):
+    data, null = fitted(noisy(np.ones(1), (effect,), size=NOISE))
+    assert null.excess > 2 * CLEAN
+    assert filtered(null, data) is None
+
+
+def test_an_effect_behind_it_is_not_thinned_away():
+    """With the effect in the model the rest is a filter's noise; without it, it is not."""
+    aging = ss.effect("static_aging", dT=1.0, tau=1.5)
+    case = noisy(TAPS["mean of three"], (aging,))
+    data, null = fitted(case)
+    assert filtered(null, data) is None
+    found = ss.discover(case, threads=1)
+    assert [one.name for one in found.effects] == ["static_aging"]
+    assert found.residual_after.clean
+    assert any("one reading in 3 is used" in one for one in found.messages)
+
+
+def test_nothing_is_found_in_a_filter_s_noise():
+    found = ss.discover(noisy(TAPS["mean of three"]), threads=1)
+    assert found.verdict.value == "no_effect"
+    assert found.residual_after.clean
+    assert found.gate.observed < found.gate.threshold
+    assert not any("as they scatter" in one for one in found.messages)
