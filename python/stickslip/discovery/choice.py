@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stickslip.discovery import drifting, unlisted
 from stickslip.discovery import evidence as ev
-from stickslip.discovery import unlisted
 from stickslip.discovery.drifting import DROOP, drift_of
 from stickslip.discovery.lagging import lag_of, time_constant
 from stickslip.discovery.messages import absurd
@@ -30,6 +30,7 @@ from stickslip.effects import CATALOGUE
 SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
 ALMOST = 0.2  # share of the excess that names may leave to be fitted from other shapes
 STANDS_IN = 0.2  # share that what only stands in for something else may leave and be in the model
+DRIFTS = 0.02  # and leave, for no other explanation to be sought
 MOST_LEFT = 0.7  # share of the excess that a named effect may leave and still be claimed
 LEFT_OVER = 0.3  # of chi-squared per reading above 1, and this share of what there was, that names may leave and stand
 SHARE_LEFT = 0.003
@@ -75,7 +76,7 @@ def choose(search: Search, trials: list[Trial], *, one_cause: bool = False) -> C
     if _settles(hum, trials[0], null):
         return _held(search, _curve_of(null, hum, trials))
     single = Choice(null, trials[0], None, trials)
-    choice = _with_drift(search, single)
+    choice = _with_drift(search, single, alone=True)
     if choice is single:
         choice = _with_lag(search, single, alone=True)
     if choice is single:
@@ -98,8 +99,11 @@ def _with_lag(search: Search, choice: Choice, alone: bool = False) -> Choice:
     return Choice(choice.null, best, None, choice.trials, ("y1 channel", ("memory",)), lag=tau)
 
 
-def _with_drift(search: Search, choice: Choice) -> Choice:
-    """The choice; or, where a droop of the belt was chosen whose load has no say, a belt that drifts in time."""
+def _with_drift(search: Search, choice: Choice, alone: bool = False) -> Choice:
+    """The choice; or, where a droop of the belt was chosen whose load has no say, a belt that drifts in time.
+
+    `alone`: it must leave next to nothing, for a curve may yet leave less.
+    """
     if DROOP not in choice.trial.names and (choice.place is None or choice.place[0] != "belt"):
         return choice
     found = drift_of(search)
@@ -107,9 +111,10 @@ def _with_drift(search: Search, choice: Choice) -> Choice:
         return choice
     wave, curve = found
     left, before = wave.chi2 - 1, choice.null.chi2 - 1
-    if left > STANDS_IN * before:  # it stands in for something else, as the droop did
-        return choice
-    return Choice(choice.null, wave, None, [wave, *choice.trials], ("belt", ("t",)), drift=curve)
+    if left > (DRIFTS if alone else STANDS_IN) * before and not (alone and explained(wave, choice.null)):
+        return choice  # it stands in for something else, as the droop did
+    on = () if drifting.steady(curve, wave) else ("t",)
+    return Choice(choice.null, wave, None, [wave, *choice.trials], ("belt", on), drift=curve)
 
 
 def _with_rig(search: Search, choice: Choice) -> Choice:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
 from stickslip.discovery.rivals import BOUNDS, Start, hypothesis
-from stickslip.discovery.search import Search, Trial
+from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.unknowns import without
 from stickslip.discovery.unlisted import guess, knots_for
 from stickslip.discovery.window import BELT
@@ -23,6 +23,7 @@ TURNED = 0.5, 1.5  # radians that a slow wave turns in the longest record, to st
 SLOW = 0.1, 10.0  # and the fewest and most that it may
 STEEP = 0.9  # of the belt's speed: the most that a wave starts with
 KNOTS = 4
+STEADY = 0.25  # of the mean: what a share varies by that is one and the same
 
 
 def drift_of(search: Search) -> tuple[Trial, Curve] | None:
@@ -43,13 +44,28 @@ def drift_of(search: Search) -> tuple[Trial, Curve] | None:
     return min(waves, key=lambda one: one.fit.cost), _curve(t, share)
 
 
+def steady(curve: Curve, after: Trial) -> bool:
+    """Is it the same share of the set-point throughout, and no drift?"""
+    middle = float(np.mean(curve.value))
+    return after.excess < CLEAN and float(np.ptp(curve.value)) < STEADY * abs(middle)
+
+
 def told(curve: Curve, after: Trial) -> tuple[str, str]:
-    """Why it is a drift, and its formula."""
-    words = (
+    """Why it is a drift, or another speed throughout, and its formula."""
+    free = (
         "a belt that droops under its load does no better than one whose speed is free in every window: the load has "
-        f"no say, and the speed drifts in time; a slow wave stands for that in the model, and leaves {after.chi2:.3g}"
+        "no say"
     )
-    return words, "v_b (1 + g): a slow curve in t" + (f", {curve.guess}" if curve.guess else "")
+    left = f"a slow wave stands for that in the model, and leaves {after.chi2:.3g}"
+    if steady(curve, after):
+        share = 1 + float(np.mean(curve.value))
+        words = (
+            f"{free}, and all windows choose {share:.4g} times the set-points: check the scale of belt_speed, "
+            f"or that of x1 and y1 both; {left}"
+        )
+        return words, f"{share:.4g} v_b throughout"
+    formula = "v_b (1 + g): a slow curve in t" + (f", {curve.guess}" if curve.guess else "")
+    return f"{free}, and the speed drifts in time; {left}", formula
 
 
 def _unloaded(search: Search, droop: Trial) -> Trial | None:

@@ -37,6 +37,7 @@ from stickslip.discovery.result import (
     Verdict,
 )
 from stickslip.discovery.search import CLEAN, Search, Trial
+from stickslip.discovery.set_points import doubtful_set_points
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import MARGIN, decide_single, declared
 from stickslip.discovery.unknowns import of_law
@@ -245,6 +246,7 @@ def _found(
     if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied, curve):
         notes = (*notes, doubt)
     was, now = describe(before.fit), describe(after.fit)
+    notes = (*notes, *doubtful_set_points(case, [*search.data, *validate], effects, now, error))
     return Found(
         title=case.title,
         verdict=_verdict(choice),

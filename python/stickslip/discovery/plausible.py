@@ -82,7 +82,7 @@ def body_ratio(data: Sequence[Data], rig: Rig, *, time: float = 1.0, swapped: bo
 
 def _sides(t: Floats, x: Floats, y: Floats, rig: Rig) -> Iterator[tuple[float, float, float]]:
     """Integrals of (beta3 y1 + eta12 y1' + alpha2 y1'') f, of -(x1 + eta1 x1') f, by parts, and of f, over bumps f."""
-    length = BUMP * _period(t, x)
+    length = BUMP * period_of(t, x)
     weight = np.gradient(t)
     for start in np.arange(t[0], t[-1] - length, length / 4):
         part = slice(*np.searchsorted(t, [start, start + length]))
@@ -118,7 +118,7 @@ def zeros(data: Sequence[Data], rig: Rig) -> tuple[Floats, float]:
     return np.array(shifts), float(np.sqrt(off / max(whole, 1e-300)))
 
 
-def _period(t: Floats, x: Floats) -> float:
+def period_of(t: Floats, x: Floats) -> float:
     """Period of the strongest line of x."""
     dt = float(np.median(np.diff(t)))
     even = np.interp(np.arange(t[0], t[-1], dt), t, x)
@@ -128,7 +128,7 @@ def _period(t: Floats, x: Floats) -> float:
 
 def stick_speed(run: Data) -> float | None:
     """The rate of x1 at which the block rides the belt; None if none stands out, or the run is too short to tell."""
-    dt, period = float(np.median(np.diff(run.t))), _period(run.t, run.readings[:, 0])
+    dt, period = float(np.median(np.diff(run.t))), period_of(run.t, run.readings[:, 0])
     if period < 25 * dt or run.t[-1] - run.t[0] < 2.5 * period:
         return None
     return commonest_rate(run.t, run.readings[:, 0], int(period / 25 / dt))
