@@ -209,6 +209,33 @@ def test_a_forecast_is_drawn_behind_the_record(tmp_path: Path, past: tuple[Path,
         np.testing.assert_array_equal(forecast[1:], ahead[name])
 
 
+@pytest.mark.parametrize(
+    ("named", "words"),
+    [
+        ("model.toml", "it would overwrite MODEL"),
+        ("past.csv", "it would overwrite RUN"),
+        ("link.csv", "it would overwrite RUN"),
+        ("drawn.png", "its figure would overwrite it"),
+    ],
+)
+def test_a_forecast_does_not_overwrite_what_it_is_made_from(
+    tmp_path: Path, past: tuple[Path, Path, float], named: str, words: str
+) -> None:
+    model, run, speed = past
+    (tmp_path / "link.csv").symlink_to(run)
+    before = model.read_bytes(), run.read_bytes()
+    out = tmp_path / named
+    result = invoke(
+        "forecast", tmp_path if named == "model.toml" else model, run, "--belt-speed", speed, "--horizon", 1.0,
+        "--out", out, "--figure",
+    )  # fmt: skip
+    assert result.exit_code == 2
+    assert result.stderr.startswith("stickslip: --out = ")
+    assert words in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert (model.read_bytes(), run.read_bytes()) == before
+
+
 def test_times_are_written_as_finely_as_they_lie() -> None:
     assert time_digits([0.0, 0.5, 1.0], 10) == 10
     assert time_digits(1.7e9 + 0.02 * np.arange(5), 10) == 16

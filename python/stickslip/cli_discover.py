@@ -16,8 +16,8 @@ from stickslip.catalogue import CATALOGUE
 from stickslip.cli_path import Named
 from stickslip.discovery.result import Found
 from stickslip.errors import InputError, ModelWarning, Place
-from stickslip.files import time_digits, write_csv
-from stickslip.model import Model, load_model
+from stickslip.files import apart, time_digits, write_csv
+from stickslip.model import Model, load_model, model_file
 from stickslip.recording import Recording, load_recording
 from stickslip.records import Case, load_case
 from stickslip.report import words
@@ -161,6 +161,7 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     """
     from stickslip.forecast import forecast as predict
 
+    apart(out, figure, {"MODEL": model_file(model), "RUN": run})
     loaded = load_model(model)
     if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
         words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"

@@ -13,9 +13,9 @@ from rich.console import Console
 
 from stickslip.cli_path import Named
 from stickslip.errors import InputError, ModelWarning
-from stickslip.files import write_csv
+from stickslip.files import apart, write_csv
 from stickslip.identify import natural_period
-from stickslip.model import Model, load_model
+from stickslip.model import Model, load_model, model_file
 from stickslip.rig import DrivenSlider
 from stickslip.scale import Quantity, Scale, read_quantity, scales
 from stickslip.shooting import Array
@@ -68,6 +68,7 @@ def simulate(
       stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
       stickslip simulate identified --belt-speed '14 mm/s' --t-end '60 s' --out run.csv
     """
+    apart(out, figure, {"MODEL": model_file(model)})
     loaded = load_model(model)
     units = scales(loaded.rig, loaded.channels)
     v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,35 @@ if TYPE_CHECKING:
 
 FINER = 1e-4  # of a sampling interval: how finely times are written
 MOST_DIGITS = 17  # of a double
+
+
+def apart(out: Path, figure: bool, inputs: Mapping[str, Path]) -> None:
+    """Refuse an output that would take the place of what it is made from, or of its own figure.
+
+    Parameters
+    ----------
+    out
+        The file to write.
+    figure
+        Whether a figure is drawn beside it, as SVG and PNG.
+    inputs
+        Files that are read, by the argument that names them.
+
+    Raises
+    ------
+    InputError
+        Two of them are one file.
+    """
+    drawn = [out.with_suffix(kind) for kind in (".svg", ".png")] if figure else []
+    for name, path in inputs.items():
+        for target in (out, *drawn):
+            if target.exists() and path.exists() and target.samefile(path):
+                whose = "its figure" if target is not out else "it"
+                words = f"{whose} would overwrite {name} ('{path}'); give another file"
+                raise InputError(words, key="--out", value=str(out))
+    if out in drawn:
+        words = "its figure would overwrite it; end it in .csv"
+        raise InputError(words, key="--out", value=str(out))
 
 
 @contextmanager

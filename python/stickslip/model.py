@@ -232,7 +232,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     InputError
         No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
     """
-    document = read_toml(_file(as_path("path", path)))
+    document = read_toml(model_file(as_path("path", path)))
     tables = document.tables
     if "run" in tables:
         raise document.error(
@@ -265,7 +265,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
 
 
-def _file(path: Path) -> Path:
+def model_file(path: Path) -> Path:
     """Return the model file of a folder of results, or the path itself."""
     if not path.is_dir():
         return path

@@ -93,6 +93,10 @@ for tried, arguments in (
     ("simulate, a step beyond the end", ("simulate", "{folder}/model.toml", *RUN, "--dt", "90 s")),
     ("simulate, a start too short", ("simulate", "{folder}/model.toml", *RUN, "--initial", "1 mm, 0")),
     (
+        "simulate, the model's file to write",
+        ("simulate", "{folder}/model.toml", *RUN, "--out", "{folder}/model.toml"),
+    ),
+    (
         "simulate, a displacement in seconds",
         ("simulate", "{folder}/model.toml", *RUN, "--initial", "1 s, 0, 0, 0"),
     ),
@@ -104,7 +108,7 @@ for tried, arguments in (
         case.model().save(folder / "model.toml")
         (folder / "empty").mkdir()
         given = [one.format(folder=folder) for one in arguments]
-        result = CliRunner().invoke(main, [*given, "--out", str(folder / "out")])
+        result = CliRunner().invoke(main, [*given[:1], "--out", str(folder / "out"), *given[1:]])
         assert not (folder / "out").exists()
         assert result.exit_code == 2
         raise ss.InputError(result.stderr.removeprefix("stickslip: ").strip())
