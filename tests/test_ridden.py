@@ -105,3 +105,15 @@ def test_a_forecast_at_another_speed_than_the_past_is_doubted(tmp_path: Path) ->
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ss.forecast(model, replace(past, belt_speed=0.0), belt_speed=0.03, horizon=1.0)
+    with pytest.raises(ss.InputError, match=r"belt_speed is 0 m/s, but the sticks ride at 0\.03 m/s: check"):
+        ss.forecast(model, past, belt_speed=0.0, horizon=1.0)
+    with pytest.raises(ss.InputError, match=r"horizon = .*1e\+07 samples; 1000000 are the most"):
+        ss.forecast(model, past, belt_speed=0.03, horizon=1e7 * float(np.median(np.diff(past.t))))
+
+
+def test_a_sensor_that_drifts_beside_a_still_belt_is_no_ride(tmp_path: Path) -> None:
+    past = replace(case_of(rig_of(0.01), tmp_path).runs[2], belt_speed=0.0)
+    noise = NOISE * np.random.default_rng(0).standard_normal(len(past.t))
+    for drift in (0.0, 1e-3):
+        assert wrong_set_point(replace(past, x1=1e-3 + drift * past.t + noise)) is None
+    assert wrong_set_point(past) is not None

@@ -159,6 +159,7 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     Example:
       stickslip forecast found/model_after.toml CASE/run_07.csv --belt-speed 0.0140 --horizon 20 --out next.csv
     """
+    from stickslip.forecast import MOST
     from stickslip.forecast import forecast as predict
 
     apart(out, figure, {"MODEL": model_file(model), "RUN": run})
@@ -177,6 +178,11 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     step = float(np.median(np.diff(past.t)))
     if ahead < step * (1 - 1e-9):
         words = f"shorter than the run's sampling interval {units['t'].of(step)}"
+        raise InputError(words, key="--horizon", value=horizon)
+    if ahead > MOST * step:
+        words = (
+            f"{ahead / step:.3g} samples; {MOST} are the most, {units['t'].of(MOST * step, 4)} of this run"
+        )
         raise InputError(words, key="--horizon", value=horizon)
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)

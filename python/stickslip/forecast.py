@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
+MOST = 1_000_000  # samples of a forecast
 LAST = 10  # samples of the past that the start is held against
 HARDLY = 1.03  # ratio of the past's speed to the one given that may be why the model misses the last readings
 FAR = 5.0  # times the noise
@@ -60,8 +61,9 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Raises
     ------
     InputError
-        A horizon that is not positive, a past too short or without y1, a belt speed of the wrong sign or ten times
-        off the one that the past rides at, or, for a block on a belt, a curve of the reading in x2.
+        A horizon that is not positive or longer than a million samples, a past too short or without y1, a belt speed
+        of the wrong sign, ten times off the one that the past rides at or 0 where it rides, or, for a block on a belt,
+        a curve of the reading in x2.
     StickslipError
         The model's run stops before the horizon.
 
@@ -84,6 +86,9 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     steps = int(np.floor(span / dt + SLACK))
     if steps < 1:
         raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
+    if steps > MOST:
+        words = f"{steps:.3g} samples; {MOST} are the most, a horizon of {MOST * dt:.4g}"
+        raise InputError(words, key="horizon", value=horizon)
     if isinstance(model.rig, BlockOnBelt):
         return _slider(model, past_run, dt, steps)
     run = prepare([past_run])[0]
@@ -148,7 +153,9 @@ def _ridden(run: Data) -> tuple[float | None, str]:
     """Speed of the past by its sticks, or else by its belt channel, None where neither tells; and what told it."""
     speed = stick_speed(run)
     if speed is None and run.readings.shape[1] == len(CHANNELS):
-        return float(np.median(run.readings[:, 2])), "the past's channel belt reads"
+        reads = float(np.median(run.readings[:, 2]))
+        still = run.belt_speed == 0 and abs(reads) < BEYOND * run.noise[2]  # a sensor's zero may be off
+        return None if still else reads, "the past's channel belt reads"
     return speed, "the sticks of the past ride at"
 
 

@@ -25,6 +25,7 @@ PARTS = (25, 8, 4)  # parts of a period that the rate is taken over
 FEWEST = 100  # samples of a record that shows its sticks
 CLEAR = 1.6  # a ratio to the set-point that neither creep nor a sensor's gain explains
 NEAR = 1.25  # the same for a run none of whose sticks was found, which are looked for within this
+RETURNS = 2.0  # way at the speed ridden over the range of x1, above which slips bring the block back
 TEN = 0.03  # how near a power of ten a ratio must be, in its logarithm to base 10
 SPEEDS = ("m/s", "cm/s", "mm/s", "um/s")
 
@@ -113,20 +114,32 @@ def contradicted(
         What showed it.
     """
     rig, set_point = recording.rig, recording.belt_speed
-    if ridden is None or set_point == 0 or 1 / clear < ridden / set_point < clear:
+    if ridden is None or (set_point != 0 and 1 / clear < ridden / set_point < clear):
         return None
-    channels, ratio = recording.channels, ridden / set_point
+    if set_point == 0 and not _returns(recording, ridden):
+        return None
+    channels = recording.channels
     bare = "1" in (one.unit for name, one in channels.items() if name in ("t", "x1", "spring_force"))
     unit = "1" if bare else channels["belt"].unit if "belt" in channels else default_speed_unit(rig)
     one = 1.0 if unit == "1" else factor("belt", unit, rig)
     word = "" if unit == "1" else f" {unit}"
     said = f"belt_speed is {set_point / one:.4g}{word}, but {who} {ridden / one:.3g}{word}"
+    if set_point == 0:
+        return f"{said}: check belt_speed"
+    ratio = ridden / set_point
     if ratio < 0:
         return f"{said}: check the sign of belt_speed, and that of {recording.channel('x1')}{_ten(-ratio, unit, rig)}"
     other = "the stiffness, " if "spring_force" in channels else ""
     return (
         f"{said}, {_times(ratio)} that: check belt_speed, {other}and the units of {recording.channel('x1')} and t"
         f"{_ten(ratio, unit, rig)}"
+    )
+
+
+def _returns(recording: Recording, ridden: float) -> bool:
+    """Does a block that rides so fast slip back, unlike one at rest whose sensor drifts?"""
+    return abs(ridden) * float(np.ptp(recording.t)) > RETURNS * float(
+        np.ptp(recording.x1[np.isfinite(recording.x1)])
     )
 
 

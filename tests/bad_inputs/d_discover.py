@@ -113,9 +113,11 @@ for tried, given in (
     ("a horizon of 0", {"horizon": "0"}),
     ("a horizon that is not a number", {"horizon": "nan"}),
     ("a horizon under a sampling interval", {"horizon": "1e-6"}),
+    ("a horizon of more than a million samples", {"horizon": "1e9"}),
     ("a belt speed in a unit of length", {"speed": "12 mm"}),
     ("a belt speed that is not a number", {"speed": "fast"}),
     ("a belt speed in mm/s taken for m/s", {"speed": "13.4"}),
+    ("a belt speed of 0 where the block rides the belt", {"speed": "0"}),
     ("a model that is missing", {"model": "no_model.toml"}),
     ("a run that is missing", {"run": "no_run.csv"}),
 ):
