@@ -187,6 +187,19 @@ def test_a_forecast_from_unix_time_stamps_can_be_read_again(
     assert again.exit_code == 0, again.output
 
 
+def test_a_run_without_the_model_s_belt_channel_is_forecast(
+    tmp_path: Path, past: tuple[Path, Path, float]
+) -> None:
+    """The channel was left out, its noise was not: "belt: no such channel"."""
+    model, run, speed = past
+    text = model.read_text(encoding="utf-8").replace("\n[noise]\n", "\n[noise]\nbelt = 0.1\n")
+    model.write_text(text + '\n[channels.belt]\ncolumn = "belt"\nunit = "mm/s"\n', encoding="utf-8")
+    out = tmp_path / "next.csv"
+    result = invoke("forecast", model, run, "--belt-speed", 1e3 * speed, "--horizon", 1.0, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert "ride at" not in result.output
+
+
 def test_a_forecast_is_drawn_behind_the_record(tmp_path: Path, past: tuple[Path, Path, float]) -> None:
     model, run, speed = past
     out = tmp_path / "next.csv"

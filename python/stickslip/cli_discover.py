@@ -172,9 +172,9 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     ahead = read_quantity(horizon, "t", units["t"], loaded.rig, "--horizon")
     if ahead <= 0:
         raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
-    past = load_recording(
-        run, loaded.rig, channels=_channels(loaded, run), belt_speed=belt_speed, noise=loaded.noise
-    )
+    channels, noise = _recorded(loaded, run)
+    set_point = f"{v_b * units['belt'].size!r} {units['belt'].unit}"  # a belt left out takes its unit along
+    past = load_recording(run, loaded.rig, channels=channels, belt_speed=set_point, noise=noise)
     step = float(np.median(np.diff(past.t)))
     if ahead < step * (1 - 1e-9):
         words = f"shorter than the run's sampling interval {units['t'].of(step)}"
@@ -216,9 +216,13 @@ def _column(past: Recording, name: str) -> str:
     return name if channel.scale != 1 or channel.unit == "1" else f"{name} [{channel.unit}]"
 
 
-def _channels(model: Model, run: Path) -> dict[str, Channel] | None:
-    """The model's channels; a belt that this run did not record is left out."""
-    if model.channels is None:
-        return None
-    there = column_names(run)
-    return {n: c for n, c in model.channels.items() if n != "belt" or c.column in there}
+def _recorded(model: Model, run: Path) -> tuple[dict[str, Channel] | None, dict[str, float]]:
+    """The model's channels and noise, without those of a belt that this run did not record."""
+    channels = None if model.channels is None else dict(model.channels)
+    noise = dict(model.noise or {})
+    column = channels["belt"].column if channels and "belt" in channels else "belt"
+    if not any(head == column or head.startswith(f"{column} [") for head in column_names(run)):
+        noise.pop("belt", None)
+        if channels is not None:
+            channels.pop("belt", None)
+    return channels, noise
