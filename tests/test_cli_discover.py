@@ -6,6 +6,7 @@ import json
 import re
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -198,6 +199,25 @@ def test_a_run_without_the_model_s_belt_channel_is_forecast(
     result = invoke("forecast", model, run, "--belt-speed", 1e3 * speed, "--horizon", 1.0, "--out", out)
     assert result.exit_code == 0, result.output
     assert "ride at" not in result.output
+
+
+def test_horizon_and_belt_speed_have_units_of_their_own_beside_a_bare_displacement(
+    tmp_path: Path, past: tuple[Path, Path, float]
+) -> None:
+    """One channel in "1" made the command read seconds and m/s as the model's own numbers."""
+    model, run, speed = past
+    loaded = ss.load_model(model)
+    per = 1e-3 / loaded.rig.scales.length
+    bare = {name: replace(loaded.channels[name], unit="1", scale=per) for name in ("x1", "y1")}
+    replace(loaded, channels={**loaded.channels, **bare}, noise=None).save(tmp_path / "bare.toml")
+    out, ahead = tmp_path / "next.csv", []
+    for one in (model, tmp_path / "bare.toml"):
+        result = invoke("forecast", one, run, "--belt-speed", speed, "--horizon", 1.0, "--out", out)
+        assert result.exit_code == 0, result.output
+        assert f"belt speed {speed:.5g} m/s" in result.output
+        assert re.search(r"t = [\d.]+ to [\d.]+ s; ", result.output)
+        ahead.append(pd.read_csv(out)["t"])
+    np.testing.assert_array_equal(*ahead)
 
 
 def test_a_forecast_is_drawn_behind_the_record(tmp_path: Path, past: tuple[Path, Path, float]) -> None:

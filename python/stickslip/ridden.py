@@ -119,7 +119,7 @@ def contradicted(
     if set_point == 0 and not _returns(recording, ridden):
         return None
     channels = recording.channels
-    bare = "1" in (one.unit for name, one in channels.items() if name in ("t", "x1", "spring_force"))
+    bare = isinstance(rig, BlockOnBelt) and "1" in (one.unit for one in channels.values())
     unit = "1" if bare else channels["belt"].unit if "belt" in channels else default_speed_unit(rig)
     one = 1.0 if unit == "1" else factor("belt", unit, rig)
     word = "" if unit == "1" else f" {unit}"

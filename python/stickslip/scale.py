@@ -38,7 +38,7 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     rig
         One with scales, or a `BlockOnBelt` with channels in units, is read in units; another in bare numbers.
     channels
-        Units of the readings; velocities follow from them. SI where there are none.
+        Units of the readings, each its own, "1" too; velocities follow from them. SI where there are none.
     """
     units = {name: one.unit for name, one in (channels or {}).items()}
     if isinstance(rig, BlockOnBelt):
@@ -47,7 +47,7 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
         units = {"x1": "mm", **units}
         force = 1.0
     else:
-        if not isinstance(rig, Rig) or rig.scales is None or "1" in units.values():
+        if not isinstance(rig, Rig) or rig.scales is None:
             return {name: Scale() for name in ("t", "x1", "x2", "y1", "y2", "belt", "force")}
         units = {"x1": "m", "y1": "m", **units}
         force = rig.scales.force
@@ -57,7 +57,8 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     for place, velocity in places:
         if place in units:
             out[place] = Scale(1 / factor(place, units[place], rig), units[place])
-            out[velocity] = Scale(out[place].size / out["t"].size, f"{units[place]}/{units['t']}")
+            per = "1" if units[place] == units["t"] == "1" else f"{units[place]}/{units['t']}"
+            out[velocity] = Scale(out[place].size / out["t"].size, per)
     out["belt"] = Scale(1 / factor("belt", units["belt"], rig), units["belt"])
     out["force"] = Scale(force, "N")
     return out
