@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.discovery.data import prepare
+from stickslip.discovery.data import one_rig, prepare
 from stickslip.discovery.plausible import plausible
 from stickslip.errors import InputError
 from stickslip.identify_words import spread_share
@@ -23,10 +23,13 @@ def checked(case: Case) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        As `discover` refuses a wrong unit, sign or column.
+        As `discover` refuses a wrong unit, sign or column, or a run of another rig.
     """
+    if not isinstance(case.rig, Rig):
+        return ()
+    one_rig(case.rig, case.train)
     runs = [run for run in case.train if run.y1 is not None and len(run.t) >= LONG]
-    if not isinstance(case.rig, Rig) or not runs:
+    if not runs:
         return ()
     return plausible(case, prepare(runs))[1]
 

@@ -73,6 +73,12 @@ def wrong_unit(folder: Path) -> None:
     run(folder, spoilt(folder, 'x1 = { column = "x1", unit = "mm" }', 'x1 = { column = "x1", unit = "m" }'))
 
 
+@bad_input(DISCOVER, "a run of another rig")
+def another_rig(folder: Path) -> None:
+    file = 'file = "run_02.csv"'
+    run(folder, spoilt(folder, file, f"{file}\nrig = {{ m = 12.0 }}"))
+
+
 @bad_input(DISCOVER, "an inertia in kg mm^2")
 def inertia_in_another_unit(folder: Path) -> None:
     number = re.search(

@@ -57,6 +57,14 @@ def identify_grams(folder: Path) -> None:
     ss.identify(ss.load_case(path))
 
 
+@bad_input(MEETING, "identify, a run of another rig")
+def identify_another_rig(folder: Path) -> None:
+    path = found_by_hand.write_case(folder, si=True)
+    text, file = path.read_text(encoding="utf-8"), 'file = "run_02.csv"'
+    path.write_text(text.replace(file, f"{file}\nrig = {{ m = 12.0 }}"), encoding="utf-8")
+    ss.identify(ss.load_case(path))
+
+
 @bad_input(MEETING, "compare with a path")
 def compare_path(_folder: Path) -> None:
     ss.compare(MODEL, "CASE/run_01.csv")  # type: ignore[arg-type]

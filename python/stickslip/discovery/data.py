@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip import signals
 from stickslip.errors import InputError
 from stickslip.records import Recording
+from stickslip.rig import AnyRig
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
@@ -161,6 +162,22 @@ def held_words(data: Sequence[Data]) -> tuple[str, ...]:
         for channel, mask in zip(run.channels, run.held.T, strict=True)
         if mask.any()
     )
+
+
+def one_rig(rig: AnyRig, runs: Sequence[Recording]) -> None:
+    """Refuse runs that [[run]] gives another rig than the case's, which alone is fitted.
+
+    Raises
+    ------
+    InputError
+        With the run.
+    """
+    for run in runs:
+        if run.rig != rig:
+            raise InputError(
+                f"{run.name}: [[run]] rig: one rig is taken for all runs of a case, and this run has another; put its "
+                "numbers into [rig] if all have them, or make a case of its own of it"
+            )
 
 
 def copied_words(runs: Sequence[Recording]) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from stickslip.discovery import drifting, lagging, rig_numbers, unlisted
 from stickslip.discovery import evidence as ev
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
-from stickslip.discovery.data import Data, copied_words, held_words, prepare
+from stickslip.discovery.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import filtered, thinned, told
 from stickslip.discovery.final import final
@@ -124,6 +124,7 @@ def discover(
 def _checked(case: Case) -> tuple[list[Data], tuple[str, ...]]:
     """The runs with what was found amiss in them, said; or a refusal."""
     recordings = (*case.train, *case.validate)
+    one_rig(case.rig, recordings)
     data = prepare(recordings)
     found = (*copied_words(recordings), *held_words(data))
     data, notes = plausible(case, data)
