@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -113,6 +114,23 @@ def test_a_noise_estimated_too_large_is_said(case, chi2, noise, said):
     error = ErrorBlock("", 1.0, 1.0, 1.0, ())
     words = remarks(data, null, [], after, error, (), noise)
     assert any("the noise was estimated from the readings, and too large" in one for one in words) is said
+
+
+def test_a_gain_of_y1_is_no_damping_of_the_block_and_none_is_told_so():
+    """Said of every damping found, whatever its size: that a gain error of y1 is, by algebra, the same."""
+    case = make_case()
+    data = prepare([replace(run, y1=1.05 * run.y1) for run in case.train])
+    search = Search(data, Model(RIG, friction=PaperFriction()), 1, lambda _: None, 1e6)
+    null = search.run(hypothesis(search.model, []), cycles=SHORT)
+    damped = search.run(
+        hypothesis(search.model, [Start(effect("block_viscous_damping", c=0.01))]), cycles=SHORT
+    )
+    assert null.chi2 > 2
+    assert damped.chi2 - 1 > 0.9 * (null.chi2 - 1)
+    found = SimpleNamespace(name="block_viscous_damping", alternatives=(), curve=None)
+    after = Residual(1.0, 0.01, 1.0, True, (), "")
+    said = remarks(data, null, [found], after, ErrorBlock("", 1.0, 1.0, 1.0, ()), (), {})
+    assert not any("y1" in one for one in said)
 
 
 def test_on_cleaned_readings_the_law_is_fitted_on_from_where_it_was(case):

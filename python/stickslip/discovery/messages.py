@@ -90,11 +90,6 @@ def remarks(
             "a constant load on the block is absorbed whole by the friction law (its levels shift by it, up in one "
             "direction and down in the other), so that none is claimed or excluded"
         )
-    if any(one.name == "block_viscous_damping" for one in effects):
-        out.append(
-            "a gain error e of y1 is, by algebra, block damping of c1 e/(1 + e): a damping of that size names no "
-            "cause without a calibration of y1"
-        )
     for one in effects:
         tied = [a.name for a in one.alternatives if a.tied]
         if tied:
