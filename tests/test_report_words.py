@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -17,6 +18,7 @@ import stickslip as ss
 from found_by_hand import SCHEMA, made
 from stickslip.catalogue import KINDS
 from stickslip.cli_discover import effects_table
+from stickslip.discovery.messages import unseen
 from stickslip.report import words
 from stickslip.report.contents import contents
 from stickslip.report.page import error, interval, page, percent, span, valued
@@ -38,6 +40,29 @@ def test_the_commands_table_of_a_wrong_number_says_what_it_is(tmp_path: Path) ->
     assert "what the declared model lacks" in text
     assert "sensor_lag" in text
     assert "│ 0.009603 s │" in text
+
+
+@pytest.mark.parametrize("never", ["slips", "sticks"])
+def test_a_block_that_never_slips_or_never_sticks_has_not_all_explained(tmp_path: Path, never: str) -> None:
+    """Runs of rest or of steady slip were called explained, with most of the law unidentified."""
+    case = ss.load_case(found_by_hand.write_case(tmp_path))
+    found = found_by_hand.found(case, verdict="no_effect")
+    assert found.never is None
+    assert unseen(found) == ()
+    assert words.headline(found).startswith("Nothing is missing")
+    runs = []
+    for run in found.runs:
+        mode = np.full_like(run.mode_after, never == "sticks")
+        mode[:3] = 1  # the start of a window
+        x1 = run.measured["x1"] if never == "sticks" else run.belt_speed * run.t
+        runs.append(dataclasses.replace(run, mode_after=mode, measured={**run.measured, "x1": x1}))
+    law = {name: dataclasses.replace(one, low=None) for name, one in found.law.items()}
+    few = dataclasses.replace(found, runs=tuple(runs), law=law)
+    assert few.never == never
+    assert f"the block never {never} in these runs" in words.headline(few)
+    assert "Nothing is missing" not in words.headline(few)
+    (said,) = unseen(few)
+    assert f"never {never} in these runs: {len(law)} of {len(law)} numbers of the friction law" in said
 
 
 def test_a_guessed_place_shows_no_evidence(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.longer import looked_at_longer
-from stickslip.discovery.messages import remarks
+from stickslip.discovery.messages import remarks, unseen
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.plausible import plausible
 from stickslip.discovery.residual import describe, spectrum
@@ -248,7 +248,7 @@ def _found(
         notes = (*notes, doubt)
     was, now = describe(before.fit), describe(after.fit)
     notes = (*notes, *doubtful_set_points(case, [*search.data, *validate], effects, now, error))
-    return Found(
+    found = Found(
         title=case.title,
         verdict=_verdict(choice),
         effects=effects,
@@ -267,6 +267,7 @@ def _found(
         messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate, case.noise)),
         seconds=time.monotonic() - began,
     )
+    return replace(found, messages=(*found.messages, *unseen(found)))
 
 
 def _for_the_last_fits(search: Search) -> Search:

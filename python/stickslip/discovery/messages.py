@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.discovery.data import Data
 from stickslip.discovery.plausible import body_ratio
-from stickslip.discovery.result import ErrorBlock, FoundEffect, Residual
+from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Residual
 from stickslip.discovery.search import Trial
 from stickslip.errors import InputError
 from stickslip.rig import Rig
@@ -109,6 +109,20 @@ def remarks(
     ]
     out += _of_forecasts(error, after.clean)
     return tuple(out)
+
+
+def unseen(found: Found) -> tuple[str, ...]:
+    """What to know of a law where the block never slips, or never sticks."""
+    loose = sum(one.low is None or one.high is None for one in found.law.values())
+    if not found.never or not loose:
+        return ()
+    runs = (
+        "longer or faster runs, until it slips" if found.never == "slips" else "slower runs, until it sticks"
+    )
+    return (
+        f"the block never {found.never} in these runs: {loose} of {len(found.law)} numbers of the friction law are not "
+        f"identified; add {runs}",
+    )
 
 
 def _of_forecasts(error: ErrorBlock, clean: bool) -> list[str]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import Enum
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,11 @@ from numpy.typing import NDArray
 from stickslip.model import Model
 
 Floats = NDArray[np.float64]
+SEEN = 4  # samples in stick, at least, of a block that sticks
+LEFT, SELDOM = (
+    12.0,
+    0.1,
+)  # way against the belt over its noise, and share of slip, below which a block never slips
 Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 
 
@@ -305,6 +311,21 @@ class Found:
     def model(self) -> Model:
         """The model after discovery."""
         return self.after
+
+    @property
+    def never(self) -> Literal["slips", "sticks"] | None:
+        """What the block does in no train run, so that the readings are silent on what the law says of it.
+
+        A window's own start may slip for a few samples within the noise: where no run leaves the belt, that is none.
+        """
+        train = [run for run in self.runs if run.role == "train"]
+        mode = np.concatenate([run.mode_after[np.isfinite(run.state_after[:, 0])] for run in train])
+        if np.count_nonzero(mode == 0) < SEEN:
+            return "sticks"
+        left = max(
+            float(np.ptp(run.measured["x1"] - run.belt_speed * run.t)) / run.noise["x1"] for run in train
+        )
+        return "slips" if left < LEFT and np.mean(mode != 0) < SELDOM else None
 
     @property
     def report(self) -> dict[str, Json]:

@@ -125,6 +125,9 @@ def headline(found: Found) -> str:
         return (
             "Nothing can be named: a little is left above the noise, but no effect and no curve takes it up."
         )
+    if found.verdict is Verdict.no_effect and found.never:
+        never = f"the block never {found.never} in these runs"
+        return f"Nothing shows as missing, but {never}: little of the friction law is tested."
     if found.verdict is Verdict.no_effect:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
