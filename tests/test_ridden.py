@@ -12,7 +12,7 @@ from slider_cases import KINETIC, MASS, NOISE, STATIC, STIFFNESS, case_of, rig_o
 from stickslip.discovery.slider.loop import discover
 from stickslip.findings import FindingKind
 from stickslip.report.write import write_report
-from stickslip.ridden import ridden_speed, wrong_set_point
+from stickslip.ridden import contradicted, ridden_speed, wrong_set_point
 
 PERIOD = 2 * np.pi * np.sqrt(MASS / STIFFNESS)
 IN_M = "belt_speed is 10 m/s, but the sticks ride at 0.01 m/s, 0.001 times that"
@@ -59,6 +59,15 @@ def test_a_ratio_that_is_no_unit_s_is_said_without_one(tmp_path: Path) -> None:
     assert words is not None
     assert "belt_speed is 0.5 m/s, but the sticks ride at 0.02 m/s, 0.04 times that" in words
     assert "would be right" not in words  # no unit is off by that
+
+
+@pytest.mark.parametrize(
+    ("ratio", "said"), [(1.06, "1.06"), (0.95, "0.95"), (1.0432, "1.04"), (990.0, "1000")]
+)
+def test_a_ratio_near_1_is_not_rounded_to_it(tmp_path: Path, ratio: float, said: str) -> None:
+    """A set-point off by 6 % was said to be ridden at "1 times that"."""
+    run = case_of(rig_of(0.01), tmp_path).runs[0]
+    assert f", {said} times that" in str(contradicted(run, ratio * run.belt_speed, 1.03))
 
 
 def test_all_runs_in_a_wrong_unit_name_run_and_ratio(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ def why_idle(recording: Recording, sticks: int) -> str:
 
 def _times(ratio: float) -> str:
     power = round(float(np.log10(ratio)))
-    near = abs(np.log10(ratio) - power) < TEN
+    near = power != 0 and abs(np.log10(ratio) - power) < TEN
     return f"{10.0**power if near else float(f'{ratio:.3g}'):.10g} times"
 
 
