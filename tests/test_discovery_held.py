@@ -57,3 +57,18 @@ def test_a_copy_of_a_train_run_is_no_test_and_said():
     assert copied_words(case.runs) == ()
     (words,) = copied_words((*case.runs, copy))
     assert words.startswith("other holds the readings of run_0, a train run: the error on it is no test")
+
+
+def test_rows_of_a_train_run_are_found_wherever_they_begin():
+    """A train run less its first row passed for another record."""
+    case = make_case(length=30.0, speeds=(0.06, 0.1))
+    run = case.runs[0]
+    for part, count in ((slice(1, None), 599), (slice(200, 500), 300)):
+        copy = replace(run, t=run.t[part], x1=run.x1[part], y1=run.y1[part], name="other", role="validate")
+        (words,) = copied_words((*case.runs, copy))
+        assert words.startswith("other holds the readings of run_0")
+        longer = replace(copy, x1=np.concatenate([copy.x1, RNG.standard_normal(100)]))
+        (words,) = copied_words((*case.runs, longer))
+        assert words.startswith(f"other holds {count} readings in a row of run_0")
+    at_rest = [replace(run, x1=np.concatenate([np.zeros(300), run.x1]), role=run.role) for run in case.runs]
+    assert copied_words(at_rest) == ()

@@ -20,6 +20,7 @@ CHANNELS = ("x1", "y1", "belt")
 GLITCH_SIGMAS = 8.0
 GLITCH_TURNS = 3  # one taken out shows the smaller beside it
 SAME = 5  # readings in a row that are one and the same, at least, to be no noise
+COPIED = 50  # values in a row that two records share by no chance
 CHANCE = 1e-3  # how often noise may make so many in a run
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
@@ -181,16 +182,32 @@ def one_rig(rig: AnyRig, runs: Sequence[Recording]) -> None:
 
 
 def copied_words(runs: Sequence[Recording]) -> tuple[str, ...]:
-    """What is validated on readings that are trained on, under whatever name."""
+    """What is validated on readings that are trained on, under whatever name and from whatever row on."""
     out = []
     for run in (one for one in runs if one.role == "validate"):
         for other in (one for one in runs if one.role == "train"):
-            if run.x1.any() and np.array_equal(run.x1, other.x1, equal_nan=True):
+            count = max(_shared(run.x1, other.x1), _shared(other.x1, run.x1))
+            if count:
+                which = "the readings" if count == run.x1.size else f"{count} readings in a row"
                 out.append(
-                    f"{run.name} holds the readings of {other.name}, a train run: the error on it is no test, validate "
-                    "on another record"
+                    f"{run.name} holds {which} of {other.name}, a train run: the error on it is no test, validate on "
+                    "another record"
                 )
     return tuple(out)
+
+
+def _shared(one: Floats, other: Floats) -> int:
+    """Readings from the start of a record that stand in a row in another; 0 where few values may do so by chance."""
+    one, other = (np.where(np.isfinite(x), x, np.inf) for x in (one, other))
+    count, at = 0, np.arange(len(other))
+    while count < len(one):
+        at = at[at + count < len(other)]
+        at = at[other[at + count] == one[count]]
+        if not len(at):
+            break
+        count += 1
+    values = len(np.unique(one[:count]))
+    return count if values >= COPIED or (values > 1 and count == len(one)) else 0
 
 
 def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
