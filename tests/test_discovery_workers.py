@@ -315,6 +315,21 @@ def test_a_worker_ends_with_the_process_that_started_it(tmp_path):
     assert not runs(worker)
 
 
+def test_workers_end_without_an_outcry_where_some_of_the_work_is_cancelled(data, caplog):
+    """The pool's own thread ended with a traceback of "InvalidStateError: CANCELLED"."""
+    search = search_in(data, 2)
+    process = search.submit(busy, 0.0).result()
+    tasks = [search.submit(busy, 30.0) for _ in range(12)]
+    for task in tasks[6:]:
+        task.cancel()
+    search.workers.stop()
+    assert [one.getMessage() for one in caplog.records] == []
+    end = time.monotonic() + 10
+    while runs(process) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not runs(process)
+
+
 def test_processes_at_hand_are_those_of_a_search_just_ended_in_this_process(data, monkeypatch):
     search = search_in(data, 2)
     search.submit(square, 2).result()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import BrokenExecutor
+from concurrent.futures import BrokenExecutor, InvalidStateError
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Concatenate, ParamSpec, Protocol, TypeVar
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ class Workers:
         here = lambda: function(search, *args, **options)  # noqa: E731
         if self._pool is not None:
             try:
-                future = self._pool.submit(_timed, search.away(), function, args, options)
+                future = _submit(self._pool, _timed, search.away(), function, args, options)
             except RuntimeError:  # one of them died, or another search ended them: from now on alone
                 self._pool = None
             else:
@@ -170,8 +172,25 @@ def _pool(count: int) -> Any:
     return pool
 
 
+def _submit(pool: Any, function: Callable[..., Any], *args: Any) -> Any:
+    """A future of the pool, which `stop` can end without an outcry where it was cancelled."""
+    future = pool.submit(function, *args)
+    fail = future.set_exception
+
+    def failed(error: BaseException) -> None:
+        with suppress(InvalidStateError):  # loky's thread, killing all, would stop with a traceback
+            fail(error)
+
+    future.set_exception = failed
+    return future
+
+
 def _ready(parent: int) -> None:
-    """What a worker needs later, loaded; the watch first: the parent may be dead before we come."""
+    """What a worker needs later, loaded; the watch first: the parent may be dead before we come.
+
+    Ctrl-C reaches all processes of a terminal: it is the parent's to end us, without a traceback of our own.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     import scipy.signal  # noqa: F401
 
