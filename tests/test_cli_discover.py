@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import signal
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -113,6 +115,29 @@ def test_what_is_printed_has_the_tie_the_si_value_and_the_next_experiment(
     assert "NOT settled: these runs cannot tell it from sensor_delay" in out
     assert "0.009603 s" in out
     assert "Next experiment: a common trigger for both sensors, to tell sensor_lag from sensor_delay." in out
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signal here")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_an_ended_search_leaves_no_hidden_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    number = getattr(signal, name)
+
+    def search(*_: object, **__: object) -> None:
+        assert any(one.name.startswith(".out.") for one in tmp_path.iterdir())
+        os.kill(os.getpid(), number)
+        time.sleep(10)
+
+    monkeypatch.setattr(import_module("stickslip.discover"), "discover", search)
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        result = invoke("discover", found_by_hand.write_case(tmp_path), "--out", tmp_path / "out")
+        assert signal.getsignal(number) is signal.SIG_DFL
+    finally:
+        signal.signal(number, before)
+    assert result.exit_code == 128 + number
+    assert not any("out" in one.name for one in tmp_path.iterdir())
 
 
 def test_no_verdict_is_one_line_and_not_zero(tmp_path: Path) -> None:

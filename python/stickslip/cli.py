@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,6 +32,27 @@ BAD_INPUT = 2
 console = Console(highlight=False)
 
 
+@contextmanager
+def ended_cleanly() -> Iterator[None]:
+    """SIGTERM and SIGHUP end the program as Ctrl-C does: nothing half-written stays, nor a process of ours."""
+
+    def end(number: int, _frame: object) -> None:
+        signal.signal(number, signal.SIG_DFL)  # a second one does not wait
+        sys.exit(128 + number)
+
+    taken = []
+    if threading.current_thread() is threading.main_thread():  # no other may take a signal
+        known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        taken = [one for one in known if signal.getsignal(one) is signal.SIG_DFL]  # nohup ignores SIGHUP
+    for one in taken:
+        signal.signal(one, end)
+    try:
+        yield
+    finally:
+        for one in taken:
+            signal.signal(one, signal.SIG_DFL)
+
+
 class OneLine(click.Group):
     """Errors of ours are one line on standard error and exit status 2; a traceback is a bug."""
 
@@ -38,7 +61,8 @@ class OneLine(click.Group):
         for name in ("stdout", "stderr"):
             if getattr(sys, name) is None:  # closed by who called; the next file opened would take its place
                 setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
-        return super().main(*args, **extra)
+        with ended_cleanly():
+            return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command."""
