@@ -81,6 +81,36 @@ def test_what_a_slow_wave_leaves_much_of_is_no_drift(monkeypatch, left, drifts):
     null = SimpleNamespace(chi2=17.5, names=())
     found = Choice(null, SimpleNamespace(chi2=9.2, names=(drifting.DROOP,)), None, [])
     monkeypatch.setattr("stickslip.discovery.choice.drift_of", lambda _: (trials["wave"], "curve"))
+    monkeypatch.setattr(drifting, "steady", lambda *_: False)
     choice = _with_drift(None, found)
     assert (choice.drift is not None) == drifts
     assert (choice is found) != drifts
+
+
+@pytest.mark.parametrize(("left", "drifts"), [(0.3, True), (0.4, False)])
+def test_before_curves_are_asked_a_drift_leaves_next_to_nothing(monkeypatch, left, drifts):
+    """A gain of x1 looks like a belt that is slow throughout, and leaves little but not that little."""
+    wave = SimpleNamespace(chi2=1 + left, names=("wave",), excess=50.0)
+    null = SimpleNamespace(chi2=17.5, names=())
+    found = Choice(null, SimpleNamespace(chi2=1.2, names=(drifting.DROOP,)), None, [])
+    monkeypatch.setattr("stickslip.discovery.choice.drift_of", lambda _: (wave, "curve"))
+    monkeypatch.setattr(drifting, "steady", lambda *_: False)
+    assert (_with_drift(None, found, alone=True).drift is not None) == drifts
+    assert _with_drift(None, found).drift is not None
+
+
+def test_a_belt_off_by_one_factor_does_not_drift():
+    t = np.linspace(0, 60, 101)
+    clean, not_clean = (SimpleNamespace(excess=one, chi2=1.01) for one in (0.5, 50.0))
+
+    def curve(values):
+        return SimpleNamespace(value=values, guess=None)
+
+    off = curve(-0.03 + 0.002 * np.sin(2 * np.pi * t / 60))
+    assert drifting.steady(off, clean)
+    assert not drifting.steady(off, not_clean)
+    assert not drifting.steady(curve(-0.03 + 0.01 * np.sin(t)), clean)
+    words, formula = drifting.told(off, clean)
+    assert "0.97 times the set-points" in words
+    assert formula == "0.97 v_b throughout"
+    assert "drifts in time" in drifting.told(off, not_clean)[0]

@@ -195,6 +195,27 @@ def test_a_straight_curve_is_what_a_wrong_number_leaves(
     assert said is None or f"a wrong {doubt}" in said
 
 
+@pytest.mark.parametrize(
+    ("declared", "slope", "meant"),
+    [
+        ("as_printed", -2.0, "reciprocal"),
+        ("reciprocal", 2.05, "as_printed"),
+        ("reciprocal", -2.0, None),
+        ("as_printed", -1.7, None),
+    ],
+)
+def test_twice_the_force_of_y1_is_the_coupling_of_the_other_sign(
+    declared: str, slope: float, meant: str | None
+) -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    value = slope * x + 0.1
+    learned = Curve("block", "y1", "force", x, value, value - 0.1, value + 0.1, x[::10], None)
+    rig = replace(RIG, coupling=declared)  # type: ignore[arg-type]
+    said = rig_numbers.remark(rig, ("tabulated",), None, (), learned)  # type: ignore[arg-type]
+    assert (said is None) == (meant is None)
+    assert said is None or f"write coupling = '{meant}' in [rig] instead of '{declared}'" in said
+
+
 def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) -> None:
     """A name that is found while a number of the rig does as well is not believed without a word."""
     lag = ss.effect("block_viscous_damping", c=0.6)

@@ -13,6 +13,7 @@ from stickslip.discovery.search import Trial
 from stickslip.errors import InputError
 from stickslip.rig import Rig
 
+LARGEST_GAIN = 0.2  # error of a sensor's gain that a laboratory might not notice
 WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud
 UNSURE = 5.0  # sampling errors below 1 of a chi-squared that says an estimated noise was too large
 LOOSE = 0.93  # and the chi-squared below which it is said
@@ -90,6 +91,7 @@ def remarks(
             "a constant load on the block is absorbed whole by the friction law (its levels shift by it, up in one "
             "direction and down in the other), so that none is claimed or excluded"
         )
+    out += [_gain(null, one) for one in effects if abs(_gain_like(null, one)) < LARGEST_GAIN]
     for one in effects:
         tied = [a.name for a in one.alternatives if a.tied]
         if tied:
@@ -122,6 +124,24 @@ def unseen(found: Found) -> tuple[str, ...]:
     return (
         f"the block never {found.never} in these runs: {loose} of {len(found.law)} numbers of the friction law are not "
         f"identified; add {runs}",
+    )
+
+
+def _gain_like(null: Trial, one: FoundEffect) -> float:
+    """The gain error e of y1 that block damping c = eta1 e/(1 + e) is like; infinite of anything else."""
+    rig = null.hypothesis.model.rig
+    c = one.parameters["c"].value if one.name == "block_viscous_damping" else None
+    if c is None or not isinstance(rig, Rig) or c == rig.eta1:
+        return np.inf
+    return float(c / (rig.eta1 - c))
+
+
+def _gain(null: Trial, one: FoundEffect) -> str:
+    """The tie in words: with y scaled, all of (2.1) but c1 x1' is met by other J, k2, k3, c1 and c2."""
+    percent = 100 * _gain_like(null, one)
+    return (
+        f"if J, k2, k3, c1 and c2 were measured with this y1 sensor, a gain error of {percent:.2g} % in it is, by "
+        "algebra, this very damping of the block: only a calibration of y1 tells them apart"
     )
 
 

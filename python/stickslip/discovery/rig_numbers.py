@@ -24,6 +24,7 @@ ROUNDING = 1e-9  # of a number: so far its search stays inside of what a rig may
 APART = 3  # times that the bound between two numbers is moved
 WORSE = 1.5  # of the cost of what was chosen: a number that leaves more after a few steps will not come near
 REACH = 4.0  # times the readings of x1 that a straight line reaches: the motion stays within
+NEARLY_TWICE = 0.1  # how near 2 a slope must be to be the coupling's
 STRAIGHT = (
     0.9  # share of a learned curve's variance in a straight line, which a wrong number of the rig leaves
 )
@@ -223,12 +224,30 @@ def remark(
     looks = None if curve is None else _LOOKS.get((curve.where, curve.variable))
     if curve is None or looks is None or not np.corrcoef(curve.x, curve.value)[0, 1] ** 2 > STRAIGHT:
         return None
+    if looks == COUPLING:
+        return _turned(rig, curve)
     return (
         f"the learned curve is nearly straight, as a wrong {looks} of the declared rig leaves it: check these"
     )
 
 
+def _turned(rig: AnyRig, curve: Curve) -> str | None:
+    """The coupling of the other sign, where the curve is what that adds to the block: twice the force of y1."""
+    if not isinstance(rig, Rig):
+        return None
+    sign, other = (1.0, "as_printed") if rig.coupling == "reciprocal" else (-1.0, "reciprocal")
+    slope = float(np.polyfit(curve.x, curve.value, 1)[0])
+    if abs(slope - 2 * sign) > NEARLY_TWICE:
+        return None
+    return (
+        f"the learned curve is {slope:+.3g} y1, what the coupling of the other sign adds: write coupling = '{other}' "
+        f"in [rig] instead of '{rig.coupling}', and search again"
+    )
+
+
+COUPLING = "coupling"
 _LOOKS = {
+    ("block", "y1"): COUPLING,
     ("block", "x1"): "m, k1 or k2",
     ("angle_body", "y1"): "J, k2 or k3",
     ("angle_body", "y2"): "J, c1 or c2",

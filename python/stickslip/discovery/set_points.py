@@ -51,10 +51,10 @@ def doubtful_set_points(
     word = "" if unit == "1" else f" {unit}"
     out = []
     for run in data:
-        share = shares.get(run.name, usual)
+        share, v_b = shares.get(run.name, usual), run.belt_speed
         if abs(np.log(share / usual)) > OFF and (run.name in missed or (trained and run.role == "train")):
             out.append(
-                f"{run.name}: the block sticks at {share * run.belt_speed / one:.4g}{word}, {share:.3g} times "
-                f"belt_speed, unlike in the other runs: check its belt_speed ({run.belt_speed / one:.4g}{word}) and its file first"
+                f"{run.name}: the block sticks at {share * v_b / one:.4g}{word}, {share:.3g} times belt_speed, unlike "
+                f"in the other runs: check its belt_speed ({v_b / one:.4g}{word}) and its file first"
             )
     return tuple(out)
