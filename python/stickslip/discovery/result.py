@@ -319,6 +319,8 @@ class Found:
         A window's own start may slip for a few samples within the noise: where no run leaves the belt, that is none.
         """
         train = [run for run in self.runs if run.role == "train"]
+        if not train:  # a driven slider is not looked at like this
+            return None
         mode = np.concatenate([run.mode_after[np.isfinite(run.state_after[:, 0])] for run in train])
         if np.count_nonzero(mode == 0) < SEEN:
             return "sticks"
