@@ -148,12 +148,12 @@ def _discover(
     search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")
     data, corrected, known = _cleaned(case, data, search)
-    data, thin, known = _thinned(case, data, search, [known] if known else [])
+    data, as_read, thin, known = _thinned(case, data, as_read, search, [known] if known else [])
     search = search.afresh(data[:count])
     search.workers = workers
     trials = decide_single(search, known)
     if not thin:
-        data, thin, known = _thinned(case, data, search, trials[:LIKELY])
+        data, as_read, thin, known = _thinned(case, data, as_read, search, trials[:LIKELY])
         if thin:
             tell("what is left is a filter's noise: once more with readings that are independent")
             search = search.afresh(data[:count])
@@ -198,15 +198,16 @@ def _cleaned(
 
 
 def _thinned(
-    case: Case, data: list[Data], search: Search, trials: Sequence[Trial]
-) -> tuple[list[Data], tuple[str, ...], Trial | None]:
-    """The runs thinned where a trial leaves but a filter's noise, and the law's fit to them; else as they are."""
+    case: Case, data: list[Data], as_read: list[Data], search: Search, trials: Sequence[Trial]
+) -> tuple[list[Data], list[Data], tuple[str, ...], Trial | None]:
+    """The runs, and as they were read, thinned where a trial leaves a filter's noise alone; and its law's fit."""
     known = search.tried.get(()) or next(iter(trials), None)
     for trial in trials:
         if found := filtered(trial, data):
-            data = thinned(data, *found)
-            return data, (told(case, data, found[0]),), declared(search.afresh(data[: len(search.data)]))
-    return data, (), known
+            data, as_read = (thinned(one, *found) for one in (data, as_read))
+            known = declared(search.afresh(data[: len(search.data)]))
+            return data, as_read, (told(case, data, found[0]),), known
+    return data, as_read, (), known
 
 
 def _cleaned_of_what_shows(case: Case, data: list[Data], found: Trial) -> tuple[list[Data], tuple[str, ...]]:

@@ -16,7 +16,6 @@ from stickslip.discovery.unlisted import Term, gain_by_window, scores, terms
 from stickslip.discovery.workers import each
 
 REPEATS = 0.6  # of what a number for every window promises: where a line promises more, it repeats
-
 FAR_TOO_MUCH = 0.3  # of chi-squared above 1, for nothing to be missing
 
 

@@ -15,10 +15,8 @@ from stickslip.model import Model
 
 Floats = NDArray[np.float64]
 SEEN = 4  # samples in stick, at least, of a block that sticks
-LEFT, SELDOM = (
-    12.0,
-    0.1,
-)  # way against the belt over its noise, and share of slip, below which a block never slips
+LEFT = 12.0  # way against the belt, over the noise, below which a block never slips
+SELDOM = 0.1  # and its share of slip
 Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 
 
