@@ -18,6 +18,7 @@ def test_the_example_of_the_page(tmp_path: Path) -> None:
     program = ROOT / "examples" / "discovery" / "aging.py"
     subprocess.run([sys.executable, program, tmp_path / "aging"], check=True)
     found = ss.discover(ss.load_case(tmp_path / "aging"))
+    _overlay(found, tmp_path)
     (effect,) = found.effects
     assert effect.name == "static_aging"
     number = r"([\d.]+)"
@@ -44,3 +45,18 @@ def test_the_example_of_the_page(tmp_path: Path) -> None:
     assert [float(text.replace(" ", "")) for text in shown.groups()] == pytest.approx(
         [proof.delta_chi2, proof.threshold, proof.control], rel=5e-3
     )
+
+
+def _overlay(found: ss.Found, folder: Path) -> None:
+    """The page's overlay runs, and the model after stays with the recording over its first cycle."""
+    (folder / "aging" / "found").mkdir(exist_ok=True)
+    found.model.save(folder / "aging" / "found" / "model_after.toml")
+    page = (ROOT / "docs" / "discovery.md").read_text(encoding="utf-8")
+    (code,) = (one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "load_model" in one)
+    names: dict[str, object] = {}
+    exec(code.replace('"aging', f'"{folder}/aging'), names)
+    run, made = names["run"], names["made"]
+    assert isinstance(made, ss.Trajectory)
+    first = made.t < 6.0
+    off = made.state[first, 0] - run.x1[first]  # type: ignore[attr-defined]
+    assert float((off**2).mean() ** 0.5) < 0.1 * float(run.x1.std())  # type: ignore[attr-defined]

@@ -180,7 +180,7 @@ def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
     found = discover(replace(case, runs=(case.runs[0], case.runs[-1])), budget=10)
     assert found.verdict is Verdict.no_effect
     assert any("one train run only" in one for one in found.messages)
-    assert any("no run slips both ways" in one for one in found.messages)
+    assert any("no train run slips both ways" in one for one in found.messages)
 
 
 def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:

@@ -211,9 +211,11 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
 
 
 def _column(past: Recording, name: str) -> str:
-    """A column and its unit; without one where the column is a multiple of it."""
+    """A column and its unit; where the column is a multiple of it, what 1 in it is."""
     channel = past.channels[name]
-    return name if channel.scale != 1 or channel.unit == "1" else f"{name} [{channel.unit}]"
+    if channel.scale != 1:
+        return f"{name} [{channel.scale:.4g} {channel.unit}]"
+    return name if channel.unit == "1" else f"{name} [{channel.unit}]"
 
 
 def _recorded(model: Model, run: Path) -> tuple[dict[str, Channel] | None, dict[str, float]]:

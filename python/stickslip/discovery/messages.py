@@ -83,8 +83,8 @@ def remarks(
         out.append("no train run reverses the belt: what depends on direction is not seen")
     if _one_way(null):
         out.append(
-            "no run slips both ways: a constant load on the block is absorbed whole by the friction law (the levels of "
-            "each direction that was seen shift by it), so that none is claimed or excluded"
+            "no train run slips both ways: a constant load on the block is absorbed whole by the friction law (the "
+            "levels of each direction that was seen shift by it), so that none is claimed or excluded"
         )
     elif not any(one.name == "constant_load" for one in effects):
         out.append(

@@ -89,6 +89,10 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         report=report,
         axes=axes_of(case),
         single=figures_numbers.single_events(found),
+        tile=_tile(found),
+        one_cycle="error of single events"
+        if figures_numbers.single_events(found)
+        else "forecast error, one cycle",
         floor=words.floor(found, single=figures_numbers.single_events(found)),
         Verdict=Verdict,
         headline=words.headline(found),
@@ -101,6 +105,13 @@ def page(found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping
         place=words.PLACE,
         excursion=excursion(found, axes_of(case)),
         figures={name: inline(path, name) for name, path in drawings.items()},
+    )
+
+
+def _tile(found: Found) -> str:
+    """What `error` is, in few words."""
+    return (
+        "error of single events (NRMSE)" if figures_numbers.single_events(found) else "forecast error (NRMSE)"
     )
 
 
