@@ -34,7 +34,7 @@ def cluster(**settings: Any) -> Iterator[Any]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of ports and of workers that go
         with (
-            distributed.LocalCluster(threads_per_worker=1, dashboard_address=None, **settings) as one,
+            distributed.LocalCluster(threads_per_worker=1, dashboard_address=":0", **settings) as one,
             distributed.Client(one) as client,
         ):
             yield client
@@ -148,7 +148,7 @@ def test_a_client_that_cannot_be_used_is_refused() -> None:
     async def from_a_loop() -> None:
         async with (
             distributed.LocalCluster(
-                n_workers=1, processes=False, asynchronous=True, dashboard_address=None
+                n_workers=1, processes=False, asynchronous=True, dashboard_address=":0"
             ) as one,
             distributed.Client(one, asynchronous=True) as other,
         ):

@@ -222,7 +222,7 @@ def test_two_workers_one_killed(memory: xr.Dataset, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of ports and of the worker that goes
         with (
-            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
             distributed.Client(cluster) as client,
         ):
             victim = next(iter(client.run(os.getpid).values()))
