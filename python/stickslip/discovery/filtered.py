@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.data import Data, read_again
 from stickslip.discovery.residual import by_run
-from stickslip.discovery.search import Trial
+from stickslip.discovery.search import Search, Trial
+from stickslip.discovery.trace import declared
 from stickslip.records import Case
 
 Floats = NDArray[np.float64]
@@ -22,6 +23,19 @@ LATER = 3.0  # and the time over which it must not come back
 FEWEST = 4  # samples in `SOON`, to see it
 PEAKED = 3.5  # kurtosis beyond which a residual is the burst of a misfit; noise has 3
 MOST = 1.1  # of the noise's variance, that a channel of white noise may leave
+
+
+def thinned_if_filtered(
+    case: Case, data: list[Data], as_read: list[Data], search: Search, trials: Sequence[Trial]
+) -> tuple[list[Data], list[Data], tuple[str, ...], Trial | None]:
+    """The runs, and as they were read, thinned where a trial leaves a filter's noise alone; and its law's fit."""
+    known = search.tried.get(()) or next(iter(trials), None)
+    for trial in trials:
+        if found := filtered(trial, data):
+            data, as_read = (thinned(one, *found) for one in (data, as_read))
+            known = declared(search.afresh(data[: len(search.data)]))
+            return data, as_read, (told(case, data, found[0]),), known
+    return data, as_read, (), known
 
 
 def filtered(trial: Trial, data: Sequence[Data]) -> tuple[int, Floats] | None:

@@ -17,7 +17,7 @@ from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.discovery.errors import Measured, error_block
-from stickslip.discovery.filtered import filtered, thinned, told
+from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate
 from stickslip.discovery.intervals import intervals, of_effect, phases
@@ -148,12 +148,12 @@ def _discover(
     search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")
     data, corrected, known = _cleaned(case, data, search)
-    data, as_read, thin, known = _thinned(case, data, as_read, search, [known] if known else [])
+    data, as_read, thin, known = thinned_if_filtered(case, data, as_read, search, [known] if known else [])
     search = search.afresh(data[:count])
     search.workers = workers
     trials = decide_single(search, known)
     if not thin:
-        data, as_read, thin, known = _thinned(case, data, as_read, search, trials[:LIKELY])
+        data, as_read, thin, known = thinned_if_filtered(case, data, as_read, search, trials[:LIKELY])
         if thin:
             tell("what is left is a filter's noise: once more with readings that are independent")
             search = search.afresh(data[:count])
@@ -195,19 +195,6 @@ def _cleaned(
         out, more = cleaned(out, None if first is None else first.fit, case.noise)
         said = said or more
     return out, said, first
-
-
-def _thinned(
-    case: Case, data: list[Data], as_read: list[Data], search: Search, trials: Sequence[Trial]
-) -> tuple[list[Data], list[Data], tuple[str, ...], Trial | None]:
-    """The runs, and as they were read, thinned where a trial leaves a filter's noise alone; and its law's fit."""
-    known = search.tried.get(()) or next(iter(trials), None)
-    for trial in trials:
-        if found := filtered(trial, data):
-            data, as_read = (thinned(one, *found) for one in (data, as_read))
-            known = declared(search.afresh(data[: len(search.data)]))
-            return data, as_read, (told(case, data, found[0]),), known
-    return data, as_read, (), known
 
 
 def _cleaned_of_what_shows(case: Case, data: list[Data], found: Trial) -> tuple[list[Data], tuple[str, ...]]:
