@@ -9,6 +9,7 @@ import pytest
 
 from stickslip.discovery import final as last
 from stickslip.discovery import unlisted
+from stickslip.discovery.gate import largest_gain
 from stickslip.discovery.search import ALMOST, CLEAN, MORE, NEAR, SAME, SHORT, Search
 
 READINGS = 1000
@@ -196,3 +197,15 @@ def test_how_closely_the_last_fit_ends(name, chi2, tolerance):
     one.hypothesis, one.fit.engine = None, SimpleNamespace(learned=())
     last._finely(SimpleNamespace(run=lambda _, **options: asked.update(options)), None, trial=one, cycles=1.0)
     assert asked["tolerance"] == tolerance
+
+
+def test_what_hidden_states_take_up_of_the_noise_is_no_gain():
+    def one(names, cost, hidden):
+        return SimpleNamespace(names=names, fit=SimpleNamespace(cost=cost), hidden=hidden)
+
+    null, lag, damping = one((), 1000.0, 0), one(("lag",), 920.0, 75), one(("damping",), 988.0, 0)
+    pair = one(("lag", "damping"), 500.0, 75)
+    tried = {t.names: t for t in (null, lag, pair)}
+    assert largest_gain(SimpleNamespace(tried=tried), null) == 5.0
+    assert largest_gain(SimpleNamespace(tried={**tried, damping.names: damping}), null) == 12.0
+    assert largest_gain(SimpleNamespace(tried={(): null}), null) == 0.0

@@ -44,7 +44,10 @@ def searched(case: Case) -> tuple[Search, object]:
 def test_a_hum_is_found_with_its_frequency_size_and_phases(channel, w, jitter):
     search, null = searched(hummed(channel, w, 3 * NOISE, jitter=jitter))
     assert null.excess > 10 * CLEAN
-    where = humming(null)[0]
+    where, line = humming(null)
+    off = np.arctan2(line.amplitudes[:, 1], line.amplitudes[:, 0]) - PHASES[: len(line.amplitudes)]
+    assert np.abs(np.exp(1j * off) - 1).max() < 0.6
+    assert line.w == pytest.approx(w, abs=0.05)
     assert where == f"{channel} channel"
     (term, best), *_ = learn_hum(search, null)
     assert (term.where, term.variable, term.recurs) == (where, "t", True)

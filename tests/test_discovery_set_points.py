@@ -60,5 +60,6 @@ def test_a_curve_of_belt_or_contact_is_doubted(where, count):
 def test_nothing_is_said_where_all_is_explained_or_all_runs_are_off_alike_or_each_in_its_own_way():
     assert told({2: 1.1}) == ()
     assert told(dict.fromkeys(range(5), 1.05), LEFT) == ()
+    assert told({0: 0.8, 1: 0.9, 3: 1.1, 4: 1.2}, LEFT) == ()
     yields = ss.effect("contact_compliance", k=60.0, c=0.5)
     assert told({}, LEFT, model=(yields,)) == ()

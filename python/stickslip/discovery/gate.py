@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.engine import Engine
 from stickslip.discovery.result import Gate
+from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.solve import Fit
 from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.effects import effect
@@ -35,6 +36,12 @@ LINEAR = (  # at zero strength, with a shape where one is needed
     ("sensor_drift", {"r": 0.0}),
 )
 STRENGTH = frozenset({"c", "k", "beta2", "eta2", "dT", "r", "delay", "q"})
+
+
+def largest_gain(search: Search, null: Trial) -> float:
+    """How far the best single effect lowers chi-squared, less what its hidden states take up of the noise."""
+    singles = [t for t in search.tried.values() if len(t.names) == 1]
+    return max([null.fit.cost - t.fit.cost - t.hidden for t in singles] + [0.0])
 
 
 def gate(null: Fit, observed: float, penalty: float, seed: int = 0) -> Gate:

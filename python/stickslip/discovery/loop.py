@@ -19,7 +19,7 @@ from stickslip.discovery.data import Data, copied_words, held_words, one_rig, pr
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
-from stickslip.discovery.gate import gate
+from stickslip.discovery.gate import gate, largest_gain
 from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks, unseen
@@ -226,9 +226,12 @@ def _found(
     before_model, after_model = _model(case, before), _model(case, after)
     tell("forecasting the validate runs")
     error, forecasts = error_block(before_model, after_model, validate, case.validate, search.workers, seed)
-    singles = [t for t in search.tried.values() if len(t.names) == 1]
-    drop = max((choice.null.fit.cost - t.fit.cost - t.hidden for t in singles), default=0.0)
-    passed = gate(choice.null.fit, max(drop, 0.0), float(np.log(choice.null.fit.readings)) + MARGIN, seed)
+    passed = gate(
+        choice.null.fit,
+        largest_gain(search, choice.null),
+        float(np.log(choice.null.fit.readings)) + MARGIN,
+        seed,
+    )
     tell("weighing the evidence")
     effects = _effects(search, choice, after, passed.threshold)
     curve = next((one.curve for one in effects if one.curve is not None), None)
