@@ -16,6 +16,7 @@ from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.readings import Learned, as_terms, curves_of, no_slopes, read, reading_rate
 from stickslip.discovery.recurring import learn_hum
 from stickslip.discovery.search import CLEAN, Search
+from stickslip.discovery.slider.sensor import reading_of
 from stickslip.discovery.trace import declared
 from stickslip.friction import PaperFriction
 from stickslip.model import Model
@@ -149,3 +150,23 @@ def test_a_forecast_finds_the_hum_s_phase_from_the_past():
     without, with_hum = off(known), off(replace(known, effects=(*known.effects, hum)))
     assert without > 3.5 * NOISE
     assert with_hum < 1.4 * NOISE
+
+
+@pytest.mark.parametrize("period", [None, 0.9])
+def test_a_curve_in_time_of_a_block_on_a_belt_is_undone_with_its_own_rate(period):
+    """Also one that recurs, over many turns: deflections and rates come back from readings and theirs."""
+    knots = np.linspace(0.0, period or 6.0, 9)
+    values = 0.02 * np.sin(2 * np.pi * knots / (period or 3.0))
+    values[-1] = values[0]
+    phi = {} if period is None else {"phi": 0.7}
+    term = ss.tabulated("x1 channel", "t", knots, values, period=period, **phi)
+    reading = reading_of(
+        ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(), effects=[term]), force_channel=False
+    )
+    t = np.linspace(0.0, 8.0, 16001)  # beyond the last knot of the one that does not recur
+    x = np.sin(t)
+    seen = reading.read(x, None, t)
+    found, rate = reading.behind(seen, np.gradient(seen, t), t)
+    np.testing.assert_allclose(found, x, atol=1e-9)
+    smooth = np.abs(t - 6.0) > 0.01  # the other has a kink at its last knot
+    np.testing.assert_allclose(rate[smooth][2:-2], np.cos(t)[smooth][2:-2], atol=1e-4)

@@ -153,18 +153,18 @@ class Tabulated:
         values = (*known.values(), known["value_0"])
         return tabulated(self.where, self.variable, knots, values, period=period, phi=phi)
 
-    def curve(self, variable: ArrayLike) -> NDArray[np.float64]:
-        """Return g at `variable`, any shape."""
-        at = np.asarray(variable, dtype=np.float64)
+    def curve(self, variable: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
+        """Return g, or a derivative of it, at `variable`, any shape."""
+        given = np.asarray(variable, dtype=np.float64)
         knots = np.array(self.knots)
         if self.period is None:
-            at = np.clip(at, knots[0], knots[-1])
+            at = np.clip(given, knots[0], knots[-1])
         else:
-            at = np.mod(at + self.phi * self.period / (2 * np.pi), self.period)
+            at = np.mod(given + self.phi * self.period / (2 * np.pi), self.period)
         ends: Literal["natural", "periodic"] = "natural" if self.period is None else "periodic"
-        return np.asarray(
-            scipy.interpolate.CubicSpline(knots, np.array(self.values), bc_type=ends)(at), dtype=np.float64
-        )
+        spline = scipy.interpolate.CubicSpline(knots, np.array(self.values), bc_type=ends)
+        out = np.asarray(spline(at, derivative), dtype=np.float64)
+        return out if derivative == 0 or self.period is not None else np.where(at == given, out, 0.0)
 
 
 @explained

@@ -199,9 +199,7 @@ def copied_words(runs: Sequence[Recording]) -> tuple[str, ...]:
 def _shared(one: Floats, other: Floats) -> int:
     """Readings from the start of a record that stand in a row in another; 0 where few values may do so by chance."""
     one, other = (np.where(np.isfinite(x), x, np.inf) for x in (one, other))
-    if (
-        one == one[0]
-    ).all():  # a sensor that is dead; every place of another dead one would be followed to its end
+    if (one == one[0]).all():  # dead: every place of another dead one would be followed to its end
         return 0
     count, at = 0, np.arange(len(other))
     while count < len(one):

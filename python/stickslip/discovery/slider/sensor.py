@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.readings import Learned, unbent
+from stickslip.discovery.readings import unbent
 from stickslip.effects import Effect, Tabulated
 from stickslip.errors import InputError
 from stickslip.model import Model
@@ -73,7 +73,7 @@ class Reading:
         out, along = np.zeros(len(x)), {"x1": (x, v), "t": (t, 1.0)}
         for one in self.curves:
             at, moves = along[one.variable]
-            out += (Learned("x1", one.variable, one.knots).basis(at, 1) @ np.array(one.values)) * moves
+            out += one.curve(at, 1) * np.asarray(moves)
         return out
 
 
