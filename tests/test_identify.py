@@ -13,11 +13,12 @@ import stickslip as ss
 from recorded import recording
 from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip import reference
+from stickslip.fit_window import Window
 from stickslip.identified import estimate, stopped
 from stickslip.identify import covered_speeds, law_parameters
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.segments import track
-from stickslip.shooting import Window, _above, shoot
+from stickslip.shooting import _above, shoot
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 TRUE = ss.PaperFriction(

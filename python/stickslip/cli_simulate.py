@@ -14,11 +14,11 @@ from rich.console import Console
 from stickslip.cli_path import Named
 from stickslip.errors import InputError, ModelWarning
 from stickslip.files import apart, write_csv
+from stickslip.fit_window import Array
 from stickslip.identify import natural_period
 from stickslip.model import Model, load_model, model_file
 from stickslip.rig import DrivenSlider
 from stickslip.scale import Quantity, Scale, read_quantity, scales
-from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
 from stickslip.simulate import simulate as run_model
 

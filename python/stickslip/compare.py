@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from stickslip import segments
 from stickslip.arguments import explained, must_be
 from stickslip.dominant import SHARE, Dominant, cycles, dominant
-from stickslip.identify import BeltSpeed, Measured, measured
+from stickslip.fit_window import Array
+from stickslip.identify import BeltSpeed, measured
 from stickslip.model import Model
+from stickslip.prepared import Measured
 from stickslip.records import Recording
 from stickslip.rig import Rig
 from stickslip.running import runs_of
-from stickslip.shooting import Array, Simulator
+from stickslip.shooting import Simulator
 from stickslip.simulate import simulate
 from stickslip.verdict import Row, verdict
 

@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.errors import StickslipError
+from stickslip.fit_window import Array, Window
 from stickslip.friction import HyperbolicFriction
 from stickslip.model import Model
 from stickslip.rig import BlockOnBelt
 from stickslip.scatter import effective_readings
-from stickslip.shooting import Array, Shot, Simulator, Window, shoot
+from stickslip.shooting import Shot, Simulator, shoot
 
 REFINEMENTS = 10  # of the profile of the decay: its points are a factor 4 apart, then 2, 1.4, .. 1.001
 WIDER = 3  # times that its range is widened where it is lowest at an end

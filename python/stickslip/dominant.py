@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from stickslip.fit_window import Array
 from stickslip.segments import Track, runs
-from stickslip.shooting import Array
 
 SHARE = 0.3  # of the typical slip, below which one is left out
 

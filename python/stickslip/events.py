@@ -10,23 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from stickslip.decay import Profile, hyperbolic, levels, merged, scores_of
 from stickslip.errors import InputError, StickslipError
+from stickslip.fit_window import Array, Window
 from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction
 from stickslip.identified import Branch, Estimate, Events, Identified
 from stickslip.identify_words import event_messages
 from stickslip.model import Model
+from stickslip.prepared import Measured
 from stickslip.rig import AnyRig, BlockOnBelt
 from stickslip.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.segments import Segment, stick_position
-from stickslip.shooting import Array, Shot, Simulator, Window, shoot, states
-
-if TYPE_CHECKING:
-    from stickslip.identify import Measured
+from stickslip.shooting import Shot, Simulator, shoot, states
 
 Kind = Literal["coulomb", "hyperbolic"]
 LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from stickslip.fit_window import Array
 from stickslip.identified import ForcePoints
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.segments import Track
-from stickslip.shooting import Array
 
 
 def friction_force(rig: AnyRig, x: tuple[Array, Array, Array], y: tuple[Array, Array] | None = None) -> Array:

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from stickslip.config import write_text
+from stickslip.fit_window import Array
 from stickslip.friction import FrictionLaw
 from stickslip.model import Model
 from stickslip.rig import AnyRig, Rig
 from stickslip.scale import law_scale, scales, to_digits
-from stickslip.shooting import FARTHEST, Array
+from stickslip.shooting import FARTHEST
 from stickslip.units import Channel
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ slip to slip, is identified event by event instead (`stickslip.events`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Literal
 
 import numpy as np
@@ -17,36 +17,23 @@ import numpy as np
 from stickslip import force, segments, signals
 from stickslip.arguments import explained, must_be
 from stickslip.errors import InputError
+from stickslip.fit_window import Array, Window
 from stickslip.friction import CoulombFriction, FrictionLaw, PaperFriction
 from stickslip.identified import BRANCHES, Branch, ForcePoints, Identified, estimate
 from stickslip.identify_check import checked, explainable, misfit
 from stickslip.identify_words import fit_messages, misfit_messages, plateau_messages
 from stickslip.model import Model
+from stickslip.prepared import Measured
 from stickslip.records import Case, Recording
 from stickslip.ridden import why_idle, wrong_set_point
 from stickslip.rig import AnyRig, BlockOnBelt, Rig, on_belt
-from stickslip.shooting import Array, Shot, Simulator, Window, shoot
+from stickslip.shooting import Shot, Simulator, shoot
 from stickslip.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
 BELT_TOLERANCE = 0.05  # share of v_b by which a stick may be off it
 CREEP = 0.25  # the same for a contact that creeps before it slips
-
-
-@dataclass(frozen=True)
-class Measured:
-    """One run ready for fitting: readings (n, c) in the rig's units, its modes, the belt speed to use."""
-
-    name: str
-    t: Array
-    readings: Array
-    noise: Array
-    belt_speed: float
-    set_point: float
-    plateau: float
-    plateau_std: float
-    track: segments.Track
 
 
 def natural_period(rig: AnyRig) -> float:

@@ -7,11 +7,12 @@ import numpy as np
 from stickslip.discovery.data import one_rig, prepare
 from stickslip.discovery.plausible import plausible
 from stickslip.errors import InputError
+from stickslip.fit_window import Array
 from stickslip.identify_words import spread_share
 from stickslip.records import Case
 from stickslip.rig import Rig
 from stickslip.scale import plainly
-from stickslip.shooting import Array, Shot
+from stickslip.shooting import Shot
 
 LONG = 60  # samples of a run that the check can look at
 LOST = 0.9  # of the readings' spread: hardly better than a block that stands still; a strong missing effect leaves 0.8

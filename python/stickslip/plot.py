@@ -19,11 +19,11 @@ from matplotlib.figure import Figure
 from stickslip.compare import Comparison, per_model, speed_unit
 from stickslip.dominant import dominant
 from stickslip.files import whole
+from stickslip.fit_window import Array
 from stickslip.identified import BRANCHES, Branch, Identified
 from stickslip.recording import Recording
 from stickslip.scale import Quantity, Scale, scales
 from stickslip.segments import Track
-from stickslip.shooting import Array
 from stickslip.simulate import Trajectory
 
 if TYPE_CHECKING:

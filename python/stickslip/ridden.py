@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -14,10 +15,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.rig import AnyRig, BlockOnBelt
 from stickslip.signals import find_belt_speed
-from stickslip.units import default_speed_unit, factor
-
-if TYPE_CHECKING:
-    from stickslip.recording import Recording
+from stickslip.units import Channel, default_speed_unit, factor
 
 Floats = NDArray[np.float64]
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
@@ -28,6 +26,33 @@ NEAR = 1.25  # the same for a run none of whose sticks was found, which are look
 RETURNS = 2.0  # way at the speed ridden over the range of x1, above which slips bring the block back
 TEN = 0.03  # how near a power of ten a ratio must be, in its logarithm to base 10
 SPEEDS = ("m/s", "cm/s", "mm/s", "um/s")
+
+
+class Recorded(Protocol):
+    """What of a recording is asked for here."""
+
+    @property
+    def rig(self) -> AnyRig:
+        """The rig it was recorded on."""
+
+    @property
+    def belt_speed(self) -> float:
+        """The set-point, in the model's unit."""
+
+    @property
+    def t(self) -> Floats:
+        """Times, (n,)."""
+
+    @property
+    def x1(self) -> Floats:
+        """Displacement of the block, (n,)."""
+
+    @property
+    def channels(self) -> Mapping[str, Channel]:
+        """The channels recorded."""
+
+    def channel(self, name: str) -> str:
+        """How a person calls one."""
 
 
 def commonest_rate(t: Floats, x: Floats, width: int) -> float | None:
@@ -81,12 +106,12 @@ def ridden_speed(t: Floats, x: Floats, period: float) -> float | None:
     return None
 
 
-def wrong_set_point(recording: Recording, clear: float = CLEAR) -> str | None:
+def wrong_set_point(recording: Recorded, clear: float = CLEAR) -> str | None:
     """What is wrong with the set-point of a block on a belt, in words; None where it is not off by a ratio of `clear`.
 
     Parameters
     ----------
-    recording : Recording
+    recording : Recorded
         Of a `BlockOnBelt`.
     clear : float
         Ratio, above 1.
@@ -99,13 +124,13 @@ def wrong_set_point(recording: Recording, clear: float = CLEAR) -> str | None:
 
 
 def contradicted(
-    recording: Recording, ridden: float | None, clear: float, who: str = "the sticks ride at"
+    recording: Recorded, ridden: float | None, clear: float, who: str = "the sticks ride at"
 ) -> str | None:
     """What is wrong with a set-point where another speed was seen, in words; None within a ratio of `clear`.
 
     Parameters
     ----------
-    recording : Recording
+    recording : Recorded
     ridden : float or None
         The speed seen, in the model's unit.
     clear : float
@@ -136,14 +161,14 @@ def contradicted(
     )
 
 
-def _returns(recording: Recording, ridden: float) -> bool:
+def _returns(recording: Recorded, ridden: float) -> bool:
     """Does a block that rides so fast slip back, unlike one at rest whose sensor drifts?"""
     return abs(ridden) * float(np.ptp(recording.t)) > RETURNS * float(
         np.ptp(recording.x1[np.isfinite(recording.x1)])
     )
 
 
-def why_idle(recording: Recording, sticks: int) -> str:
+def why_idle(recording: Recorded, sticks: int) -> str:
     """Why no slip of a run is used, where `sticks` sticks were found in it at its belt speed."""
     wrong = wrong_set_point(recording, clear=NEAR)
     if wrong:

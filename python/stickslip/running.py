@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from stickslip import segments
 from stickslip.errors import InputError, StickslipError
-from stickslip.identify import Measured, columns, natural_period
+from stickslip.fit_window import Array, Window
+from stickslip.identify import columns, natural_period
 from stickslip.lowering import HIDDEN, hidden_states
 from stickslip.model import Model
+from stickslip.prepared import Measured
 from stickslip.records import Recording
 from stickslip.rig import Rig
-from stickslip.shooting import Array, Simulator, Window, shoot
+from stickslip.shooting import Simulator, shoot
 from stickslip.simulate import Trajectory
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import scipy
 
-from stickslip.shooting import Array
+from stickslip.fit_window import Array
 
 RESAMPLES = 2000
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import scipy
 
 from stickslip.errors import InputError
-from stickslip.shooting import Array, Window
+from stickslip.fit_window import Array, Window
 
 SIGMAS = 4.5  # one false alarm in 150 000 samples
 

@@ -21,12 +21,12 @@ from stickslip.discovery.loop import discover
 from stickslip.discovery.result import Found
 from stickslip.effects import Effect, effect
 from stickslip.files import whole
+from stickslip.fit_window import Array
 from stickslip.friction import PaperFriction
 from stickslip.model import Model
 from stickslip.records import load_case
 from stickslip.report.write import fill, folder, written
 from stickslip.rig import Rig
-from stickslip.shooting import Array
 from stickslip.simulate import simulate
 from stickslip.telling import telling
 

@@ -113,7 +113,7 @@ def discover(
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         data, notes = _checked(case)
-        workers = Workers(count)  # not for a case that is refused
+        workers = Workers(count, __name__)  # not for a case that is refused
         try:
             return _discover(case, data, notes, tell, count, seed, budget, began, workers)
         except BaseException:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import multiprocessing
 import os
 import signal
@@ -11,10 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, InvalidStateError
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar, Concatenate, ParamSpec, Protocol, TypeVar
-
-if TYPE_CHECKING:
-    from stickslip.discovery.search import Search
+from typing import Any, ClassVar, Concatenate, ParamSpec, Protocol, TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -35,19 +33,48 @@ class Task(Protocol[Got]):
         """Nobody needs it."""
 
 
+class Asking(Protocol):
+    """What hands fits out: a search."""
+
+    began: float  # processor seconds at which its clock started
+
+    @property
+    def progress(self) -> Callable[[str], None]:
+        """What tells a person what is being done."""
+
+    @property
+    def at_once(self) -> int:
+        """How many fits run side by side."""
+
+    def submit(self, function: Callable[..., Result], *args: Any) -> Task[Result]:
+        """Have function(search, ...) computed elsewhere, or when it is asked for."""
+
+    def away(self) -> Any:
+        """The search as another process needs it."""
+
+    def back(self, value: object, seconds: float) -> None:
+        """Take in what came back from another process."""
+
+
+Asker = TypeVar("Asker", bound=Asking)
+
+
 class Workers:
-    """Processes to fit and draw in; none where there is one core to use, or the machine does not let us have any."""
+    """Processes to fit and draw in; none where there is one core to use, or the machine does not let us have any.
+
+    `needs` names a module that they load while they wait for work.
+    """
 
     _latest: ClassVar[tuple[Workers, int, float] | None] = None  # last asked, by which process, when
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, needs: str = __name__) -> None:
         self.count = min(count, os.cpu_count() or 1)
-        self._pool = _pool(self.count) if self.count > 1 else None
+        self._pool = _pool(self.count, needs) if self.count > 1 else None
 
     def submit(
         self,
-        search: Search,
-        function: Callable[Concatenate[Search, Rest], Result],
+        search: Asker,
+        function: Callable[Concatenate[Asker, Rest], Result],
         *args: Rest.args,
         **options: Rest.kwargs,
     ) -> Task[Result]:
@@ -112,7 +139,7 @@ class _Later:
 class _Elsewhere:
     """Computed by another process; here, if that dies."""
 
-    def __init__(self, future: Any, search: Search, here: Callable[[], Any]) -> None:
+    def __init__(self, future: Any, search: Asking, here: Callable[[], Any]) -> None:
         self._future, self._search, self._here = future, search, here
 
     def result(self) -> Any:
@@ -128,8 +155,8 @@ class _Elsewhere:
 
 
 def each(
-    search: Search,
-    function: Callable[[Search, Item], Result],
+    search: Asker,
+    function: Callable[[Asker, Item], Result],
     items: Iterable[Item],
     say: Callable[[Item], str] | None = None,
     ahead: int = 1,
@@ -156,7 +183,7 @@ def each(
             task.cancel()
 
 
-def _pool(count: int) -> Any:
+def _pool(count: int, needs: str) -> Any:
     """A pool of processes, or None where the system has no semaphores for it or we are a process that may not fork."""
     from loky import get_reusable_executor  # type: ignore[import-untyped]
 
@@ -164,7 +191,7 @@ def _pool(count: int) -> Any:
         return None
     try:
         pool = get_reusable_executor(
-            count, timeout=IDLE, env=ONE, initializer=_ready, initargs=(os.getpid(),)
+            count, timeout=IDLE, env=ONE, initializer=_ready, initargs=(os.getpid(), needs)
         )
         pool.submit(int)  # start them now: they take a second to come
     except (OSError, ImportError, NotImplementedError):
@@ -185,7 +212,7 @@ def _submit(pool: Any, function: Callable[..., Any], *args: Any) -> Any:
     return future
 
 
-def _ready(parent: int) -> None:
+def _ready(parent: int, needs: str) -> None:
     """What a worker needs later, loaded; the watch first: the parent may be dead before we come.
 
     Ctrl-C reaches all processes of a terminal: it is the parent's to end us, without a traceback of our own.
@@ -194,7 +221,7 @@ def _ready(parent: int) -> None:
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     import scipy.signal  # noqa: F401
 
-    import stickslip.discovery.loop  # noqa: F401
+    importlib.import_module(needs)
 
 
 def _end_with(parent: int) -> None:
@@ -205,7 +232,7 @@ def _end_with(parent: int) -> None:
 
 
 def _timed(
-    search: Search, function: Callable[..., Result], args: tuple[Any, ...], options: dict[str, Any]
+    search: Asking, function: Callable[..., Result], args: tuple[Any, ...], options: dict[str, Any]
 ) -> tuple[Result, float]:
     search.began = began = time.process_time()
     return function(search, *args, **options), time.process_time() - began

@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from scipy.stats import binned_statistic
 
 from stickslip.discovery.result import Curve, Found, FoundEffect, RunView, Verdict
+from stickslip.fit_window import Array
 from stickslip.plot import BAND, DOTS, GREY, label
 from stickslip.report.figures import AFTER, BEFORE, DASH, after_name, before_name, sheet, styled
 from stickslip.report.motion import phase_of, residual
 from stickslip.report.si import FORCE, NUMBER, Dimension
 from stickslip.report.units import Axes
-from stickslip.shooting import Array
 
 CHANNELS = ("x1", "y1")
 COLUMNS = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
