@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from stickslip.signals import Derivatives, Smoothed, derivatives, lowpass, smooth
+from stickslip.measured.signals import Derivatives, Smoothed, derivatives, lowpass, smooth
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from stick_slip_truth import Truth, paper_rig

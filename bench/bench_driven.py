@@ -23,13 +23,13 @@ import scipy
 from scipy.io import loadmat
 
 import stickslip as ss
-from stickslip.driven.loop import balance, discover, model
-from stickslip.driven.motion import band
-from stickslip.driven.noise import Noise
-from stickslip.driven.search import Search
-from stickslip.driven.simulate import Loop, closed_loop
-from stickslip.model import Model
-from stickslip.records import Case
+from stickslip.declared.model import Model
+from stickslip.discovery.driven_slider.loop import balance, discover, model
+from stickslip.discovery.driven_slider.motion import band
+from stickslip.discovery.driven_slider.noise import Noise
+from stickslip.discovery.driven_slider.search import Search
+from stickslip.measured.case import Case
+from stickslip.simulated.driven_slider import Loop, closed_loop
 
 CASE = """title = "EMPS"
 [rig]

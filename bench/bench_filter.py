@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 import stickslip
-from stickslip.signals import differentiator, first_order
+from stickslip.measured.signals import differentiator, first_order
 
 CASES = {"1 channel x 1e6 samples": (1_000_000,), "8 channels x 1e6 samples": (1_000_000, 8)}
 

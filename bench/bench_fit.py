@@ -21,14 +21,14 @@ from scipy.optimize import least_squares
 from scipy.sparse import block_diag, csr_matrix, hstack, vstack
 
 import stickslip as ss
-from stickslip.discovery.data import prepare
-from stickslip.discovery.engine import Engine
+from stickslip.declared.units import Channel
 from stickslip.discovery.rivals import hypothesis
-from stickslip.discovery.solve import Fit, fit
-from stickslip.discovery.window import moved
-from stickslip.discovery.windows import cut
-from stickslip.records import Recording
-from stickslip.units import Channel
+from stickslip.fitted.data import prepare
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.solve import Fit, fit
+from stickslip.fitted.window import moved
+from stickslip.fitted.windows import cut
+from stickslip.measured.case import Recording
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = ss.PaperFriction(

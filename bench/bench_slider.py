@@ -20,8 +20,8 @@ from threadpoolctl import threadpool_limits
 from stickslip import build_config
 from stickslip.discovery.slider.choose import choose
 from stickslip.discovery.slider.surrogate import NOTHING, Planted, source, surrogate
-from stickslip.discovery.slider.table import measure, prepare
-from stickslip.records import Case, load_case
+from stickslip.fitted.block_events.table import measure, prepare
+from stickslip.measured.case import Case, load_case
 
 GATE = 60
 

@@ -30,7 +30,7 @@ import numpy as np
 
 import stickslip
 from stickslip import _core
-from stickslip.lowering import lower
+from stickslip.simulated.lowering import lower
 
 TRUTH = json.loads((Path(__file__).parents[1] / "tests/data/truth_p2.json").read_text())
 MODEL = stickslip.Model(

@@ -12,11 +12,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from scipy.io import loadmat
 
 import stickslip as ss
-from stickslip.driven.figures import drawn
-from stickslip.driven.published import inverse_model, loop_errors, symmetric_model
-from stickslip.driven.result import DrivenFound
-from stickslip.driven.simulate import Loop
-from stickslip.plot import save_figure
+from stickslip.discovery.driven_slider.published import inverse_model, loop_errors, symmetric_model
+from stickslip.discovery.driven_slider.result import DrivenFound
+from stickslip.shown.driven_slider.figures import drawn
+from stickslip.shown.plot.curves import save_figure
+from stickslip.simulated.driven_slider import Loop
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ("friction", "residual_in_time", "wavelengths", "weights")

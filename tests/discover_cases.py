@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.effects import AnyEffect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.recording import Recording, Role
-from stickslip.records import Case
-from stickslip.rig import Rig
-from stickslip.simulate import simulate
-from stickslip.units import Channel
+from stickslip.declared.effects import AnyEffect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
+from stickslip.declared.units import Channel
+from stickslip.measured.case import Case
+from stickslip.measured.recording import Recording, Role
+from stickslip.simulated.simulate import simulate
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = PaperFriction(T_s_minus=6.2, T_s_plus=3.5, T_min_minus=1.5, A1=3.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.catalogue import CATALOGUE, CONSTANTS, DRIVEN, EffectKind
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, EffectKind
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.rig import Rig
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.rig import Rig
 
 LD = np.longdouble
 ORDER = 26

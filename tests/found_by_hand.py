@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
+from stickslip.declared.model import Model
 from stickslip.discovery import result as r
-from stickslip.model import Model
 
 SPEEDS = {
     "run_01": (0.08, "train"), "run_02": (-0.1, "train"), "run_03": (0.12, "validate"), "run_04": (-0.07, "validate")
@@ -29,7 +29,7 @@ RIG_SI = {
 LAG = ss.effect("sensor_lag", tau=0.12)
 
 
-SCHEMA = json.loads((files("stickslip.report") / "report.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads((files("stickslip.shown.report") / "report.schema.json").read_text(encoding="utf-8"))
 
 
 def rig(si: bool) -> ss.Rig:

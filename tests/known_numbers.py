@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.effects import effect
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
 
 DATA = Path(__file__).parent / "data"
 TRUTH_P1 = json.loads((DATA / "truth_p1.json").read_text())

@@ -12,6 +12,6 @@ def recording(tmp_path, rig, t, x1, y1, belt_speed, name, noise):
     np.savetxt(
         path, np.column_stack(columns), delimiter=",", header=",".join(names), comments="", fmt="%.12g"
     )
-    channels = {n: ss.records.Channel(n) for n in names}
+    channels = {n: ss.Channel(n) for n in names}
     stds = dict.fromkeys(names[1:], noise)
     return ss.load_recording(path, rig, channels=channels, belt_speed=belt_speed, noise=stds, name=name)

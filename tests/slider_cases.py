@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.friction import CoulombFriction
-from stickslip.model import Model
-from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt
-from stickslip.simulate import simulate
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.measured.case import Case, load_case
+from stickslip.simulated.simulate import simulate
 
 MASS, STIFFNESS, STATIC, KINETIC = 1.2, 850.0, 6.0, 4.2  # kg, N/m, N
 NOISE = 1e-5  # m

@@ -10,11 +10,11 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from stickslip import reference
-from stickslip.effects import CATALOGUE, effect
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.declared.effects import CATALOGUE, effect
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.simulated.reference import integrate as reference
 
 
 def numbers(low, high):

@@ -15,8 +15,8 @@ from click.testing import CliRunner
 
 import found_by_hand
 import stickslip as ss
-from stickslip.cli import main
-from stickslip.units import Channel
+from stickslip.cli.commands import main
+from stickslip.declared.units import Channel
 from test_identify import RIG, TRUE, truth
 
 CASE = """
@@ -100,7 +100,7 @@ def test_simulate_writes_what_simulate_returns(folder, tmp_path):
 
 
 def test_a_long_run_is_drawn_as_a_curve_and_written_as_asked(tmp_path, monkeypatch):
-    from stickslip import plot
+    from stickslip.shown.plot import curves as plot
 
     drawn = []
     own = plot.trajectory

@@ -15,10 +15,10 @@ from click.testing import CliRunner, Result
 
 import found_by_hand
 import stickslip as ss
-from stickslip.cli import main
-from stickslip.cli_discover import folded
+from stickslip.cli.commands import main
+from stickslip.cli.discover import folded
 from stickslip.discovery.result import Found
-from stickslip.telling import telling
+from stickslip.shown.progress import telling
 
 
 def invoke(*arguments: object) -> Result:
@@ -40,9 +40,9 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
             progress("scoring a curve: block against x2")
             return found_by_hand.found(case, verdict=verdict)
 
-        module = import_module("stickslip.discover")  # the package has a function of that name
+        module = import_module("stickslip.discovery.discover")  # the package has a function of that name
         monkeypatch.setattr(module, "discover", search)
-        monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+        monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
 
     return use
 
@@ -79,7 +79,7 @@ def test_a_log_hears_what_is_tried_while_a_stage_lasts(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Minutes without a line looked like a search that hangs."""
-    monkeypatch.setattr("stickslip.telling.EVERY", 0.2)
+    monkeypatch.setattr("stickslip.shown.progress.EVERY", 0.2)
     with telling("discovering", effects=23) as tell:
         tell("fitting the declared law")
         time.sleep(0.5)  # no word from the search
@@ -123,7 +123,7 @@ def test_an_ended_search_leaves_no_hidden_folder(
         os.kill(os.getpid(), number)
         time.sleep(10)
 
-    monkeypatch.setattr(import_module("stickslip.discover"), "discover", search)
+    monkeypatch.setattr(import_module("stickslip.discovery.discover"), "discover", search)
     before = signal.signal(number, signal.SIG_DFL)
     try:
         result = invoke("discover", found_by_hand.write_case(tmp_path), "--out", tmp_path / "out")

@@ -13,9 +13,9 @@ from click.testing import CliRunner, Result
 
 import found_by_hand
 import stickslip as ss
-from stickslip import plot
-from stickslip.cli import main
+from stickslip.cli.commands import main
 from stickslip.files import time_digits
+from stickslip.shown.plot import curves as plot
 
 
 def invoke(*arguments: object) -> Result:

@@ -6,11 +6,11 @@ import pytest
 import stickslip as ss
 from recorded import recording
 from slider import coulomb_record
-from stickslip import plot
-from stickslip.compare import matched, portrait_distance
-from stickslip.dominant import cycles, dominant, typical
-from stickslip.segments import track
-from stickslip.verdict import Row, judged, verdict
+from stickslip.fitted.compare import matched, portrait_distance
+from stickslip.fitted.comparison_rows import Row, judged, verdict
+from stickslip.fitted.dominant_cycle import cycles, dominant, typical
+from stickslip.measured.sticks import track
+from stickslip.shown.plot import curves as plot
 from test_identify import DT, RIG, TRUE, noisy, truth
 
 V, STATIC, KINETIC = 0.2, 1.0, 0.5  # period and stick time: closed form

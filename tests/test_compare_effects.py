@@ -10,8 +10,8 @@ from scipy.interpolate import CubicSpline
 
 import stickslip as ss
 from recorded import recording
-from stickslip.discovery.readings import no_slopes, read
-from stickslip.lowering import HIDDEN
+from stickslip.fitted.readings import no_slopes, read
+from stickslip.simulated.lowering import HIDDEN
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 NOISE = 1e-3

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 import stickslip as ss
-from stickslip.continuation import continuation
-from stickslip.cycles import limit_cycle
-from stickslip.plot_branch import plot_branch
+from stickslip.shown.plot.branch import plot_branch
+from stickslip.simulated.orbits.continuation import continuation
+from stickslip.simulated.orbits.limit_cycle import limit_cycle
 from test_cycles import DAMPED, LEINE, RIG, popp_stelter
 
 

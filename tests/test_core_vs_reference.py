@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 
-from stickslip import reference
+from stickslip.simulated.reference import integrate as reference
 from strategies import SIZES, clearance, runs
 
 pytest.importorskip("stickslip._core")
-from stickslip.simulate import simulate
+from stickslip.simulated.simulate import simulate
 
 MARGIN = 2e-3
 COMMON = settings(

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip import reference
-from stickslip.cycle_sensitivity import cycle_sensitivity
-from stickslip.cycles import limit_cycle
-from stickslip.sliding import NoLimitCycleError, steady_sliding
+from stickslip.simulated.orbits.cycle_sensitivity import cycle_sensitivity
+from stickslip.simulated.orbits.limit_cycle import limit_cycle
+from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, steady_sliding
+from stickslip.simulated.reference import integrate as reference
 
 RIG = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 LEINE = ss.Model(ss.BlockOnBelt(), friction=ss.HyperbolicFriction(scale=1, decay=3))

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, RIG, make_case
-from stickslip.discover import Verdict, discover
+from stickslip.declared.effects import effect
+from stickslip.declared.model import Model
+from stickslip.discovery.discover import Verdict, discover
 from stickslip.discovery.loop import _ranking
 from stickslip.discovery.unlisted import guess
-from stickslip.effects import effect
 from stickslip.errors import InputError
-from stickslip.forecast import SLACK, _interval, forecast
-from stickslip.model import Model
+from stickslip.fitted.forecast import SLACK, _interval, forecast
 
 KEYS = {"verdict", "effects", "error", "ranking", "gate", "residual_before", "residual_after", "messages"}
 
@@ -106,7 +106,7 @@ def test_the_runs_can_be_drawn(crossed):
 
 
 def test_the_model_after_survives_its_file(crossed, tmp_path):
-    from stickslip.model import load_model
+    from stickslip.declared.model import load_model
 
     crossed.after.save(tmp_path / "model_after.toml")
     assert load_model(tmp_path / "model_after.toml") == crossed.after

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, RIG, make_case
-from stickslip.discovery.data import prepare
-from stickslip.discovery.engine import Engine
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.intervals import intervals
 from stickslip.discovery.periodic import periodic_starts
-from stickslip.discovery.readings import Learned, no_slopes, read
-from stickslip.discovery.relax import sought
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import Start, hypothesis
-from stickslip.discovery.solve import fit
-from stickslip.discovery.window import moved
-from stickslip.discovery.windows import cut, start_window
-from stickslip.effects import effect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.readings import Learned, no_slopes, read
+from stickslip.fitted.relax import sought
+from stickslip.fitted.solve import fit
+from stickslip.fitted.window import moved
+from stickslip.fitted.windows import cut, start_window
 
 
 @pytest.fixture(scope="module")

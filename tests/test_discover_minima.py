@@ -12,21 +12,21 @@ from scipy.signal import savgol_filter
 
 from discover_cases import LAW, RIG, make_case
 from stickslip import _core
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery import unlisted
-from stickslip.discovery import windows as of_windows
-from stickslip.discovery.data import prepare
-from stickslip.discovery.engine import MOST_STEPS, Engine
-from stickslip.discovery.relax import relaxed, rephased
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search
-from stickslip.discovery.solve import Point, _shares, _total, _within, fit
 from stickslip.discovery.trace import beside
-from stickslip.discovery.window import DWELL, SLIPPING, STICK
-from stickslip.discovery.windows import cut, with_hidden
-from stickslip.effects import effect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.records import Recording
+from stickslip.fitted import windows as of_windows
+from stickslip.fitted.data import prepare
+from stickslip.fitted.engine import MOST_STEPS, Engine
+from stickslip.fitted.relax import relaxed, rephased
+from stickslip.fitted.solve import Point, _shares, _total, _within, fit
+from stickslip.fitted.window import DWELL, SLIPPING, STICK
+from stickslip.fitted.windows import cut, with_hidden
+from stickslip.measured.case import Recording
 
 
 def test_a_step_from_a_bound_is_the_constrained_one():

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, make_case
-from stickslip.discovery.data import prepare, without_outliers
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.loop import _cleaned, _cleaned_of_what_shows, _masked, discover
 from stickslip.discovery.messages import remarks
 from stickslip.discovery.result import ErrorBlock, Residual
 from stickslip.discovery.rivals import Start, hypothesis
 from stickslip.discovery.search import SHORT, Search
 from stickslip.discovery.trace import declared
-from stickslip.effects import effect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare, without_outliers
 
 CAUSE = effect("spring_cubic_k2", k=6.0)
 

@@ -9,16 +9,16 @@ import pytest
 
 import stickslip as ss
 from discover_cases import LAW, NOISE, RIG, make_case
+from stickslip.declared.model import Model, load_model
 from stickslip.discovery import errors
-from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import error_block
-from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.readings import as_terms, curves_of, reading_rate
 from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
-from stickslip.forecast import forecast
-from stickslip.model import Model, load_model
-from stickslip.records import Case
+from stickslip.fitted.data import prepare
+from stickslip.fitted.forecast import forecast
+from stickslip.fitted.predict import Forecaster
+from stickslip.fitted.readings import as_terms, curves_of, reading_rate
+from stickslip.measured.case import Case
 
 KNOTS = tuple(np.linspace(-0.6, 0.6, 7).tolist())
 CURVE = ss.tabulated("y1 channel", "y1", KNOTS, [-0.6 * k**3 for k in KNOTS])

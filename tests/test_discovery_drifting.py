@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from discover_cases import make_case
+from stickslip.declared.effects import effect
+from stickslip.declared.model import Model
 from stickslip.discovery import drifting, loop, trace
 from stickslip.discovery.choice import Choice, _with_drift, choose
 from stickslip.discovery.rivals import shapes
 from stickslip.discovery.search import Search
-from stickslip.effects import effect
-from stickslip.model import Model
 
 SLOW = effect("belt_speed_ripple", a=0.3, w=0.006, phi=0.0)  # 0.0018 t, nearly
 DROOP = effect("belt_load_droop", k=0.004, tau=0.8)

@@ -9,14 +9,14 @@ import pytest
 
 import stickslip as ss
 from discover_cases import NOISE, RIG, make_case
-from stickslip.discovery.data import prepare
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.filtered import filtered, thinned, told
 from stickslip.discovery.loop import _cleaned
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import declared
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.records import Case
+from stickslip.fitted.data import prepare
+from stickslip.measured.case import Case
 
 TAPS = {"mean of three": np.ones(3) / 3**0.5, "first order": 0.6 ** np.arange(15) * 0.8}
 

@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import pytest
 
 from discover_cases import RIG, make_case
-from stickslip.discovery.data import prepare
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.evidence import evidence
 from stickslip.discovery.search import CLEAN, Search
-from stickslip.discovery.solve import Point
 from stickslip.discovery.trace import PLAIN, closely, declared, screen
-from stickslip.effects import effect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare
+from stickslip.fitted.solve import Point
 
 
 @pytest.fixture(scope="module")

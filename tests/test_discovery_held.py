@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from discover_cases import NOISE, make_case
-from stickslip.discovery.data import copied_words, held, held_words, prepare
+from stickslip.fitted.data import copied_words, held, held_words, prepare
 
 RNG = np.random.default_rng(4)
 

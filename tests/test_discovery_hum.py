@@ -9,18 +9,18 @@ import pytest
 
 import stickslip as ss
 from discover_cases import NOISE, RIG, make_case
-from stickslip.discovery.data import prepare
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.hum import humming
 from stickslip.discovery.place import place_of
-from stickslip.discovery.predict import Forecaster
-from stickslip.discovery.readings import Learned, as_terms, curves_of, no_slopes, read, reading_rate
 from stickslip.discovery.recurring import learn_hum
 from stickslip.discovery.search import CLEAN, Search
-from stickslip.discovery.slider.sensor import reading_of
 from stickslip.discovery.trace import declared
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.records import Case
+from stickslip.fitted.block_events.sensor import reading_of
+from stickslip.fitted.data import prepare
+from stickslip.fitted.predict import Forecaster
+from stickslip.fitted.readings import Learned, as_terms, curves_of, no_slopes, read, reading_rate
+from stickslip.measured.case import Case
 
 PHASES = (0.4, 2.0, -1.1, 2.9, 0.9)
 

@@ -10,16 +10,16 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from discover_cases import LAW, NOISE, RIG, make_case, recording
+from stickslip.declared.effects import effect
+from stickslip.declared.model import Model
 from stickslip.discovery import lagging, loop, trace
 from stickslip.discovery.choice import choose
-from stickslip.discovery.engine import Engine
-from stickslip.discovery.readings import lagged
 from stickslip.discovery.rivals import shapes
 from stickslip.discovery.search import Search
-from stickslip.discovery.windows import cut
-from stickslip.effects import effect
-from stickslip.model import Model
-from stickslip.simulate import simulate
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.readings import lagged
+from stickslip.fitted.windows import cut
+from stickslip.simulated.simulate import simulate
 
 FINE = 20
 

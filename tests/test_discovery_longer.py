@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, make_case
+from stickslip.declared.effects import tabulated
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery import longer, loop
-from stickslip.discovery.data import prepare
 from stickslip.discovery.longer import LEAST, looked_at_longer
 from stickslip.discovery.search import CLEAN, LONG, SHORT, Search
 from stickslip.discovery.trace import MARGIN, declared
-from stickslip.effects import tabulated
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare
 
 U = np.linspace(-0.9, 0.9, 19)
 

@@ -8,15 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip.discovery import pairs, trace, unlisted
-from stickslip.discovery.pairs import (
-    ALONE,
-    BESIDE,
-    HOPELESS,
-    LIKELY,
-    RIVAL,
-    SAME,
-    likely_pairs,
-)
+from stickslip.discovery.pairs import ALONE, BESIDE, HOPELESS, LIKELY, RIVAL, SAME, likely_pairs
 from stickslip.discovery.search import CLEAN
 from stickslip.discovery.trace import BEYOND, FAR, FARTHEST, MARGIN, closely
 from stickslip.discovery.unlisted import KNOTS, RESOLVED, Term, _finer, knots_for

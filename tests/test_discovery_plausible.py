@@ -14,13 +14,13 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from discover_cases import NOISE, make_case
-from stickslip.discover import Verdict, discover
+from stickslip.declared.effects import effect
 from stickslip.discovery.cleaning import noise_size
-from stickslip.discovery.data import Data, prepare
-from stickslip.discovery.plausible import body_ratio, plausible, stick_speed
-from stickslip.effects import effect
+from stickslip.discovery.discover import Verdict, discover
 from stickslip.errors import InputError
-from stickslip.records import Case
+from stickslip.fitted.data import Data, prepare
+from stickslip.fitted.plausible import body_ratio, plausible, stick_speed
+from stickslip.measured.case import Case
 
 EFFECTS = (
     (),

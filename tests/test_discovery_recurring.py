@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, NOISE, RIG, make_case
-from stickslip import Model, effect, reference, simulate, tabulated
+from stickslip import Model, effect, simulate, tabulated
 from stickslip.discovery import recurring, unlisted
 from stickslip.discovery.choice import choose
-from stickslip.discovery.data import prepare
 from stickslip.discovery.periodic import TABLE_KNOTS, Line, periodic_starts
-from stickslip.discovery.predict import Forecaster
 from stickslip.discovery.recurring import learn_recurring
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, SHORT, Search
 from stickslip.discovery.trace import OUTRUN, declared
+from stickslip.fitted.data import prepare
+from stickslip.fitted.predict import Forecaster
+from stickslip.simulated.reference import integrate as reference
 
 TURNS = np.linspace(0, 1, 9)
 

@@ -11,17 +11,17 @@ import pytest
 
 import stickslip as ss
 from discover_cases import RIG, make_case
+from stickslip.declared.effects import tabulated
+from stickslip.declared.model import Model
 from stickslip.discovery import choice, rig_numbers
-from stickslip.discovery.data import prepare
 from stickslip.discovery.result import Curve, Interval, Verdict
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared, explained
-from stickslip.effects import tabulated
-from stickslip.model import Model
-from stickslip.records import Case
-from stickslip.report.page import numbers
-from stickslip.report.words import headline, kind, sureness
-from stickslip.telling import stage
+from stickslip.fitted.data import prepare
+from stickslip.measured.case import Case
+from stickslip.shown.progress import stage
+from stickslip.shown.report.page import numbers
+from stickslip.shown.report.words import headline, kind, sureness
 
 SPEEDS = (0.06, 0.13, -0.09, 0.1)
 

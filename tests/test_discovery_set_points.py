@@ -10,8 +10,8 @@ import pytest
 
 import stickslip as ss
 from discover_cases import SPEEDS, make_case
-from stickslip.discovery.data import prepare
 from stickslip.discovery.set_points import FAR, doubtful_set_points
+from stickslip.fitted.data import prepare
 
 CLEAN, LEFT = SimpleNamespace(clean=True), SimpleNamespace(clean=False)
 

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, SPEEDS, make_case
+from stickslip.declared.effects import tabulated
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery import choice as choices
 from stickslip.discovery.choice import stood_in_for, weighed
-from stickslip.discovery.data import prepare
 from stickslip.discovery.place import REPEATS, Promises, place_of, promises
 from stickslip.discovery.search import CLEAN, Search
 from stickslip.discovery.trace import MARGIN, declared
 from stickslip.discovery.unlisted import Term
-from stickslip.effects import tabulated
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare
 
 
 def trial(chi2, cost=0.0, names=("belt_seam", "harmonic_forcing")):

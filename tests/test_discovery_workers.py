@@ -16,16 +16,16 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, make_case
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
 from stickslip.discovery import trace, workers
-from stickslip.discovery.data import prepare
 from stickslip.discovery.loop import discover
 from stickslip.discovery.search import CLEAN, LARGEST, Search
 from stickslip.discovery.trace import NEARLY, _stuck, declared, screen
-from stickslip.discovery.unknowns import Hypothesis, law_unknowns
 from stickslip.discovery.workers import Workers, each
-from stickslip.effects import effect
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
+from stickslip.fitted.data import prepare
+from stickslip.fitted.unknowns import Hypothesis, law_unknowns
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig
+from stickslip.measured.case import Case, load_case
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "case.md"
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import stickslip as ss
 from effects_page import PAGE, page
-from stickslip.cli import main
+from stickslip.cli.commands import main
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])

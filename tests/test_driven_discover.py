@@ -15,12 +15,12 @@ from click.testing import CliRunner
 
 import driven_truth as truth
 import stickslip as ss
-from stickslip.cli import main
+from stickslip.cli.commands import main
+from stickslip.discovery.driven_slider.motion import Band, instant
+from stickslip.discovery.driven_slider.noise import Noise, autoregression
+from stickslip.discovery.driven_slider.published import inverse_model, loop_errors, symmetric_model
 from stickslip.discovery.result import Found
-from stickslip.driven.motion import Band, instant
-from stickslip.driven.noise import Noise, autoregression
-from stickslip.driven.published import inverse_model, loop_errors, symmetric_model
-from stickslip.driven.simulate import Loop
+from stickslip.simulated.driven_slider import Loop
 
 SHARED = Path(os.environ.get("STICKSLIP_SHARED", Path(__file__).resolve().parents[2] / "shared"))
 EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
@@ -140,8 +140,8 @@ def test_what_has_no_name_is_a_curve(searched: dict[str, tuple[ss.Case, Found]])
 def test_the_report_holds_to_the_schema_and_the_models_load(
     searched: dict[str, tuple[ss.Case, Found]], tmp_path: Path
 ) -> None:
-    schema = json.loads((files("stickslip.report") / "report.schema.json").read_text(encoding="utf-8"))
-    from stickslip.report.write import write_report
+    schema = json.loads((files("stickslip.shown.report") / "report.schema.json").read_text(encoding="utf-8"))
+    from stickslip.shown.report.write import write_report
 
     for name, (case, found) in searched.items():
         written = write_report(found, case, tmp_path / name)

@@ -10,8 +10,8 @@ import scipy
 
 import driven_truth as truth
 import stickslip as ss
+from stickslip.declared.rig import DrivenSlider
 from stickslip.errors import InputError
-from stickslip.rig import DrivenSlider
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import scipy
 
 import driven_truth as truth
 import stickslip as ss
-from stickslip.driven.simulate import Loop, Slider, closed_loop, forecast
+from stickslip.declared.rig import DrivenSlider
 from stickslip.errors import InputError
-from stickslip.rig import DrivenSlider
+from stickslip.simulated.driven_slider import Loop, Slider, closed_loop, forecast
 
 LAW = ss.CoulombFriction(
     static=truth.MINUS, kinetic=truth.MINUS, static_plus=truth.PLUS, kinetic_plus=truth.PLUS

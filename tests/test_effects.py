@@ -5,13 +5,13 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip.catalogue import CATALOGUE, CONSTANTS
-from stickslip.effects import Effect, effect, tabulated
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
+from stickslip.declared.effects import Effect, effect, tabulated
+from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import InputError
-from stickslip.friction import CoulombFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
-from stickslip.simulate import simulate
+from stickslip.simulated.simulate import simulate
 
 NAMES = [
     "block_viscous_damping",

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip import reference
-from stickslip.effects import effect, tabulated
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
-from stickslip.simulate import simulate
+from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.simulated.reference import integrate as reference
+from stickslip.simulated.simulate import simulate
 
 TIGHT = {"rtol": 1e-13, "atol": 1e-13}
 COULOMB = CoulombFriction(static=1.0, kinetic=0.5)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.errors import InputError
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 
 LAWS = [
     PaperFriction(),

@@ -12,13 +12,13 @@ from scipy.optimize import lsq_linear
 import stickslip as ss
 from recorded import recording
 from slider_cases import KINETIC, STATIC, case_of, rig_of
-from stickslip import reference
-from stickslip.fit_window import Window
-from stickslip.identified import estimate, stopped
-from stickslip.identify import covered_speeds, law_parameters
-from stickslip.scatter import block_bootstrap, correlation_length, effective_readings
-from stickslip.segments import track
-from stickslip.shooting import _above, shoot
+from stickslip.fitted.identified import estimate, stopped
+from stickslip.fitted.identify import covered_speeds, law_parameters
+from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings
+from stickslip.fitted.shooting import _above, shoot
+from stickslip.measured.fit_window import Window
+from stickslip.measured.sticks import track
+from stickslip.simulated.reference import integrate as reference
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 TRUE = ss.PaperFriction(

@@ -8,8 +8,8 @@ import pytest
 import stickslip as ss
 from recorded import recording
 from slider import coulomb_record
-from stickslip import decay
-from stickslip.segments import plateau_speed, track
+from stickslip.fitted import decay
+from stickslip.measured.sticks import plateau_speed, track
 
 
 def slider(tmp_path, seed, noise=5e-4, slips=25, spread=0.05):
@@ -53,7 +53,7 @@ def coulomb_run(tmp_path, belt_speed, t_end, dt, noise, seed=0, start=0.0):
     x = run.state[:, 0] + np.random.default_rng(seed).normal(0, noise, len(t))
     path = tmp_path / "run.csv"
     np.savetxt(path, np.c_[t, x], delimiter=",", header="t,x1", comments="", fmt="%.12g")
-    channels = {"t": ss.records.Channel("t", unit="s"), "x1": ss.records.Channel("x1", unit="m")}
+    channels = {"t": ss.Channel("t", unit="s"), "x1": ss.Channel("x1", unit="m")}
     return ss.load_recording(path, rig, channels=channels, belt_speed=belt_speed), run.transitions
 
 

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 import stickslip as ss
-from stickslip import reference
+from stickslip.simulated.reference import integrate as reference
 
 
 def test_fast_ripple_on_a_saturated_branch_moves_the_kink():

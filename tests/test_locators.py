@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip.effects import Effect, Tabulated, effect, tabulated
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt, Rig
-from stickslip.simulate import Trajectory, simulate
+from stickslip.declared.effects import Effect, Tabulated, effect, tabulated
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.simulated.simulate import Trajectory, simulate
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 START = (0.1, 0.1, 0.0, 0.0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip import reference
-from stickslip.cycles import limit_cycle
-from stickslip.lyapunov import lyapunov
+from stickslip.simulated.orbits.limit_cycle import limit_cycle
+from stickslip.simulated.orbits.lyapunov import lyapunov
+from stickslip.simulated.reference import integrate as reference
 
 RIG = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 W = 1.975

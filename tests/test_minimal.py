@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import stickslip as ss
-from stickslip.instruction_set import check_instruction_set
+from stickslip.simulated.instruction_set import check_instruction_set
 
 
 def test_every_public_name_is_there() -> None:
@@ -16,7 +16,7 @@ def test_every_public_name_is_there() -> None:
 
 
 def test_names_shared_by_a_module_and_its_function_are_the_function() -> None:
-    shared = "import stickslip.simulate, stickslip.identify, stickslip.compare, stickslip as ss; "
+    shared = "import stickslip.simulated.simulate, stickslip.fitted.identify, stickslip.fitted.compare, stickslip as ss; "
     code = shared + "assert all(callable(f) for f in (ss.simulate, ss.identify, ss.compare))"
     subprocess.run([sys.executable, "-c", code], check=True)
 
@@ -78,6 +78,6 @@ def test_an_instruction_set_that_cannot_be_had_is_refused(monkeypatch: pytest.Mo
 
 def test_a_command_starts_without_what_is_slow_to_import() -> None:
     slow = ("matplotlib", "pandas", "xarray", "scipy.signal", "scipy.stats", "scipy.optimize", "pint", "dask")
-    code = f"import sys, stickslip.cli; print([name for name in {slow} if name in sys.modules])"
+    code = f"import sys, stickslip.cli.commands; print([name for name in {slow} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stickslip.effects import CATALOGUE, AnyEffect, effect, tabulated
+from stickslip.declared.effects import CATALOGUE, AnyEffect, effect, tabulated
+from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model, load_model
+from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.declared.units import Channel
 from stickslip.errors import InputError
-from stickslip.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
-from stickslip.model import Model, load_model
-from stickslip.rig import AnyRig, BlockOnBelt, Rig
-from stickslip.units import Channel
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 SOME = st.floats(1e-6, 1.0)

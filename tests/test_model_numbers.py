@@ -11,10 +11,10 @@ from scipy.optimize import brentq, root
 
 pytest.importorskip("stickslip._core")
 import known_numbers as known
-from stickslip.friction import CoulombFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt
-from stickslip.simulate import simulate
+from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.simulated.simulate import simulate
 
 TIGHT = {"rtol": 1e-13, "atol": 1e-13}
 

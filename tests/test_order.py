@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip.friction import HyperbolicFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import Rig
-from stickslip.simulate import Trajectory, simulate
+from stickslip.declared.friction import HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
+from stickslip.simulated.simulate import Trajectory, simulate
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 BELT = 0.1

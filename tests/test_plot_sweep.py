@@ -9,8 +9,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import stickslip as ss
-from stickslip import plot, plot_sweep
 from stickslip.errors import InputError
+from stickslip.shown.plot import curves as plot
+from stickslip.shown.plot import sweep as plot_sweep
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 LAW = ss.HyperbolicFriction(scale=0.5, decay=3, constant=0.5, quadratic=0.1)

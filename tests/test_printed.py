@@ -5,7 +5,7 @@ import re
 from click.testing import CliRunner
 
 import stickslip as ss
-from stickslip.cli import main
+from stickslip.cli.commands import main
 from test_continuation import leine  # noqa: F401
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)

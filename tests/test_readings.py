@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stickslip import reference, signals
-from stickslip.effects import effect
-from stickslip.friction import CoulombFriction, PaperFriction
-from stickslip.model import Model
-from stickslip.rig import Rig
-from stickslip.simulate import simulate
+from stickslip import signals
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
+from stickslip.simulated.reference import integrate as reference
+from stickslip.simulated.simulate import simulate
 
 RIG = Rig(alpha1=16.0, alpha2=8.0, beta3=4.0, eta1=0.1, eta12=0.2)
 START = (0.1, 0.1, 0.0, 0.0)

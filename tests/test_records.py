@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from stickslip.data import example, examples
+from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.model import load_model
+from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import InputError
-from stickslip.findings import FindingKind
-from stickslip.friction import CoulombFriction, PaperFriction
-from stickslip.model import load_model
-from stickslip.records import Case, Channel, Recording, load_case, load_recording
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.measured.case import Case, Channel, Recording, load_case, load_recording
+from stickslip.measured.findings import FindingKind
 
 ND = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 SI = {"m": 40.0, "J": 0.3, "r": 0.1, "k1": 6e3, "k2": 4e2, "k3": 1.2e3, "c1": 2.0, "c2": 3.0, "length": 0.01}

@@ -11,11 +11,11 @@ import pytest
 from scipy.optimize import brentq, root
 
 import known_numbers as known
-from stickslip import reference
-from stickslip.effects import effect, tabulated
-from stickslip.friction import CoulombFriction
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt
+from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.simulated.reference import integrate as reference
 
 
 def turning_points(run):

@@ -15,13 +15,13 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from stickslip.discovery.readings import reading_rate
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
-from stickslip.report import motion, words
-from stickslip.report.contents import contents
-from stickslip.report.page import page
-from stickslip.report.write import fill, folder, write_report
+from stickslip.fitted.readings import reading_rate
+from stickslip.shown.report import motion, words
+from stickslip.shown.report.contents import contents
+from stickslip.shown.report.page import page
+from stickslip.shown.report.write import fill, folder, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
 
@@ -146,8 +146,8 @@ def test_nothing_half_written_when_drawing_fails(tmp_path: Path, monkeypatch: py
     def fail(*_: object) -> str:
         raise RuntimeError("no page today")
 
-    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
-    monkeypatch.setattr("stickslip.report.write.page", fail)
+    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
+    monkeypatch.setattr("stickslip.shown.report.write.page", fail)
     before = sorted(tmp_path.iterdir())
     with pytest.raises(RuntimeError, match="no page today"):
         write_report(found, case, tmp_path / "out")
@@ -160,7 +160,7 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     (out / "figures").mkdir(parents=True)
     (out / "mine.txt").write_text("kept", encoding="utf-8")
     (out / "report.json").write_text("old", encoding="utf-8")
-    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
     write_report(found, case, out)
     assert (out / "mine.txt").read_text(encoding="utf-8") == "kept"
     assert json.loads((out / "report.json").read_text(encoding="utf-8"))["verdict"] == "effect_found"
@@ -177,13 +177,13 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
     for name in (*old, *mine):
         (figures / name).write_text("old", encoding="utf-8")
     monkeypatch.setattr(
-        "stickslip.report.write.page", lambda *_: (_ for _ in ()).throw(RuntimeError("no page"))
+        "stickslip.shown.report.write.page", lambda *_: (_ for _ in ()).throw(RuntimeError("no page"))
     )
-    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
     with pytest.raises(RuntimeError, match="no page"):
         write_report(found, case, tmp_path / "out")
     assert all((figures / name).exists() for name in (*old, *mine))
-    monkeypatch.setattr("stickslip.report.write.page", lambda *_: "")
+    monkeypatch.setattr("stickslip.shown.report.write.page", lambda *_: "")
     said = write_report(found, case, tmp_path / "out")
     assert not [name for name in old if (figures / name).exists()]
     assert all((figures / name).exists() for name in mine)

@@ -12,8 +12,8 @@ import found_by_hand
 import stickslip as ss
 from stickslip.discovery.result import ErrorBlock, Found
 from stickslip.discovery.slider.outcome import METRIC
-from stickslip.report import figures, figures_friction, figures_numbers, figures_residual
-from stickslip.report.units import Axes, axes_of
+from stickslip.shown.report import figures, figures_friction, figures_numbers, figures_residual
+from stickslip.shown.report.units import Axes, axes_of
 
 ROOT = Path(__file__).parent.parent
 

@@ -10,10 +10,10 @@ import pytest
 
 import found_by_hand
 from found_by_hand import SCHEMA, made
-from stickslip.catalogue import CATALOGUE, CONSTANTS
-from stickslip.report.contents import contents
-from stickslip.report.page import page
-from stickslip.report.si import EFFECTS, to_si
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
+from stickslip.shown.report.contents import contents
+from stickslip.shown.report.page import page
+from stickslip.shown.report.si import EFFECTS, to_si
 
 OMEGA = ((6243.0 + 362.1) / 42.3) ** 0.5
 

@@ -16,13 +16,13 @@ from rich.console import Console
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from stickslip.catalogue import KINDS
-from stickslip.cli_discover import effects_table
+from stickslip.cli.discover import effects_table
+from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
-from stickslip.report import words
-from stickslip.report.contents import contents
-from stickslip.report.page import error, interval, page, percent, span, valued
-from stickslip.report.units import axes_of
+from stickslip.shown.report import words
+from stickslip.shown.report.contents import contents
+from stickslip.shown.report.page import error, interval, page, percent, span, valued
+from stickslip.shown.report.units import axes_of
 
 
 def test_the_commands_table_of_a_wrong_number_says_what_it_is(tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ import pytest
 import stickslip as ss
 from slider_cases import KINETIC, MASS, NOISE, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.discovery.slider.loop import discover
-from stickslip.findings import FindingKind
-from stickslip.report.write import write_report
-from stickslip.ridden import contradicted, ridden_speed, wrong_set_point
+from stickslip.measured.findings import FindingKind
+from stickslip.measured.stick_speed import contradicted, ridden_speed, wrong_set_point
+from stickslip.shown.report.write import write_report
 
 PERIOD = 2 * np.pi * np.sqrt(MASS / STIFFNESS)
 IN_M = "belt_speed is 10 m/s, but the sticks ride at 0.01 m/s, 0.001 times that"

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stickslip.declared.rig import BlockOnBelt, Rig, Scales
 from stickslip.errors import InputError
-from stickslip.rig import BlockOnBelt, Rig, Scales
 
 POSITIVE = st.floats(1e-3, 1e3)
 SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")

@@ -9,14 +9,14 @@ import pytest
 
 import stickslip as ss
 from discover_cases import LAW, make_case
-from stickslip import reference
-from stickslip.discovery.data import prepare
 from stickslip.discovery.errors import measure
-from stickslip.discovery.readings import curves_of, no_slopes, read, reading_rate
-from stickslip.discovery.window import LAGGED, Window
-from stickslip.discovery.windows import behind, with_hidden
 from stickslip.errors import InputError
-from stickslip.lowering import HIDDEN
+from stickslip.fitted.data import prepare
+from stickslip.fitted.readings import curves_of, no_slopes, read, reading_rate
+from stickslip.fitted.window import LAGGED, Window
+from stickslip.fitted.windows import behind, with_hidden
+from stickslip.simulated.lowering import HIDDEN
+from stickslip.simulated.reference import integrate as reference
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 SENSORS = {

@@ -10,12 +10,12 @@ import pytest
 from rich.console import Console
 
 import stickslip as ss
-from stickslip import plot
-from stickslip.cli import comparison_table
+from stickslip.cli.commands import comparison_table
+from stickslip.declared.scale import percent, plainly
 from stickslip.discovery.result import Verdict
-from stickslip.identify_words import misfit_messages
-from stickslip.report.words import headline, sentence
-from stickslip.scale import percent, plainly
+from stickslip.fitted.identify_words import misfit_messages
+from stickslip.shown.plot import curves as plot
+from stickslip.shown.report.words import headline, sentence
 from test_cli import folder  # noqa: F401  # a fixture
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())

@@ -5,7 +5,7 @@ import pytest
 
 from stick_slip_truth import coulomb
 from stickslip.errors import InputError
-from stickslip.signals import (
+from stickslip.measured.signals import (
     check_time_base,
     find_belt_speed,
     find_clipping,

@@ -6,7 +6,7 @@ from scipy import signal
 
 from stickslip import signals
 from stickslip.errors import InputError
-from stickslip.signals import derivatives, differentiate, differentiator, first_order
+from stickslip.measured.signals import derivatives, differentiate, differentiator, first_order
 
 RULES = ["tustin", "backward-euler", "ramp-invariant"]
 

@@ -7,7 +7,7 @@ import pytest
 
 from stick_slip_truth import Truth, coulomb, paper_rig
 from stickslip.errors import InputError
-from stickslip.signals import Smoothed, derivatives, find_glitches, smooth
+from stickslip.measured.signals import Smoothed, derivatives, find_glitches, smooth
 
 DT = 0.04
 

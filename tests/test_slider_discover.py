@@ -14,9 +14,9 @@ from stickslip.discovery.result import Verdict
 from stickslip.discovery.slider.choose import choose
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.surrogate import NOTHING, Planted, Source, source, surrogate
-from stickslip.discovery.slider.table import measure, prepare
-from stickslip.records import Case, load_case
-from stickslip.report.write import write_report
+from stickslip.fitted.block_events.table import measure, prepare
+from stickslip.measured.case import Case, load_case
+from stickslip.shown.report.write import write_report
 
 DRAWS = 16
 

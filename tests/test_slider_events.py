@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from slider import coulomb_record
-from stickslip.discovery.slider.cycle import (
+from stickslip.declared.effects import effect
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.discovery.slider.held import constants_of, held
+from stickslip.fitted.block_events.cycle import (
     LOG_W2,
     RELEASE,
     ZETA,
@@ -19,15 +24,10 @@ from stickslip.discovery.slider.cycle import (
     positions,
     slopes,
 )
-from stickslip.discovery.slider.held import constants_of, held
-from stickslip.discovery.slider.predict import Forecaster, seen
-from stickslip.discovery.slider.table import measure, natural_rate, prepare
-from stickslip.effects import effect
-from stickslip.friction import CoulombFriction, HyperbolicFriction
-from stickslip.model import Model
-from stickslip.records import Recording, load_recording
-from stickslip.rig import BlockOnBelt
-from stickslip.simulate import simulate
+from stickslip.fitted.block_events.predict import Forecaster, seen
+from stickslip.fitted.block_events.table import measure, natural_rate, prepare
+from stickslip.measured.case import Recording, load_recording
+from stickslip.simulated.simulate import simulate
 
 NOISE = 2e-4
 

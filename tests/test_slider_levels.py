@@ -10,17 +10,17 @@ import pytest
 
 import stickslip as ss
 from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
-from stickslip.discovery.slider.levels import carried, held_at, sliding
+from stickslip.declared.effects import Effect, effect
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
-from stickslip.discovery.slider.predict import Forecaster
-from stickslip.discovery.slider.sensor import Reading
-from stickslip.discovery.slider.table import measure, prepare
 from stickslip.discovery.slider.views import _state
-from stickslip.effects import Effect, effect
-from stickslip.friction import CoulombFriction
-from stickslip.model import Model
-from stickslip.simulate import simulate
+from stickslip.fitted.block_events.levels import carried, held_at, sliding
+from stickslip.fitted.block_events.predict import Forecaster
+from stickslip.fitted.block_events.sensor import Reading
+from stickslip.fitted.block_events.table import measure, prepare
+from stickslip.simulated.simulate import simulate
 
 RATIOS = [0.0, 0.005, 0.02, 0.05, 0.1]  # damping over critical damping
 

@@ -12,7 +12,7 @@ from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
-from stickslip import story
+from stickslip.cli import story
 from stickslip.discovery.result import Found
 
 
@@ -61,7 +61,7 @@ def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         return found_by_hand.found(hand)
 
     monkeypatch.setattr(story, "discover", search)
-    monkeypatch.setattr("stickslip.report.write.draw", lambda *_: {})
+    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
     out = StringIO()
     told = story.story(tmp_path / "demo", Console(file=out, width=100))
     assert all(path.is_file() for path in told.paths)

@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
-from stickslip.sweep_observe import OBSERVABLES, periodicity
-from stickslip.sweep_request import Block, Request
+from stickslip.simulated.sweep.observables import OBSERVABLES, periodicity
+from stickslip.simulated.sweep.request import Block, Request
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 PAPER = ss.Model(RIG, friction=ss.PaperFriction())

@@ -17,7 +17,8 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
-from stickslip import sweep_cluster, sweep_store
+from stickslip.simulated.sweep import cluster as sweep_cluster
+from stickslip.simulated.sweep import store as sweep_store
 
 distributed = pytest.importorskip("distributed")
 

@@ -9,7 +9,7 @@ import xarray as xr
 import stickslip as ss
 from every_effect import EFFECTS, one
 from stickslip import _core
-from stickslip.lowering import READING_EFFECTS
+from stickslip.simulated.lowering import READING_EFFECTS
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = ss.PaperFriction()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from stickslip.cli import main
+from stickslip.cli.commands import main
 
 pytest.importorskip("zarr")
 

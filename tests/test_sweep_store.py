@@ -18,10 +18,10 @@ import xarray as xr
 from click.testing import CliRunner
 
 import stickslip as ss
-from stickslip import sweep_store
-from stickslip.cli import main
-from stickslip.sweep_observe import OBSERVABLES
-from stickslip.sweep_request import Block, Request
+from stickslip.cli.commands import main
+from stickslip.simulated.sweep import store as sweep_store
+from stickslip.simulated.sweep.observables import OBSERVABLES
+from stickslip.simulated.sweep.request import Block, Request
 
 zarr = pytest.importorskip("zarr")
 
@@ -89,7 +89,7 @@ import sys, time
 import numpy as np
 sys.path[:0] = {path!r}
 import test_sweep_store as t
-from stickslip.sweep_store import ZarrSink
+from stickslip.simulated.sweep.store import ZarrSink
 put = ZarrSink.put
 def slowly(self, block, arrays):
     put(self, block, arrays)
@@ -133,8 +133,8 @@ def test_a_chunk_half_written_is_computed_again(memory: xr.Dataset, tmp_path: Pa
 
 
 def test_blocks_are_runs_of_members_and_chunks_of_the_store() -> None:
-    from stickslip.lowering import lower
-    from stickslip.sweep_grid import make_grid
+    from stickslip.simulated.lowering import lower
+    from stickslip.simulated.sweep.grid import make_grid
 
     lowered = lower(MODEL, 0.1)
     for shape in ((50,), (7, 11), (3, 5, 700), (20, 1, 9), (4000, 3), (2, 40000)):

@@ -7,7 +7,7 @@ import pytest
 from scipy.io import savemat
 
 from stickslip.errors import InputError
-from stickslip.tables import column_names, read_columns
+from stickslip.measured.readers.tables import column_names, read_columns
 
 T = [0.0, 0.5, 1.0, 1.5]
 X = [1.25, -3.5e-3, 7.0, 1e5]

@@ -14,10 +14,10 @@ from typing import Any
 from rich.console import Console
 
 import stickslip as ss
-from stickslip import plot_sweep
-from stickslip.plot import save_figure
-from stickslip.plot_branch import plot_branch
-from stickslip.story import story as tell
+from stickslip.cli.story import story as tell
+from stickslip.shown.plot import sweep as plot_sweep
+from stickslip.shown.plot.branch import plot_branch
+from stickslip.shown.plot.curves import save_figure
 
 ROOT = Path(__file__).parent.parent
 FIGURES = ROOT / "docs" / "figures"

@@ -17,14 +17,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip.discovery.result import Found
-from stickslip.discovery.slider.cycle import LOG_W2, S, positions
 from stickslip.discovery.slider.held import constants_of, held
 from stickslip.discovery.slider.loop import discover
-from stickslip.discovery.slider.table import Measured, cut, measure, natural_rate, prepare
-from stickslip.plot import LIMIT, MEASURED, SIMULATED, STYLE, save_figure
-from stickslip.records import Case, load_case
-from stickslip.report.figures import after_name
-from stickslip.report.write import write_report
+from stickslip.fitted.block_events.cycle import LOG_W2, S, positions
+from stickslip.fitted.block_events.table import Measured, cut, measure, natural_rate, prepare
+from stickslip.measured.case import Case, load_case
+from stickslip.shown.plot.curves import LIMIT, MEASURED, SIMULATED, STYLE, save_figure
+from stickslip.shown.report.figures import after_name
+from stickslip.shown.report.write import write_report
 
 HERE = Path(__file__).resolve().parent
 SHARED = Path(os.environ.get("STICKSLIP_SHARED", "."))

@@ -60,7 +60,7 @@ def main() -> None:
         told.figures.mkdir(parents=True, exist_ok=True)  # a search takes a minute: a bad path fails before it
     write(told.folder)
     if told.search:
-        from stickslip.report.write import write_report
+        from stickslip.shown.report.write import write_report
 
         case = ss.load_case(told.folder)
         found = ss.discover(case, progress=print)

@@ -1,29 +1,29 @@
 """Stick-slip friction rigs: simulate them, identify them from recordings, find what the model lacks."""
 
-from stickslip import signals
 from stickslip._core import build_config
-from stickslip.branch import Branch, SpecialPoint
-from stickslip.compare import Comparison, compare
-from stickslip.continuation import continuation
-from stickslip.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
-from stickslip.cycles import LimitCycle, limit_cycle
-from stickslip.discover import Found, discover
-from stickslip.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
+from stickslip.declared.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model, load_model
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
+from stickslip.declared.units import Channel
+from stickslip.discovery.discover import Found, discover
 from stickslip.errors import InputError, ModelWarning, StickslipError
-from stickslip.forecast import forecast
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.identified import Identified
-from stickslip.identify import identify
-from stickslip.instruction_set import check_instruction_set
-from stickslip.lyapunov import LyapunovSpectrum, lyapunov
-from stickslip.model import Model, load_model
-from stickslip.recording import Recording, load_recording
-from stickslip.records import Case, load_case
-from stickslip.rig import BlockOnBelt, DrivenSlider, Rig, Scales
-from stickslip.simulate import Status, Trajectory, Transitions, simulate
-from stickslip.sliding import NoLimitCycleError, SteadySliding, steady_sliding
-from stickslip.sweep import sweep
-from stickslip.units import Channel
+from stickslip.fitted.compare import Comparison, compare
+from stickslip.fitted.forecast import forecast
+from stickslip.fitted.identified import Identified
+from stickslip.fitted.identify import identify
+from stickslip.measured import signals
+from stickslip.measured.case import Case, load_case
+from stickslip.measured.recording import Recording, load_recording
+from stickslip.simulated.instruction_set import check_instruction_set
+from stickslip.simulated.orbits.branch import Branch, SpecialPoint
+from stickslip.simulated.orbits.continuation import continuation
+from stickslip.simulated.orbits.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
+from stickslip.simulated.orbits.limit_cycle import LimitCycle, limit_cycle
+from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum, lyapunov
+from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, steady_sliding
+from stickslip.simulated.simulate import Status, Trajectory, Transitions, simulate
+from stickslip.simulated.sweep.sweep import sweep
 
 check_instruction_set()  # before anything is computed with another one than was asked for
 

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from bad_input import bad_input
-from stickslip.effects import effect, tabulated
-from stickslip.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.model import Model, load_model
-from stickslip.rig import BlockOnBelt, Rig
+from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model, load_model
+from stickslip.declared.rig import BlockOnBelt, Rig
 
 ND = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2}
 SI = {

@@ -7,13 +7,13 @@ import numpy as np
 from scipy.io import savemat
 
 from bad_input import bad_input
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.recording import load_recording
-from stickslip.records import load_case
-from stickslip.rig import BlockOnBelt, Rig
-from stickslip.tables import read_columns
-from stickslip.units import Channel
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.declared.units import Channel
+from stickslip.measured.case import load_case
+from stickslip.measured.readers.tables import read_columns
+from stickslip.measured.recording import load_recording
 
 CASE = "Cases: rig.toml"
 RUN = "Runs: files"

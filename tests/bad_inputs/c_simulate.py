@@ -8,10 +8,10 @@ import numpy as np
 import stickslip as ss
 from bad_input import bad_input
 from stickslip import signals
-from stickslip.friction import PaperFriction
-from stickslip.model import Model
-from stickslip.rig import Rig
-from stickslip.simulate import simulate
+from stickslip.declared.friction import PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
+from stickslip.simulated.simulate import simulate
 
 MODEL = Model(Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=PaperFriction())
 GIVEN = {"model": MODEL, "belt_speed": 0.1, "initial": (0.1, 0.1, 0.0, 0.0), "t_end": 1.0}

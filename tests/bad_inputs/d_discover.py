@@ -8,9 +8,9 @@ from pathlib import Path
 import found_by_hand
 import stickslip as ss
 from bad_input import bad_input
-from stickslip import cli_discover
-from stickslip.model import Model
-from stickslip.report.write import folder as report_folder
+from stickslip.cli import discover as cli_discover
+from stickslip.declared.model import Model
+from stickslip.shown.report.write import folder as report_folder
 
 DISCOVER, FORECAST = "Discovery", "Forecasts"
 

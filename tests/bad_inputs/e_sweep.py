@@ -9,7 +9,8 @@ import numpy as np
 
 import stickslip as ss
 from bad_input import bad_input
-from stickslip import cli_sweep, plot_sweep
+from stickslip.cli import sweep as cli_sweep
+from stickslip.shown.plot import sweep as plot_sweep
 
 SWEEPS = "Sweeps"
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())

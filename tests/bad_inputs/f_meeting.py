@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import found_by_hand
 import stickslip as ss
 from bad_input import bad_input
-from stickslip.cli import main
+from stickslip.cli.commands import main
 
 MEETING = "Identification and comparison"
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stickslip.declared.effects import CATALOGUE
 from stickslip.discovery import drifting, unlisted
 from stickslip.discovery import evidence as ev
 from stickslip.discovery.drifting import DROOP, drift_of
@@ -18,14 +19,7 @@ from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rig_numbers import KINDS, freed
 from stickslip.discovery.rivals import BOUNDS, PERIODIC
 from stickslip.discovery.search import CLEAN, Search, Trial
-from stickslip.discovery.trace import (
-    MARGIN,
-    beside,
-    deepened,
-    explained,
-    settled,
-)
-from stickslip.effects import CATALOGUE
+from stickslip.discovery.trace import MARGIN, beside, deepened, explained, settled
 
 SETTLING = 25.0  # more, to fit in earnest what is named but leaves something over
 ALMOST = 0.2  # share of the excess that names may leave to be fitted from other shapes

@@ -8,11 +8,11 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data, refined, rounding, without_outliers
+from stickslip.declared.scale import plainly
 from stickslip.discovery.residual import by_run
-from stickslip.discovery.solve import Fit
 from stickslip.errors import InputError
-from stickslip.scale import plainly
+from stickslip.fitted.data import Data, refined, rounding, without_outliers
+from stickslip.fitted.solve import Fit
 
 Floats = NDArray[np.float64]
 LOW, HIGH = 3, 5  # orders of difference from which the noise is read

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.readings import Learned
+from stickslip.declared.effects import effect
 from stickslip.discovery.result import Curve
 from stickslip.discovery.rivals import BOUNDS, Start, hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial
-from stickslip.discovery.unknowns import without
 from stickslip.discovery.unlisted import guess, knots_for
-from stickslip.discovery.window import BELT
-from stickslip.effects import effect
+from stickslip.fitted.readings import Learned
+from stickslip.fitted.unknowns import without
+from stickslip.fitted.window import BELT
 
 Floats = NDArray[np.float64]
 DROOP, WAVE = "belt_load_droop", "belt_speed_ripple"

@@ -10,14 +10,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data, read_again, velocity_width
-from stickslip.discovery.predict import Forecaster, Prediction, free_run, stitched
-from stickslip.discovery.readings import curves_of
+from stickslip.declared.model import Model
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.discovery.workers import Workers
 from stickslip.errors import StickslipError
-from stickslip.model import Model
-from stickslip.records import Recording
+from stickslip.fitted.data import Data, read_again, velocity_width
+from stickslip.fitted.predict import Forecaster, Prediction, free_run, stitched
+from stickslip.fitted.readings import curves_of
+from stickslip.measured.case import Recording
 
 Floats = NDArray[np.float64]
 METRIC = "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone; mean over validate runs"

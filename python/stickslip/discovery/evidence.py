@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.discovery.intervals import of_effect
-from stickslip.discovery.relax import relaxed
 from stickslip.discovery.result import Alternative, Evidence
 from stickslip.discovery.search import Search, Trial
-from stickslip.discovery.solve import fit
 from stickslip.discovery.unlisted import called, is_tabulated
+from stickslip.fitted.relax import relaxed
+from stickslip.fitted.solve import fit
 
 TIED = 8.0  # difference in -2 log likelihood below which two rivals are not told apart
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data, read_again
 from stickslip.discovery.residual import by_run
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared
-from stickslip.records import Case
+from stickslip.fitted.data import Data, read_again
+from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
 ALIKE = 0.2  # correlation of neighbours, from which noise is not white

@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Engine
+from stickslip.declared.effects import effect
 from stickslip.discovery.result import Gate
 from stickslip.discovery.search import Search, Trial
-from stickslip.discovery.solve import Fit
-from stickslip.discovery.unknowns import Hypothesis, Unknown
-from stickslip.effects import effect
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.solve import Fit
+from stickslip.fitted.unknowns import Hypothesis, Unknown
 
 Floats = NDArray[np.float64]
 DRAWS = 2000

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip.discovery.result import Interval
-from stickslip.discovery.solve import Fit
+from stickslip.fitted.solve import Fit
 
 Z = 1.959963985
 

@@ -6,12 +6,12 @@ import math
 from dataclasses import replace
 
 from stickslip.discovery.intervals import intervals
-from stickslip.discovery.readings import Y1_LAG
 from stickslip.discovery.result import Interval
 from stickslip.discovery.rivals import LOGARITHMIC, hypothesis
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import MARGIN, starts_of
-from stickslip.discovery.unknowns import Hypothesis, Unknown
+from stickslip.fitted.readings import Y1_LAG
+from stickslip.fitted.unknowns import Hypothesis, Unknown
 
 DELAY = "sensor_delay"
 BOUNDS = (4e-3, 3.0)

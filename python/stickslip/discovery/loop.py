@@ -11,11 +11,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
+from stickslip.declared.effects import CATALOGUE
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig
 from stickslip.discovery import drifting, lagging, rig_numbers, unlisted
 from stickslip.discovery import evidence as ev
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
-from stickslip.discovery.data import Data, copied_words, held_words, one_rig, prepare
+from stickslip.discovery.driven_slider import loop as driven
 from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
@@ -24,7 +27,6 @@ from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks, unseen
 from stickslip.discovery.next_experiment import next_experiments
-from stickslip.discovery.plausible import plausible
 from stickslip.discovery.residual import describe, spectrum
 from stickslip.discovery.result import (
     Evidence,
@@ -40,15 +42,13 @@ from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.set_points import doubtful_set_points
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.trace import MARGIN, decide_single, declared
-from stickslip.discovery.unknowns import of_law
 from stickslip.discovery.views import train_view, validate_view
 from stickslip.discovery.workers import Workers
-from stickslip.driven import loop as driven
-from stickslip.effects import CATALOGUE
 from stickslip.errors import InputError, number
-from stickslip.model import Model
-from stickslip.records import Case
-from stickslip.rig import BlockOnBelt, DrivenSlider, Rig
+from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
+from stickslip.fitted.plausible import plausible
+from stickslip.fitted.unknowns import of_law
+from stickslip.measured.case import Case
 
 MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating

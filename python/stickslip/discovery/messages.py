@@ -6,12 +6,12 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from stickslip.discovery.data import Data
-from stickslip.discovery.plausible import body_ratio
+from stickslip.declared.rig import Rig
 from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Residual
 from stickslip.discovery.search import Trial
 from stickslip.errors import InputError
-from stickslip.rig import Rig
+from stickslip.fitted.data import Data
+from stickslip.fitted.plausible import body_ratio
 
 LARGEST_GAIN = 0.2  # error of a sensor's gain that a laboratory might not notice
 WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.result import Experiment, FoundEffect
 from stickslip.discovery.search import Search, Trial
 from stickslip.errors import StickslipError
-from stickslip.simulate import simulate
+from stickslip.simulated.simulate import simulate
 
 Floats = NDArray[np.float64]
 SUFFICIENT = 15.0

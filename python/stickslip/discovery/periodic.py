@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Engine
+from stickslip.declared.effects import AnyEffect, Effect, effect, tabulated
 from stickslip.discovery.rivals import PERIODIC, Start
-from stickslip.discovery.solve import Fit
-from stickslip.discovery.unknowns import Hypothesis, Unknown
-from stickslip.discovery.window import Window
-from stickslip.effects import AnyEffect, Effect, effect, tabulated
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.solve import Fit
+from stickslip.fitted.unknowns import Hypothesis, Unknown
+from stickslip.fitted.window import Window
 
 Floats = NDArray[np.float64]
 TABLE_KNOTS = 8  # a spline through so many a turn is a sine to half a percent

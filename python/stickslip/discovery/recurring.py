@@ -9,16 +9,16 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import Tabulated
 from stickslip.discovery.hum import humming
 from stickslip.discovery.periodic import HIGHEST, TABLE_KNOTS, Line, strongest_line
-from stickslip.discovery.readings import Learned
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import MARGIN, OUTRUN
-from stickslip.discovery.unknowns import Unknown
 from stickslip.discovery.unlisted import SPREAD, Term, repeating
 from stickslip.discovery.workers import each
-from stickslip.effects import Tabulated
+from stickslip.fitted.readings import Learned
+from stickslip.fitted.unknowns import Unknown
 
 Floats = NDArray[np.float64]
 PLACES = ("block", "angle_body", "contact")

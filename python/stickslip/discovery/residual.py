@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.result import Part, Residual
-from stickslip.discovery.solve import Fit
+from stickslip.fitted.solve import Fit
 
 Floats = NDArray[np.float64]
 LAGS = 20

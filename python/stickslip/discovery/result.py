@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.model import Model
+from stickslip.declared.model import Model
 
 Floats = NDArray[np.float64]
 SEEN = 4  # samples in stick, at least, of a block that sticks

@@ -9,14 +9,14 @@ from functools import partial
 
 import numpy as np
 
+from stickslip.declared.effects import Tabulated, tabulated
+from stickslip.declared.rig import AnyRig, Rig
 from stickslip.discovery.intervals import combined, intervals
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial
-from stickslip.discovery.unknowns import RIG, Unknown
 from stickslip.discovery.workers import each
-from stickslip.effects import Tabulated, tabulated
-from stickslip.rig import AnyRig, Rig
+from stickslip.fitted.unknowns import RIG, Unknown
 
 FACTOR = 10.0  # by which a declared number may be wrong
 EDGE = 1e-6  # of a number: nearer to its bound it is at it

@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data, read_again
+from stickslip.declared.effects import effect
 from stickslip.discovery.rivals import Start
-from stickslip.discovery.solve import Fit
-from stickslip.effects import effect
+from stickslip.fitted.data import Data, read_again
+from stickslip.fitted.solve import Fit
 
 Floats = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.discovery.data import Data
-from stickslip.discovery.unknowns import Hypothesis, Unknown, law_unknowns
-from stickslip.effects import CATALOGUE, AnyEffect, Effect, effect
-from stickslip.model import Model
+from stickslip.declared.effects import CATALOGUE, AnyEffect, Effect, effect
+from stickslip.declared.model import Model
+from stickslip.fitted.data import Data
+from stickslip.fitted.unknowns import Hypothesis, Unknown, law_unknowns
 
 SPREADS = {  # widths of the weak Gaussians on linear parameters, far beyond what a rig shows
     "block_viscous_damping.c": 5.0,

@@ -11,17 +11,17 @@ from typing import Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data
-from stickslip.discovery.engine import Engine
-from stickslip.discovery.readings import Learned, as_terms
-from stickslip.discovery.relax import relaxed, rephased
+from stickslip.declared.model import Model
 from stickslip.discovery.rivals import Start
-from stickslip.discovery.solve import Fit, Point, conclude, fit
-from stickslip.discovery.unknowns import Hypothesis, of_law
-from stickslip.discovery.window import Window
-from stickslip.discovery.windows import cut, with_hidden
 from stickslip.discovery.workers import Task, Workers
-from stickslip.model import Model
+from stickslip.fitted.data import Data
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.readings import Learned, as_terms
+from stickslip.fitted.relax import relaxed, rephased
+from stickslip.fitted.solve import Fit, Point, conclude, fit
+from stickslip.fitted.unknowns import Hypothesis, of_law
+from stickslip.fitted.window import Window
+from stickslip.fitted.windows import cut, with_hidden
 
 Floats = NDArray[np.float64]
 Result = TypeVar("Result")

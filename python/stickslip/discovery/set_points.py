@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.discovery.data import Data
-from stickslip.discovery.plausible import period_of
+from stickslip.declared.units import default_speed_unit, factor
 from stickslip.discovery.result import ErrorBlock, FoundEffect, Residual
-from stickslip.records import Case
-from stickslip.ridden import ridden_speed
-from stickslip.units import default_speed_unit, factor
+from stickslip.fitted.data import Data
+from stickslip.fitted.plausible import period_of
+from stickslip.measured.case import Case
+from stickslip.measured.stick_speed import ridden_speed
 
 OFF = 0.04  # in the logarithm, from the other runs: the sticks of a run whose belt runs as said are within a hundredth
 AGREE = 0.02  # how near most runs must lie to each other, for one to be odd

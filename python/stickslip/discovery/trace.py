@@ -9,14 +9,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import CATALOGUE, Effect
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
 from stickslip.discovery.search import CLEAN, JUDGED, Search, Trial, stands
-from stickslip.discovery.solve import QUIET
 from stickslip.discovery.workers import each
-from stickslip.effects import CATALOGUE, Effect
 from stickslip.errors import StickslipError
+from stickslip.fitted.solve import QUIET
 
 Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none

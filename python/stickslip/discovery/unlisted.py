@@ -10,14 +10,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.engine import Engine
+from stickslip.declared.effects import Tabulated, tabulated
 from stickslip.discovery.promise import rest
-from stickslip.discovery.readings import Learned
 from stickslip.discovery.result import Curve
 from stickslip.discovery.search import CLEAN, Search, Trial, same
-from stickslip.discovery.unknowns import Hypothesis, Unknown
 from stickslip.discovery.workers import each
-from stickslip.effects import Tabulated, tabulated
+from stickslip.fitted.engine import Engine
+from stickslip.fitted.readings import Learned
+from stickslip.fitted.unknowns import Hypothesis, Unknown
 
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.data import Data
+from stickslip.declared.rig import Rig
 from stickslip.discovery.errors import Measured
-from stickslip.discovery.readings import reading_rate
 from stickslip.discovery.result import RunView
-from stickslip.discovery.solve import Fit
-from stickslip.rig import Rig
+from stickslip.fitted.data import Data
+from stickslip.fitted.readings import reading_rate
+from stickslip.fitted.solve import Fit
 
 Floats = NDArray[np.float64]
 

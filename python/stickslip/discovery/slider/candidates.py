@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.rig import BlockOnBelt
 from stickslip.discovery.slider.population import Block
-from stickslip.rig import BlockOnBelt
 
 Floats = NDArray[np.float64]
 Columns = Mapping[str, Floats]  # by block, (n, p)

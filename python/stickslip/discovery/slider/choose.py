@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import CONSTANTS
 from stickslip.discovery.slider.candidates import Candidate, Declared, candidates, waves
 from stickslip.discovery.slider.gate import LEAST, Null, null
 from stickslip.discovery.slider.population import Block, blocks
-from stickslip.discovery.slider.table import Measured
 from stickslip.discovery.slider.weigh import (
     Weighed,
     White,
@@ -21,7 +21,7 @@ from stickslip.discovery.slider.weigh import (
     weigh,
     whitened,
 )
-from stickslip.effects import CONSTANTS
+from stickslip.fitted.block_events.table import Measured
 
 Floats = NDArray[np.float64]
 MOST = 4

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.slider.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions
-from stickslip.discovery.slider.fit import Fitted, Prior, Windows, fit
-from stickslip.discovery.slider.levels import damping, true_stiffness
-from stickslip.discovery.slider.sensor import Reading, reading_of
-from stickslip.discovery.slider.table import Measured, cut
-from stickslip.effects import Effect
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt
+from stickslip.declared.effects import Effect
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.fitted.block_events.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions
+from stickslip.fitted.block_events.fit import Fitted, Prior, Windows, fit
+from stickslip.fitted.block_events.levels import damping, true_stiffness
+from stickslip.fitted.block_events.sensor import Reading, reading_of
+from stickslip.fitted.block_events.table import Measured, cut
 
 Floats = NDArray[np.float64]
 

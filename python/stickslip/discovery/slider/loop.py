@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.catalogue import KINDS
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.effects import CONSTANTS
 from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Rival, Verdict
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS
@@ -17,14 +18,13 @@ from stickslip.discovery.slider.model import models, parameters, phases
 from stickslip.discovery.slider.outcome import error_block, residual
 from stickslip.discovery.slider.population import blocks
 from stickslip.discovery.slider.remarks import remarks
-from stickslip.discovery.slider.table import Measured, measure, prepare
 from stickslip.discovery.slider.ties import alternatives, evidence
 from stickslip.discovery.slider.views import spectrum, train_view, validate_view
 from stickslip.discovery.slider.weigh import PRICE, Weighed
-from stickslip.effects import CONSTANTS
 from stickslip.errors import InputError
-from stickslip.records import Case, Recording
-from stickslip.ridden import why_idle
+from stickslip.fitted.block_events.table import Measured, measure, prepare
+from stickslip.measured.case import Case, Recording
+from stickslip.measured.stick_speed import why_idle
 
 
 def discover(

@@ -7,20 +7,20 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import CONSTANTS, Effect, effect
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import Model
 from stickslip.discovery.result import Interval
 from stickslip.discovery.slider.choose import Choice
-from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.held import constants_of
-from stickslip.discovery.slider.levels import carried, number_of, sliding
 from stickslip.discovery.slider.population import Block
-from stickslip.discovery.slider.sensor import reading_of
-from stickslip.discovery.slider.table import Measured
 from stickslip.discovery.slider.weigh import Weighed, columns_of, weigh
-from stickslip.effects import CONSTANTS, Effect, effect
-from stickslip.friction import CoulombFriction
-from stickslip.model import Model
-from stickslip.records import Case
-from stickslip.scatter import block_bootstrap
+from stickslip.fitted.block_events.cycle import S
+from stickslip.fitted.block_events.levels import carried, number_of, sliding
+from stickslip.fitted.block_events.sensor import reading_of
+from stickslip.fitted.block_events.table import Measured
+from stickslip.fitted.scatter import block_bootstrap
+from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
 Law = Mapping[str, Interval]

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.model import Model
 from stickslip.discovery.result import ErrorBlock, Part, Residual, RunError
 from stickslip.discovery.slider.held import Held, constants_of, held
-from stickslip.discovery.slider.predict import Forecaster, Prediction, cycle_of, instants
-from stickslip.discovery.slider.table import Measured
 from stickslip.errors import StickslipError
-from stickslip.model import Model
-from stickslip.records import Case
-from stickslip.ridden import why_idle
+from stickslip.fitted.block_events.predict import Forecaster, Prediction, cycle_of, instants
+from stickslip.fitted.block_events.table import Measured
+from stickslip.measured.case import Case
+from stickslip.measured.stick_speed import why_idle
 
 Floats = NDArray[np.float64]
 METRIC = (

@@ -18,8 +18,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.slider.cycle import LOG_W2, ZETA, S
-from stickslip.discovery.slider.table import Measured, damping_ratio, natural_rate
+from stickslip.fitted.block_events.cycle import LOG_W2, ZETA, S
+from stickslip.fitted.block_events.table import Measured, damping_ratio, natural_rate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

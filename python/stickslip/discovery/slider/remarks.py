@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stickslip.declared.scale import Scale, percent, plainly, scales
 from stickslip.discovery.result import FoundEffect
 from stickslip.discovery.slider.choose import Choice
-from stickslip.discovery.slider.cycle import S
 from stickslip.discovery.slider.model import block_of
-from stickslip.discovery.slider.table import Measured
-from stickslip.records import Case
-from stickslip.scale import Scale, percent, plainly, scales
+from stickslip.fitted.block_events.cycle import S
+from stickslip.fitted.block_events.table import Measured
+from stickslip.measured.case import Case
 
 GRADUAL = 3.0  # standard errors
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.slider.cycle import S, duration, positions
 from stickslip.discovery.slider.population import Block, blocks
-from stickslip.discovery.slider.table import Measured, damping_ratio, measure, natural_rate, prepare
-from stickslip.records import Case, Recording
+from stickslip.fitted.block_events.cycle import S, duration, positions
+from stickslip.fitted.block_events.table import Measured, damping_ratio, measure, natural_rate, prepare
+from stickslip.measured.case import Case, Recording
 
 Floats = NDArray[np.float64]
 SHORTEST = 0.05  # of a fall: the least climb of a stick

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.declared.effects import CONSTANTS
 from stickslip.discovery.result import Alternative, Evidence, Interval
 from stickslip.discovery.slider.choose import TIED, Choice
 from stickslip.discovery.slider.model import parameters
 from stickslip.discovery.slider.weigh import PRICE, Weighed, columns_of
-from stickslip.effects import CONSTANTS
 
 EXACT = 1e-6
 MOST = 5

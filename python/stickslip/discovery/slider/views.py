@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
 from stickslip.discovery.result import RunView
 from stickslip.discovery.slider.held import Held, motion
-from stickslip.discovery.slider.levels import damping, true_stiffness
 from stickslip.discovery.slider.outcome import Ahead
-from stickslip.discovery.slider.sensor import reading_of
-from stickslip.discovery.slider.table import Measured
-from stickslip.model import Model
-from stickslip.rig import BlockOnBelt
+from stickslip.fitted.block_events.levels import damping, true_stiffness
+from stickslip.fitted.block_events.sensor import reading_of
+from stickslip.fitted.block_events.table import Measured
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int8]

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import CONSTANTS
 from stickslip.discovery.slider.candidates import Candidate
 from stickslip.discovery.slider.population import Block, without
-from stickslip.effects import CONSTANTS
 
 Floats = NDArray[np.float64]
 

@@ -1,0 +1,194 @@
+"""The command `stickslip simulate`: one run of a model, in the units of its readings."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+
+from stickslip.cli.path_type import Named
+from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.rig import DrivenSlider
+from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
+from stickslip.errors import InputError, ModelWarning
+from stickslip.files import apart, write_csv
+from stickslip.fitted.identify import natural_period
+from stickslip.measured.fit_window import Array
+from stickslip.simulated.simulate import Trajectory
+from stickslip.simulated.simulate import simulate as run_model
+
+console = Console(highlight=False)
+MOST = 50_000_000  # samples
+FEW = 5  # rows a transition, below which the CSV does not show the motion
+DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
+LONGEST = 1000  # natural periods in the figure
+
+
+@click.command(short_help="One run of a model, as CSV and a figure.")
+@click.argument("model", type=Named())
+@click.option(
+    "--belt-speed",
+    required=True,
+    help="v_b, as in '14 mm/s'; without a unit in that of the belt channel, or in m/s if there is none.",
+)
+@click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
+@click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")
+@click.option(
+    "--initial",
+    default=None,
+    help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent.",
+)
+@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
+@click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
+def simulate(
+    model: Path,
+    belt_speed: str,
+    t_end: str,
+    dt: str | None,
+    initial: str | None,
+    out: Path,
+    figure: bool,
+) -> None:
+    """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
+
+    Numbers without a unit are in the units of the readings, as the model file's [channels] say. A belt speed is in
+    the unit of the belt channel; without one in m/s, even where the readings are in mm. Everything is in SI where
+    there are no channels, and a bare number for a rig without units. The columns are in the same units, with the unit
+    in their head. The mode is 0 in stick, -1 and 1 in slip with v_w below and above zero. The figure is drawn from at
+    least 120 points a natural period and every transition, whatever the step; of a run longer than 1000 periods it
+    shows the last 1000.
+
+    \b
+    Example:
+      stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
+      stickslip simulate identified --belt-speed '14 mm/s' --t-end '60 s' --out run.csv
+    """
+    apart(out, figure, {"MODEL": model_file(model)})
+    loaded = load_model(model)
+    units = scales(loaded.rig, loaded.channels)
+    v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
+    times = _times(loaded, units["t"], t_end, dt)
+    start = None if initial is None else _start(loaded, units, initial)
+    _say_understood(loaded, units, v_b, times, start)
+    drawn = _drawn(loaded, times) if figure else times[:0]
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", ModelWarning)
+        with Console(stderr=True).status("simulating"):  # on a terminal alone
+            run = run_model(
+                loaded,
+                belt_speed=v_b,
+                initial=start,
+                t_end=float(times[-1]),
+                t_eval=np.union1d(times, drawn),
+            )
+    said = [str(doubt.message) for doubt in doubts]
+    for one in [*said, *_sparse(run, times, units["t"])]:
+        console.print(f"- {one}", markup=False, soft_wrap=True)
+    written = [out]
+    kept = _at(run, times)
+    _write(loaded, units, kept, out)
+    if figure:
+        from stickslip.shown.plot import curves as plot
+
+        seen = _at(run, drawn)
+        seen = seen if len(seen.t) else kept  # it ended before the stretch to be drawn
+        shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=v_b, units=units)
+        written += plot.save_figure(shown, out.with_suffix(""))
+    console.print(
+        f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
+    )
+    console.print("written:")
+    for path in written:
+        console.print(f"  {path}", soft_wrap=True, markup=False)
+    if not run.status.ok:
+        sys.exit(1)
+
+
+def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
+    """Times to sample at, from 0 to the end, which is there even off the step; in the model's unit."""
+    end = read_quantity(t_end, "t", unit, model.rig, "--t-end")
+    if end <= 0:
+        raise InputError("must be above 0", key="--t-end", value=t_end)
+    if dt is None:
+        return np.linspace(0.0, end, 2001)
+    step = read_quantity(dt, "t", unit, model.rig, "--dt")
+    if not 0 < step <= end:
+        raise InputError(f"must be above 0 and at most --t-end = {t_end}", key="--dt", value=dt)
+    count = int(end / step * (1 + 1e-12)) + 1
+    if count > MOST:
+        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
+    times = np.arange(count) * step
+    if end - times[-1] > 1e-9 * step:
+        times = np.append(times, end)
+    return np.asarray(times, dtype=np.float64)
+
+
+def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:
+    """What to say where the rows are too far apart to show the motion."""
+    changes = run.transitions.t
+    if len(changes) < 3 or len(times) > FEW * len(changes):
+        return []
+    apart = float(changes[-1] - changes[0]) / (len(changes) - 1)
+    return [
+        f"the rows are {unit.of(times[1] - times[0])} apart and the contact changes every {unit.of(apart)} on average: "
+        f"the CSV does not show the motion; --dt '{unit.of(apart / 20, 2)}' would"
+    ]
+
+
+def _drawn(model: Model, times: Array) -> Array:
+    """Times to draw at: those of the CSV if they are dense enough, or as many as a curve needs."""
+    if isinstance(model.rig, DrivenSlider):  # it has no spring, and no period
+        return times
+    period, end = natural_period(model.rig), float(times[-1])
+    begin = max(0.0, end - LONGEST * period)
+    if np.diff(times).max() <= period / DRAWN:
+        return np.asarray(times[times >= begin])
+    return np.linspace(begin, end, 2 + int((end - begin) / period * DRAWN))
+
+
+def _at(run: Trajectory, times: Array) -> Trajectory:
+    """Return the run at those of its samples that are at `times`."""
+    here = np.isin(run.t, times)
+    return replace(run, t=run.t[here], state=run.state[here], mode=run.mode[here])
+
+
+def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]:
+    names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]  # they are quantities
+    parts = text.split(",")
+    if len(parts) != len(names):
+        words = f"has {len(parts)} numbers; give {len(names)}: {','.join(names)}, like {','.join('0' for _ in names)}"
+        raise InputError(words, key="--initial", value=text)
+    return [
+        read_quantity(part, name, units[name], model.rig, f"--initial, {name}")
+        for part, name in zip(parts, names, strict=True)
+    ]
+
+
+def _say_understood(
+    model: Model, units: dict[Quantity, Scale], v_b: float, times: Array, start: list[float] | None
+) -> None:
+    """Print what was understood of the numbers, in their units."""
+    own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+    at = "rest at the origin"
+    if start is not None:
+        names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
+        at = ", ".join(f"{name} = {units[name].of(x)}" for name, x in zip(names, start, strict=True))
+    console.print(
+        f"belt speed {units['belt'].of(v_b)}{own}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
+        f"{units['t'].of(times[1] - times[0])}",
+        soft_wrap=True,
+    )
+
+
+def _write(model: Model, units: dict[Quantity, Scale], run: Trajectory, out: Path) -> None:
+    import pandas as pd  # slow to import
+
+    names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
+    columns = {units["t"].head("t"): run.t * units["t"].size}
+    columns |= {units[n].head(n): run.state[:, i] * units[n].size for i, n in enumerate(names)}
+    write_csv(pd.DataFrame({**columns, "mode": run.mode}), out, 12)

@@ -1,0 +1,1 @@
+"""What is declared: rigs, friction laws, effects, units, and the model they make."""

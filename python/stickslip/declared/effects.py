@@ -1,0 +1,240 @@
+"""Effects beside the declared model: those of the catalogue, and a tabulated term for what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.arguments import explained, listed
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS, EffectKind, ParameterInfo
+from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
+
+__all__ = [
+    "CATALOGUE",
+    "CONSTANTS",
+    "DRIVEN",
+    "AnyEffect",
+    "Effect",
+    "EffectKind",
+    "ParameterInfo",
+    "Tabulated",
+    "effect",
+    "tabulated",
+]
+
+TabulatedPlace = Literal["block", "angle_body", "contact", "x1 channel", "y1 channel"]
+TabulatedVariable = Literal["x1", "x2", "y1", "y2", "v_w", "t"]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect of the catalogue with its numbers; made by `effect`."""
+
+    name: str
+    where: str
+    parameters: Mapping[str, float] = field(hash=False)
+
+    @property
+    def kind(self) -> EffectKind:
+        """Entry of the catalogue."""
+        return KINDS[self.name]
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Variables the effect adds to the model."""
+        return self.kind.depends_on
+
+    def replace(self, **parameters: float) -> Effect:
+        """Return the effect with some parameters changed."""
+        return effect(self.name, **{**self.parameters, **parameters})
+
+
+@explained
+def effect(name: str, **parameters: float) -> Effect:
+    """Declare an effect of the catalogue.
+
+    Parameters
+    ----------
+    name
+        A name of `CATALOGUE`, `CONSTANTS` or `DRIVEN`.
+    **parameters
+        Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
+
+    Raises
+    ------
+    InputError
+        Unknown effect or parameter (with the nearest known one), a missing parameter, or one out of bounds.
+    """
+    if name not in KINDS:
+        raise unknown("effect", str(name), KINDS)
+    kind = KINDS[name]
+    for given in parameters:
+        kind.parameter(given)
+    values: dict[str, float] = {}
+    for info in kind.parameters:
+        if info.name not in parameters:
+            if not (info.per_run or info.optional):
+                words = f"lacks its parameter '{info.name}' ({info.meaning}); give {info.name}="
+                raise InputError(f"effect '{name}' {words}")
+            values[info.name] = 0.0
+            continue
+        low, high = info.bounds
+        bound = {"above": low} if info.open_below else {"least": low}
+        values[info.name] = number(
+            f"{name}.{info.name}", parameters[info.name], most=high, why=info.meaning, **bound
+        )
+    return Effect(name, kind.where, values)
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """A smooth curve g of one variable, for what has no name; made by `tabulated`.
+
+    On `block` and `angle_body` it adds the force +g in the bracket's units; at the `contact` friction, static
+    limits included, is multiplied by 1 + g; on `x1 channel` and `y1 channel` g is added to the reading, and the
+    motion does not feel it. Between knots g is the natural cubic spline; beyond the outer knots it keeps their values.
+    With a `period` it is the periodic spline, read at t + phi period/(2 pi).
+    """
+
+    where: str
+    variable: str
+    knots: tuple[float, ...]
+    values: tuple[float, ...]
+    period: float | None = None
+    phi: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """`tabulated_<where>_<variable>`; of a channel `learned_<channel>_<variable>`."""
+        if self.of_reading:
+            return f"learned_{self.where[:2]}_{self.variable}"
+        return f"tabulated_{self.where}_{self.variable}"
+
+    @property
+    def of_reading(self) -> bool:
+        """Is the curve one of a sensor, added to its readings?"""
+        return self.where.endswith(" channel")
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """The one variable the curve depends on."""
+        return (self.variable,)
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The values at the knots, value_0, value_1, ...; with a period, whose last value is the first, the angular
+        frequency w and the phase phi.
+        """
+        out = {f"value_{i}": value for i, value in enumerate(self.values)}
+        if self.period is None:
+            return out
+        out.popitem()
+        return out | {"w": 2 * np.pi / self.period, "phi": self.phi}
+
+    def replace(self, **parameters: float) -> Tabulated:
+        """Return the term with some of its parameters changed; another w stretches the knots."""
+        known = dict(self.parameters)
+        for name in parameters:
+            if name not in known:
+                raise InputError(f"'{self.name}' has no parameter '{name}'; {did_you_mean(name, known)}")
+        known.update(parameters)
+        if self.period is None:
+            return tabulated(self.where, self.variable, self.knots, tuple(known.values()))
+        phi, w, knots, period = known.pop("phi"), known.pop("w"), self.knots, self.period
+        if "w" in parameters:
+            period = 2 * np.pi / number("w", w, above=1e-300)
+            knots = (*(period * (one / self.knots[-1]) for one in self.knots[:-1]), period)
+        values = (*known.values(), known["value_0"])
+        return tabulated(self.where, self.variable, knots, values, period=period, phi=phi)
+
+    def curve(self, variable: ArrayLike, derivative: int = 0) -> NDArray[np.float64]:
+        """Return g, or a derivative of it, at `variable`, any shape."""
+        given = np.asarray(variable, dtype=np.float64)
+        knots = np.array(self.knots)
+        if self.period is None:
+            at = np.clip(given, knots[0], knots[-1])
+        else:
+            at = np.mod(given + self.phi * self.period / (2 * np.pi), self.period)
+        ends: Literal["natural", "periodic"] = "natural" if self.period is None else "periodic"
+        spline = scipy.interpolate.CubicSpline(knots, np.array(self.values), bc_type=ends)
+        out = np.asarray(spline(at, derivative), dtype=np.float64)
+        return out if derivative == 0 or self.period is not None else np.where(at == given, out, 0.0)
+
+
+@explained
+def tabulated(
+    where: str,
+    depends_on: str,
+    knots: Iterable[float],
+    values: Iterable[float],
+    *,
+    period: float | None = None,
+    phi: float = 0.0,
+) -> Tabulated:
+    """Declare a tabulated term: a smooth curve in one variable, where no name of the catalogue fits.
+
+    Parameters
+    ----------
+    where
+        "block", "angle_body" (adds a force), "contact" (friction times 1 + g), "x1 channel" or "y1 channel" (adds
+        to the reading).
+    depends_on
+        "x1", "x2", "y1", "y2", "v_w" or "t".
+    knots
+        Increasing, 2 to 24 of them (n,).
+    values
+        The curve at the knots (n,).
+    period
+        For `depends_on="t"`: the curve repeats with this period. Knots then run from 0 to `period`
+        and the last value equals the first.
+    phi
+        Of a curve that repeats: its phase at the start of the run, in radians; the curve is read at
+        t + phi period/(2 pi).
+
+    Raises
+    ------
+    InputError
+        Unknown place or variable, knots that do not increase, lengths that differ, a number not finite.
+    """
+    place = _member("where", where, get_args(TabulatedPlace))
+    variable = _member("depends_on", depends_on, get_args(TabulatedVariable))
+    if place.endswith("channel") and variable == "v_w":
+        words = "a curve of a reading depends on x1, x2, y1, y2 or t"
+        raise InputError(words, key="where", value=where)
+    at = tuple(number(f"knots[{i}]", x) for i, x in enumerate(listed("knots", knots, "numbers")))
+    curve = tuple(number(f"values[{i}]", x) for i, x in enumerate(listed("values", values, "numbers")))
+    if len(at) != len(curve):
+        raise InputError(f"{len(at)} knots but {len(curve)} values; give one value a knot", key="values")
+    if not 2 <= len(at) <= 24:
+        raise InputError(f"{len(at)} given; a tabulated term has 2 to 24", key="knots")
+    if any(b <= a for a, b in pairwise(at)):
+        raise InputError("must increase from knot to knot", key="knots")
+    phi = number("phi", phi)
+    if period is None and phi != 0:
+        raise InputError("only a curve that repeats has a phase; give its period", key="phi", value=phi)
+    if period is not None:
+        period = number("period", period, above=0)
+        if variable != "t":
+            raise InputError(f"only a curve in t repeats, this one depends on {variable}", key="period")
+        if at[0] != 0 or at[-1] != period or curve[0] != curve[-1] or len(at) < 3:
+            words = "needs knots from 0 to the period (at least 3) and equal first and last values"
+            raise InputError(words, key="period")
+    return Tabulated(place, variable, at, curve, period, phi)
+
+
+def _member(key: str, value: str, known: tuple[str, ...]) -> str:
+    for name in known:
+        if value == name:
+            return name
+    guess = nearest(str(value), known)
+    tail = f"; did you mean '{guess}'?" if guess else ""
+    raise InputError(f"must be one of {', '.join(known)}{tail}", key=key, value=value)
+
+
+AnyEffect = Effect | Tabulated

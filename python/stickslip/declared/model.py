@@ -1,0 +1,322 @@
+"""The model: a rig, a friction law, and the effects it has beside them."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
+
+from stickslip.arguments import explained, listed, must_be
+from stickslip.arguments import path as as_path
+from stickslip.declared.declaration import (
+    effect_table,
+    friction_table,
+    read_channel,
+    read_effect,
+    read_friction,
+    read_rig,
+    rig_table,
+)
+from stickslip.declared.effects import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
+from stickslip.declared.friction import LAWS, FrictionLaw
+from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.toml_file import read_toml, write_text
+from stickslip.declared.units import DIMENSIONS, Channel
+from stickslip.errors import InputError, Place, did_you_mean, number, unknown
+
+NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivities, but given to `simulate`
+
+IN_A_FOLDER = ("model_after.toml", "model.toml")  # what discover and identify write
+
+_HEADER = """\
+# A model of stickslip: stickslip.load_model reads it.
+# [rig] as in (2.1), [friction] as in (4.1)-(4.3) or another kind, an [[effect]] for each thing these lack,
+# nondimensional; [rig.scales] turns them back to SI (a block on a belt has none: its numbers are as given).
+# [channels] and [noise]: columns and units of the readings.
+"""
+
+
+@explained
+@dataclass(frozen=True)
+class Model:
+    """A rig, its friction law and its effects.
+
+    Parameters
+    ----------
+    rig
+        `Rig` or `BlockOnBelt`.
+    friction
+        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`.
+    effects
+        From `effect` and `tabulated`, each name once.
+    channels
+        Columns and units in which readings are recorded (keys t, x1, y1, belt, spring_force), for a model
+        that was identified; None: nondimensional readings in columns of these names.
+    noise
+        Standard deviation of the readings by channel, in the channel's unit.
+
+    Raises
+    ------
+    InputError
+        Something is of the wrong kind, or an effect is there twice or needs an angle body that the rig lacks.
+    """
+
+    rig: AnyRig
+    friction: FrictionLaw = field(kw_only=True)
+    effects: tuple[AnyEffect, ...] = field(default=(), kw_only=True)
+    channels: Mapping[str, Channel] | None = field(default=None, kw_only=True, hash=False)
+    noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
+
+    def __post_init__(self) -> None:
+        must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider))
+        must_be("friction", self.friction, tuple(LAWS.values()))
+        if isinstance(self.effects, (Effect, Tabulated, str)):
+            raise InputError("must be a list of effects; put it in [ ]", key="effects")
+        object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))
+        for one in self.effects:
+            must_be("effects", one, (Effect, Tabulated), "effect(name, ...) makes one")
+        names = [one.name for one in self.effects]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"effect '{name}' is there twice; give it once")
+        if not isinstance(self.rig, DrivenSlider):
+            _check_belt(self.effects)
+        if isinstance(self.rig, BlockOnBelt):
+            for one in self.effects:
+                if _needs_angle_body(one):
+                    raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
+        elif isinstance(self.rig, DrivenSlider):
+            _check_driven(self.effects)
+        elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
+            raise InputError(
+                f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
+            )
+        if self.channels is not None:
+            for channel in must_be("channels", self.channels, Mapping).values():
+                must_be("channels", channel, Channel)
+        if self.noise is not None:
+            must_be("noise", self.noise, Mapping)
+            checked = {name: number(name, value, above=0) for name, value in self.noise.items()}
+            object.__setattr__(self, "noise", checked)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Every number of the model by the name that sweeps and sensitivities use.
+
+        Names of the rig and the law are their own ("alpha1", "T_s_minus", "mass"); an effect's are
+        "<effect>.<parameter>". Optional numbers that are not set are left out.
+        """
+        flat: dict[str, float] = {}
+        for part in (self.rig, self.friction):
+            values = {one.name: getattr(part, one.name) for one in dataclasses.fields(part)}
+            flat |= {name: value for name, value in values.items() if isinstance(value, float)}
+        for one in self.effects:
+            flat |= {f"{one.name}.{name}": value for name, value in one.parameters.items()}
+        return flat
+
+    def parameter_name(self, name: str) -> str:
+        """Return the full name of a parameter; "effect.c" stands for the only effect that has a `c`.
+
+        Raises
+        ------
+        InputError
+            Unknown (with the nearest known name) or ambiguous.
+        """
+        return self._named(name, self.parameters)
+
+    def full_name(self, name: str) -> str:
+        """Return what a short name "effect.c" stands for, and any other name as it is."""
+        return self.parameter_name(name) if name.startswith("effect.") else name
+
+    def _named(self, name: str, known: Mapping[str, float]) -> str:
+        if name in known:
+            return name
+        if name.startswith("effect."):
+            ending = name.removeprefix("effect")
+            found = [one for one in known if one.endswith(ending)]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                raise InputError(f"'{name}' is ambiguous; give one of {', '.join(found)}")
+        if name in self._optional():
+            raise InputError(f"'{name}' is not set in this law; set it there first")
+        if name in NOT_IN_MODEL or name.startswith("initial."):
+            raise InputError(f"'{name}' is not a number of the model; give it to simulate or sweep")
+        states = [f"initial.{state}" for state in self.rig.state_names]
+        raise unknown("parameter", name, [*known, *NOT_IN_MODEL, *states])
+
+    def replace(self, values: Mapping[str, float] | None = None, /, **named: float) -> Self:
+        """Return the model with some parameters changed.
+
+        Parameters
+        ----------
+        values
+            By name, for names with a dot ("belt_seam.L").
+        **named
+            The same as keywords. A rig's scales stay as they are.
+
+        Raises
+        ------
+        InputError
+            Unknown name (with the nearest known one) or a value out of bounds.
+        """
+        if values is not None:
+            must_be("values", values, Mapping, "like {'belt_seam.L': 2.0}")
+        rig: dict[str, float] = {}
+        law: dict[str, float] = {}
+        effects: dict[str, dict[str, float]] = {}
+        ours = {one.name for one in dataclasses.fields(self.rig)}
+        known, optional = self.parameters, self._optional()
+        for given, value in {**(values or {}), **named}.items():
+            name = given if given in optional else self._named(given, known)
+            if "." in name:
+                owner, _, parameter = name.partition(".")
+                effects.setdefault(owner, {})[parameter] = value
+            elif name in ours:
+                rig[name] = value
+            else:
+                law[name] = value
+        return dataclasses.replace(
+            self,
+            rig=dataclasses.replace(self.rig, **rig),  # type: ignore[arg-type]  # floats by name
+            friction=_replaced(self.friction, law),
+            effects=tuple(one.replace(**effects.get(one.name, {})) for one in self.effects),
+        )
+
+    def _optional(self) -> set[str]:
+        """Names of the law's numbers that default to None."""
+        return {one.name for one in dataclasses.fields(self.friction) if one.default is None}
+
+    def with_effects(self, effects: Iterable[AnyEffect]) -> Self:
+        """Return the model with these effects instead of its own."""
+        return dataclasses.replace(self, effects=effects)  # type: ignore[arg-type]  # made a tuple there
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as TOML; `load_model` reads it back equal, to the last bit.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written; nothing half-written is left.
+        """
+        write_text(as_path("path", path), self.toml())
+
+    def toml(self) -> str:
+        """Return the text that `save` writes."""
+        import tomlkit
+
+        tables: dict[str, object] = {"rig": rig_table(self.rig), "friction": friction_table(self.friction)}
+        if self.effects:
+            tables["effect"] = [effect_table(one) for one in self.effects]
+        if self.channels is not None:
+            tables["channels"] = {name: dataclasses.asdict(one) for name, one in self.channels.items()}
+        if self.noise is not None:
+            tables["noise"] = dict(self.noise)
+        return _HEADER + "\n" + tomlkit.dumps(tables)
+
+
+def load_model(path: str | os.PathLike[str]) -> Model:
+    """Read a model from TOML.
+
+    Parameters
+    ----------
+    path
+        A file as `Model.save` writes it, or the folder in which `identify` or `discover` put one.
+        [rig] may also be in SI; Table 1 where there is no [friction].
+
+    Raises
+    ------
+    InputError
+        No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
+    """
+    document = read_toml(model_file(as_path("path", path)))
+    tables = document.tables
+    if "run" in tables:
+        raise document.error(
+            "this is a case with its runs, not a model; identify or discover make a model of it", "run", 0
+        )
+    known = ("rig", "friction", "effect", "channels", "noise")
+    for key, table in tables.items():
+        if key not in known:
+            raise document.error(f"unknown; {did_you_mean(key, known)}", key)
+        if not isinstance(table, list if key == "effect" else Mapping):
+            raise document.error(f"must be a table [{'[effect]' if key == 'effect' else key}]", key)
+    if "rig" not in tables:
+        raise document.error("a model lacks its table [rig]")
+    listed = enumerate(_list(tables.get("effect")))
+    effects = [read_effect(document, "effect", i, table=one) for i, one in listed]
+    channels = None
+    if "channels" in tables:
+        channels = {}
+        for name, table in _table(tables["channels"]).items():
+            if name not in DIMENSIONS:
+                raise document.error(f"unknown channel; {did_you_mean(name, DIMENSIONS)}", "channels", name)
+            channels[name] = read_channel(document, "channels", name, table=_table(table))
+    noise = None
+    if "noise" in tables:
+        with document.at("noise"):
+            noise = {name: number(name, value, above=0) for name, value in _table(tables["noise"]).items()}  # type: ignore[arg-type]
+    rig = read_rig(document, "rig", table=_table(tables["rig"]))
+    law = read_friction(document, "friction", table=_table(tables.get("friction", {})))
+    with document.at():
+        return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
+
+
+def model_file(path: Path) -> Path:
+    """Return the model file of a folder of results, or the path itself."""
+    if not path.is_dir():
+        return path
+    for name in IN_A_FOLDER:
+        if (path / name).is_file():
+            return path / name
+    hint = "; give rig.toml to identify or discover first" if (path / "rig.toml").is_file() else ""
+    raise InputError(f"a folder without {' or '.join(IN_A_FOLDER)}{hint}", place=Place(str(path)))
+
+
+def _replaced(law: FrictionLaw, values: Mapping[str, float]) -> FrictionLaw:
+    numbers: dict[str, float] = {one.name: getattr(law, one.name) for one in dataclasses.fields(law)}
+    return type(law)(**{**numbers, **values})
+
+
+def _table(value: object) -> Mapping[str, object]:
+    return value if isinstance(value, Mapping) else {}
+
+
+def _list(value: object) -> list[Mapping[str, object]]:
+    return [_table(one) for one in value] if isinstance(value, list) else []
+
+
+def _check_driven(effects: Iterable[AnyEffect]) -> None:
+    """Refuse effects that a driven slider has no place for."""
+    for one in effects:
+        if isinstance(one, Effect) and one.name not in DRIVEN:
+            raise InputError(
+                f"effect '{one.name}' is not one of a DrivenSlider; {did_you_mean(one.name, DRIVEN)}"
+            )
+        if isinstance(one, Tabulated) and one.variable in ("y1", "y2"):
+            raise InputError(f"effect '{one.name}' needs the angle body, which a DrivenSlider has not")
+
+
+def _check_belt(effects: Iterable[AnyEffect]) -> None:
+    """Refuse effects that only a driven slider has a place for."""
+    for one in effects:
+        if isinstance(one, Effect) and one.name not in CATALOGUE and one.name not in CONSTANTS:
+            raise InputError(
+                f"effect '{one.name}' is for a DrivenSlider; {did_you_mean(one.name, CATALOGUE)}"
+            )
+    curves = [one.name for one in effects if isinstance(one, Tabulated) and not one.of_reading]
+    if len(curves) > 1:
+        raise InputError(
+            f"effects '{curves[0]}' and '{curves[1]}': a motion can have one tabulated term; name what the other "
+            "stands for, or put both into one curve",
+            key="effects",
+        )
+
+
+def _needs_angle_body(one: AnyEffect) -> bool:
+    if isinstance(one, Effect):
+        return one.kind.two_degree
+    return one.where == "angle_body" or one.variable in ("y1", "y2")

@@ -1,0 +1,156 @@
+"""The units a person reads a model's numbers in: those its readings are recorded in, SI, or none at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle, with_unit
+from stickslip.errors import InputError, number
+
+Quantity = Literal["t", "x1", "x2", "y1", "y2", "belt", "force"]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A number in `unit` is the model's number times `size`; the unit of a nondimensional number is "1"."""
+
+    size: float = 1.0
+    unit: str = "1"
+
+    def of(self, value: float, digits: int = 5) -> str:
+        """Write the model's number in the unit."""
+        return f"{value * self.size:.{digits}g}" + ("" if self.unit == "1" else f" {self.unit}")
+
+    def head(self, name: str) -> str:
+        """Return a column's head: the name and the unit, as in "x1 [mm]"."""
+        return name if self.unit == "1" else f"{name} [{self.unit}]"
+
+
+def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Quantity, Scale]:
+    """Return how each quantity of a rig is read.
+
+    Parameters
+    ----------
+    rig
+        One with scales, or a `BlockOnBelt` with channels in units, is read in units; another in bare numbers.
+    channels
+        Units of the readings, each its own, "1" too; velocities follow from them. SI where there are none.
+    """
+    units = {name: one.unit for name, one in (channels or {}).items()}
+    if isinstance(rig, BlockOnBelt):
+        if not units or "1" in units.values():
+            return {name: Scale() for name in ("t", "x1", "x2", "belt", "force")}
+        units = {"x1": "mm", **units}
+        force = 1.0
+    else:
+        if not isinstance(rig, Rig) or rig.scales is None:
+            return {name: Scale() for name in ("t", "x1", "x2", "y1", "y2", "belt", "force")}
+        units = {"x1": "m", "y1": "m", **units}
+        force = rig.scales.force
+    units = {"t": "s", "belt": default_speed_unit(rig), **units}
+    out: dict[Quantity, Scale] = {"t": Scale(1 / factor("t", units["t"], rig), units["t"])}
+    places: tuple[tuple[Quantity, Quantity], ...] = (("x1", "x2"), ("y1", "y2"))
+    for place, velocity in places:
+        if place in units:
+            out[place] = Scale(1 / factor(place, units[place], rig), units[place])
+            per = "1" if units[place] == units["t"] == "1" else f"{units[place]}/{units['t']}"
+            out[velocity] = Scale(out[place].size / out["t"].size, per)
+    out["belt"] = Scale(1 / factor("belt", units["belt"], rig), units["belt"])
+    out["force"] = Scale(force, "N")
+    return out
+
+
+# exponents of (force, speed) in a law's numbers, by name without its branch
+_LAW = {
+    "t1": (0, 1),
+    "t2": (0, 1),
+    "v_w_min": (0, 1),
+    "v_w_max": (0, 1),
+    "decay": (0, -1),
+    "quadratic": (1, -2),
+}
+_UNITS = {(1, 0): "N", (0, 1): "m/s", (0, -1): "s/m", (1, -2): "N s^2/m^2"}
+
+
+def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> Scale:
+    """Return how a number of a friction law is read: in SI, or bare where the rig is."""
+    known = scales(rig, channels)
+    if known["force"].unit == "1":
+        return Scale()
+    force, speed = exponents = _LAW.get(name.removesuffix("_plus"), (1, 0))
+    velocity = rig.scales.velocity if isinstance(rig, Rig) and rig.scales else 1.0
+    return Scale(known["force"].size ** force * velocity**speed, _UNITS[exponents])
+
+
+def plainly(value: float, digits: int = 2) -> str:
+    """Write a number to a few digits and without a power of ten: "170", never "1.7e+02"."""
+    return f"{float(f'{value:.{digits}g}'):.15g}" if abs(value) >= 1 else f"{value:.{digits}g}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """Write a share of 1 in per cent; below a hundredth of one it is only said to be less."""
+    if 0 < abs(share) < 1e-4:
+        return "less than 0.01 %"
+    return f"{plainly(100 * share, digits)} %"
+
+
+def to_digits(value: float, doubt: float | None) -> str:
+    """Write a number to the first digit that is in doubt, or the second; to four digits where that is not known.
+
+    Its own first two digits are always there: what is smaller than its doubt does not become 0.
+    """
+    if not doubt or not math.isfinite(doubt) or abs(value) < 1e-4:
+        return f"{value:.4g}"
+    own = 1 - math.floor(math.log10(abs(value)))
+    return f"{value:.{max(0, own, -math.floor(math.log10(doubt / 3)))}f}"
+
+
+def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyRig, key: str) -> float:
+    """Return the model's number for what a person wrote: "0.014", "14 mm/s", or "0.2 1" (the model's own).
+
+    Parameters
+    ----------
+    text
+        A number, in `usual` where it has no unit of its own.
+    quantity
+        What it measures.
+    usual
+        From `scales`.
+    key
+        Name said in the error.
+
+    Raises
+    ------
+    InputError
+        Not a finite number, or a unit that does not measure the quantity.
+    """
+    try:
+        size, own = with_unit(str(text))
+    except ValueError:
+        example = {"t": "60 s", "x1": "1.5 mm", "y1": "1.5 mm"}.get(quantity, "12 mm/s")
+        words = f"not a number with a unit; give one like 0.1 or '{example}'"
+        raise InputError(words, key=key, value=text) from None
+    number(key, size)
+    try:
+        return size * (_factor(quantity, own, rig) if own else 1 / usual.size)
+    except InputError as error:
+        raise InputError(error.what, key=key, value=text) from None
+
+
+def _factor(quantity: Quantity, unit: str, rig: AnyRig) -> float:
+    """The model's number for 1 of `unit`."""
+    if unit == "1":
+        return 1.0
+    if quantity == "y2" and is_angle(f"({unit}) * s"):
+        return (
+            factor("y1", "rad", rig)
+            * in_si(unit, "rad/s", what="an angular velocity")
+            / factor("t", "s", rig)
+        )
+    if quantity == "force":
+        raise InputError("a force is not asked for", key="unit", value=unit)
+    return factor("belt" if quantity in ("x2", "y2") else quantity, unit, rig)

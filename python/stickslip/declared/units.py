@@ -1,0 +1,212 @@
+"""Units of what was recorded: from a column's unit to the model's numbers and back."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
+from stickslip.errors import InputError, number
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+# what each channel measures, in SI; a spring force is read as the deflection x1 it stands for
+DIMENSIONS: dict[str, tuple[str, str]] = {
+    "t": ("s", "a time"),
+    "x1": ("m", "a displacement"),
+    "y1": ("m", "a displacement (or an angle, deg or rad)"),
+    "belt": ("m/s", "a velocity"),
+    "spring_force": ("N", "a force"),
+    "drive": ("N", "a force"),
+}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """How a quantity was recorded: reading = scale * column, in `unit`.
+
+    Parameters
+    ----------
+    column
+        Name of the column, or of the variable of a .mat file.
+    unit
+        A unit pint knows ("s", "mm", "m/s", "deg", ...) or "1" for the model's own.
+    scale
+        What a column's number is multiplied by to be in `unit`.
+
+    Raises
+    ------
+    InputError
+        The scale is zero or not finite.
+    """
+
+    column: str
+    unit: str = "1"
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        scale = number("scale", self.scale)
+        if scale == 0:
+            raise InputError("must not be zero, the column would be lost", key="scale", value=0.0)
+        object.__setattr__(self, "scale", scale)
+
+
+@lru_cache(maxsize=1)
+def registry() -> UnitRegistry[float]:
+    """Return the registry of units, made at first use: it takes longer than the rest of the package."""
+    from pint import UnitRegistry
+
+    return UnitRegistry()
+
+
+def in_si(unit: str, si: str, *, what: str) -> float:
+    """Return the size of one `unit` in the SI unit `si`.
+
+    Raises
+    ------
+    InputError
+        pint does not know the unit, it measures something else, or it has an offset (degC).
+    """
+    import pint
+
+    units = registry()
+    try:
+        parsed = units.Unit(unit)
+    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+        words = f"unknown unit; {what} needs one like '{si}' or '1'"
+        raise InputError(words, key="unit", value=unit) from None
+    try:
+        return float(units.Quantity(1.0, parsed).to(si).magnitude)
+    except pint.errors.PintError:
+        words = f"measures {_dimension(parsed)}, but this is {what}; give a unit like '{si}'"
+        raise InputError(words, key="unit", value=unit) from None
+
+
+def _dimension(unit: object) -> str:
+    dimension = str(getattr(unit, "dimensionality", "")).replace("[", "").replace("]", "")
+    return "a pure number" if dimension == "dimensionless" else dimension
+
+
+def factor(channel: str, unit: str, rig: AnyRig) -> float:
+    """Return what a reading in `unit` is multiplied by to be the model's number.
+
+    Parameters
+    ----------
+    channel
+        "t", "x1", "y1", "belt", "spring_force" or "drive".
+    unit
+        Unit of the reading; "1" is nondimensional and gives 1 (for a spring force: 1/stiffness). A drive in volts
+        or amperes gives 1 too: its channel's `scale` is the gain in N per unit.
+    rig
+        A `Rig` with scales takes any unit, one without takes "1" alone. A `BlockOnBelt` or
+        `DrivenSlider` in SI is the model of readings in units, a nondimensional one of readings in "1"; its
+        numbers are used as they are.
+
+    Raises
+    ------
+    InputError
+        Unknown unit, a unit of something else, or a unit where the rig has no scales.
+    """
+    si, what = DIMENSIONS[channel]
+    if channel == "spring_force":
+        stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else 1.0
+        return (1.0 if unit == "1" else in_si(unit, si, what=what)) / stiffness
+    if unit == "1":
+        return 1.0
+    if channel == "y1" and is_angle(unit):
+        if not isinstance(rig, Rig):
+            kind = "block on a belt" if isinstance(rig, BlockOnBelt) else "driven slider"
+            raise InputError(f"a {kind} has no angle body", key="unit", value=unit)
+        scales = _scales(rig, unit)
+        return in_si(unit, "rad", what="an angle") * scales.r / scales.length
+    if channel == "drive" and is_electric(unit):
+        return 1.0
+    size = in_si(unit, si, what=what)
+    if not isinstance(rig, Rig):
+        return size
+    scales = _scales(rig, unit)
+    return size / {"t": scales.time, "belt": scales.velocity}.get(channel, scales.length)
+
+
+def is_angle(unit: str) -> bool:
+    """Say whether `unit` measures an angle, which pint counts as a pure number."""
+    import pint
+
+    try:
+        return str(registry().Quantity(1.0, unit).to_root_units().units) == "radian"
+    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+        return False
+
+
+def is_electric(unit: str) -> bool:
+    """Say whether `unit` measures a voltage or a current, as a drive's command may be recorded."""
+    import pint
+
+    try:
+        parsed = registry().Unit(unit)
+    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+        return False
+    return any(parsed.is_compatible_with(one) for one in ("V", "A"))
+
+
+def _scales(rig: Rig, unit: str) -> Scales:
+    if rig.scales is None:
+        words = "the rig is nondimensional: give unit '1', or declare it in SI (m, J, r, k1, ..., length)"
+        raise InputError(words, key="unit", value=unit)
+    return rig.scales
+
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+def with_unit(text: str) -> tuple[float, str]:
+    """Return the number and the unit of "14 mm/s" or "14mm/s"; the unit is "" where there is none.
+
+    Raises
+    ------
+    ValueError
+        It does not begin with a number.
+    """
+    text = text.strip()
+    found = _NUMBER.match(text)
+    if found is None:
+        return float(text), ""  # nan and inf are numbers too
+    return float(found[0]), text[found.end() :].strip()
+
+
+def speed(given: float | str, unit: str, rig: AnyRig) -> float:
+    """Return a belt set-point as the model's number.
+
+    Parameters
+    ----------
+    given
+        A number in `unit`, or text with a unit of its own ("1100 um/s").
+    unit
+        Unit of the belt channel; where none is recorded, `default_speed_unit`.
+    rig
+        As for `factor`.
+
+    Raises
+    ------
+    InputError
+        Not a finite number, or a unit that is not one of velocity.
+    """
+    if not isinstance(given, str):
+        return number("belt_speed", given) * factor("belt", unit, rig)
+    try:
+        size, own = with_unit(given)
+    except ValueError:
+        words = "not a number with a unit; give one like 0.1 or '12 mm/s'"
+        raise InputError(words, key="belt_speed", value=given) from None
+    try:
+        return number("belt_speed", size) * factor("belt", own or unit, rig)
+    except InputError as error:
+        raise InputError(error.what, key="belt_speed", value=given) from None
+
+
+def default_speed_unit(rig: AnyRig) -> str:
+    """Return the unit of a set-point without a belt channel: m/s for an SI rig, nondimensional otherwise."""
+    return "m/s" if not isinstance(rig, Rig) or rig.scales is not None else "1"

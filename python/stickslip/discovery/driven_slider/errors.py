@@ -1,0 +1,102 @@
+"""Errors on the validate runs: of the force, and of forecasts of the position under the recorded drive."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.model import Model
+from stickslip.declared.rig import DrivenSlider
+from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.measured.case import Case, Recording
+from stickslip.simulated.driven_slider import forecast
+
+Floats = NDArray[np.float64]
+
+AHEAD = 0.25  # s
+WINDOW = 24  # samples before its start from which a forecast takes its state
+NAN = float("nan")
+METRIC = (
+    "norm of the force that the model leaves unexplained over that of the drive, on the validate runs, within the"
+    " band in which the drive explains the acceleration; friction at rest left free"
+)
+
+
+def error_block(
+    case: Case, validate: Balance, null: Fit, chosen: Fit, before: Model, after: Model
+) -> ErrorBlock:
+    """Both errors of every validate run, before and after; the floor is what the process noise alone leaves."""
+    ends = np.cumsum(validate.lengths)
+    left = {"before": validate.unexplained(null), "after": validate.unexplained(chosen)}
+    floor = validate.noise.std
+    rows, powers = [], {"before": 0.0, "after": 0.0, "floor": 0.0}
+    for run, stop, length in zip(case.validate, ends, validate.lengths, strict=True):
+        part = slice(stop - length, stop)
+        total = float(np.linalg.norm(validate.force[part]))
+        force = {k: float(np.linalg.norm(v[part])) / total for k, v in left.items()}
+        force["floor"] = floor * np.sqrt(length) / total
+        position = {
+            "before": forecasts(before, run, AHEAD),
+            "after": forecasts(after, run, AHEAD),
+            "floor": floor_of_forecast(validate, run, AHEAD),
+        }
+        none = {"before": NAN, "after": NAN, "floor": NAN}
+        unit = {"x1": run.unit("x1"), "drive": "1"}
+        per = run.factor("x1") / run.channels["x1"].scale
+        rmse = {"x1": {k: v / per for k, v in position.items()}, "drive": force}
+        moved = float(np.std(run.x1))
+        rows.append(
+            RunError(
+                run.name,
+                0.0,
+                force,
+                {k: v / moved for k, v in position.items()},
+                none,
+                none,
+                none,
+                none,
+                rmse,
+                unit,
+            )
+        )
+        for k, v in force.items():
+            powers[k] += (v * total) ** 2
+    total = float(np.linalg.norm(validate.force))
+    share = {k: float(np.sqrt(v)) / total for k, v in powers.items()}
+    return ErrorBlock(METRIC, share["before"], share["after"], share["floor"], tuple(rows))
+
+
+def starts(run: Recording, steps: int) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """Where forecasts begin, and the state there from a cubic through the readings before: samples, x, v (m,)."""
+    assert run.drive is not None
+    at = np.arange(WINDOW, len(run.t) - steps - 1, max(steps // 2, 1))
+    dt = float(np.median(np.diff(run.t)))
+    tau = np.arange(-WINDOW + 1, 1) * dt
+    powers = np.vander(tau, 4, increasing=True)
+    windows = run.x1[at[:, None] + np.arange(-WINDOW + 1, 1)]
+    b = np.linalg.lstsq(powers / tau[0] ** np.arange(4), windows.T, rcond=None)[0]
+    return at, b[0], b[1] / tau[0]
+
+
+def forecasts(model: Model, run: Recording, ahead: float) -> float:
+    """Root mean square error of the position `ahead` seconds on [m], over windows that begin half as far apart."""
+    assert run.drive is not None
+    steps = round(ahead / float(np.median(np.diff(run.t))))
+    at, x, v = starts(run, steps)
+    path = forecast(model, run.t, run.drive, at, x, v, steps)
+    measured = run.x1[at[None, :] + np.arange(steps + 1)[:, None]]
+    return float(np.sqrt(np.mean((path - measured)[-1] ** 2)))
+
+
+def floor_of_forecast(validate: Balance, run: Recording, ahead: float) -> float:
+    """The same error that the process noise alone makes: drawn, divided by the mass, integrated twice."""
+    assert isinstance(run.rig, DrivenSlider)
+    step = validate.runs[0].dt * validate.band.step
+    steps = round(ahead / step)
+    generator = np.random.default_rng(0)
+    ends = []
+    for _ in range(200):
+        a = validate.noise.drawn(steps, generator) / run.rig.mass
+        ends.append(np.sum(np.cumsum(a)) * step**2)
+    return float(np.sqrt(np.mean(np.square(ends))))

@@ -1,0 +1,261 @@
+"""What a driven slider may have beyond its declared law: for each candidate the columns it adds to the force balance.
+
+The balance is linear in the law's numbers and in a candidate's amplitudes; numbers inside a candidate (a wavelength, a
+time constant) are scanned. A column c with coefficient b stands for -b c on the right side of mass x2' = F - ...,
+so that F = mass x2' + damping x2 + T + sum b c.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from stickslip.discovery.driven_slider.motion import Motion, instant
+
+Floats = NDArray[np.float64]
+RIPPLES = ("position_ripple", "position_ripple_2", "position_ripple_3")  # one after the other
+FEWEST_WAVES = 3.0  # periods within the reach below which a position-periodic force is none
+
+
+@dataclass(frozen=True)
+class Law:
+    """The declared law's numbers: mass, damping, kinetic friction for x2 < 0 and x2 > 0."""
+
+    mass: float
+    damping: float
+    minus: float
+    plus: float
+
+    def friction(self, run: Motion) -> Floats:
+        """T (n,), 0 where the sign of the velocity is in doubt."""
+        return run.sign * np.where(run.sign > 0, self.plus, self.minus)
+
+
+@dataclass(frozen=True)
+class Term:
+    """A candidate.
+
+    Attributes
+    ----------
+    name : its name in the catalogue.
+    scanned : names of the numbers inside it.
+    amplitudes : how many columns it adds.
+    columns : columns (n, amplitudes) of a run, from the scanned numbers (k,) and the law; where `many`, the scanned
+        number may be an array (m,) of values, whose columns (n, m amplitudes) come side by side.
+    parameters : the catalogue's parameters from scanned numbers and coefficients.
+    fixed : its one column has the coefficient 1: all of the drive lags, or none.
+    scaled : its columns go with the law's friction.
+    """
+
+    name: str
+    scanned: tuple[str, ...]
+    amplitudes: int
+    columns: Callable[[Motion, Floats, Law], Floats]
+    parameters: Callable[[Floats, Floats, Law], dict[str, float]]
+    fixed: bool = False
+    many: bool = False
+    scaled: bool = False
+
+    @property
+    def size(self) -> int:
+        """How many numbers it adds."""
+        return len(self.scanned) + (0 if self.fixed else self.amplitudes)
+
+
+def base(run: Motion) -> Floats:
+    """Columns (n, 4) of the declared law: acceleration, velocity, and the two directions of friction."""
+    s = run.sign
+    return np.column_stack([run.a, run.v, np.where(s < 0, -1.0, 0.0), np.where(s > 0, 1.0, 0.0)])
+
+
+def free(run: Motion, step: int) -> Floats:
+    """Columns (n, m): while the sign of the velocity is in doubt friction may take any value (a stick's is set-valued).
+
+    Triangles `step` samples apart over each such stretch.
+    """
+    at = np.flatnonzero(run.rest)
+    if not at.size:
+        return np.zeros((len(run.t), 0))
+    out = []
+    n = np.arange(len(run.t))
+    for stretch in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1):
+        count = max(int(np.ceil(len(stretch) / step)), 1)
+        for centre in np.linspace(stretch[0], stretch[-1], count):
+            out.append(np.where(run.rest, np.clip(1 - np.abs(n - centre) / step, 0, None), 0.0))
+    return np.column_stack(out)
+
+
+def _one(
+    name: str,
+    parameter: str,
+    column: Callable[[Motion, Law], Floats],
+    sign: float = 1.0,
+    *,
+    scaled: bool = False,
+) -> Term:
+    """A candidate with one amplitude and nothing inside; its parameter is `sign` times the coefficient."""
+    return Term(
+        name,
+        (),
+        1,
+        lambda run, _, law: column(run, law)[:, None],
+        lambda _, b, __: {parameter: sign * float(b[0])},
+        scaled=scaled,
+    )
+
+
+def _wave(b: Floats) -> tuple[float, float]:
+    """Amplitude and phase: -(b[0] cos + b[1] sin) = a sin(. + phi), as forces on the slider."""
+    return float(np.hypot(b[0], b[1])), float(np.mod(np.arctan2(-b[0], -b[1]), 2 * np.pi))
+
+
+def _pairs(turns: Floats, weight: Floats) -> Floats:
+    """Cosine and sine of every column of `turns` (n, m), side by side (n, 2 m), times `weight` (n,)."""
+    # within half a turn single precision is enough, and twice as fast
+    angle = (turns - np.rint(turns)).astype(np.float32) * np.float32(2 * np.pi)
+    both = np.empty((*angle.shape, 2), dtype=np.float32)
+    np.cos(angle, out=both[..., 0])
+    np.sin(angle, out=both[..., 1])
+    both *= weight.astype(np.float32)[:, None, None]
+    return both.reshape(len(turns), -1).astype(np.float64)
+
+
+def _ripple(
+    name: str, weight: Callable[[Motion, Law], Floats], sign: float = 1.0, *, scaled: bool = False
+) -> Term:
+    """Something that goes with a sinusoid of the position."""
+
+    def columns(run: Motion, inside: Floats, law: Law) -> Floats:
+        return _pairs(run.x[:, None] * (1 / inside), sign * weight(run, law))
+
+    def parameters(inside: Floats, b: Floats, _: Law) -> dict[str, float]:
+        a, phi = _wave(b)
+        return {"a": a, "L": float(inside[0]), "phi": phi}
+
+    return Term(name, ("L",), 2, columns, parameters, many=True, scaled=scaled)
+
+
+def _harmonic() -> Term:
+    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+        return _pairs(run.t[:, None] * (inside / (2 * np.pi)), np.ones(len(run.t)))
+
+    def parameters(inside: Floats, b: Floats, _: Law) -> dict[str, float]:
+        a, phi = _wave(b)
+        return {"a": a, "w": float(inside[0]), "phi": phi}
+
+    return Term("harmonic_forcing", ("w",), 2, columns, parameters, many=True)
+
+
+def _stribeck() -> Term:
+    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+        return np.asarray((run.sign * np.exp(-((run.v / inside[0]) ** 2)))[:, None])
+
+    return Term(
+        "stribeck_peak", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])}
+    )
+
+
+def _thinning() -> Term:
+    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+        return np.asarray((run.sign * -np.expm1(-np.abs(run.v) / inside[0]))[:, None])
+
+    return Term(
+        "viscous_saturation", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])}
+    )
+
+
+def bristle(run: Motion, d: float) -> Floats:
+    """Relative bristle deflection z, |z| <= 1: dz/dx = (sgn(v) - z)/d, exact over each sample (n,)."""
+    dx = np.diff(run.x)
+    keep = np.exp(-np.abs(dx) / d)
+    z = np.empty(len(run.x))
+    z[0] = np.sign(run.v[0])
+    s = np.sign(dx)
+    for i in range(len(dx)):
+        z[i + 1] = s[i] + (z[i] - s[i]) * keep[i]
+    return z
+
+
+def _compliance() -> Term:
+    """Friction that follows a bristle instead of the sign: T z, with z as in `bristle`; 1/k = d/T."""
+
+    def columns(run: Motion, inside: Floats, law: Law) -> Floats:
+        z = bristle(run, float(inside[0]))
+        full = np.where(z > 0, law.plus, law.minus) * z
+        return np.asarray((full - law.friction(run))[:, None])
+
+    def parameters(inside: Floats, _: Floats, law: Law) -> dict[str, float]:
+        return {"k": 0.5 * (law.minus + law.plus) / float(inside[0]), "c": 0.0}
+
+    return Term("contact_compliance", ("d",), 1, columns, parameters, fixed=True, scaled=True)
+
+
+def _lag() -> Term:
+    """The drive's force follows its command with a first-order lag: tau f' = command - f."""
+
+    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+        return (run.drive - lagged(run, float(inside[0])))[:, None]
+
+    return Term("drive_lag", ("tau",), 1, columns, lambda i, _, __: {"tau": float(i[0])}, fixed=True)
+
+
+def lagged(run: Motion, tau: float) -> Floats:
+    """The lagged drive at the samples (n,), for a held command."""
+    keep = np.exp(-run.dt / tau)
+    at_end, _ = scipy.signal.lfilter([1 - keep], [1, -keep], run.command, zi=[keep * run.command[0]])
+    at_start = np.concatenate([run.command[:1], at_end[:-1]])
+    # mean over the interval that begins at each sample
+    mean = run.command + (at_start - run.command) * (1 - keep) * tau / run.dt
+    return instant(np.concatenate([mean[:1], 0.5 * (mean[1:] + mean[:-1])]))
+
+
+def _delay() -> Term:
+    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+        return np.asarray((run.drive - np.interp(run.t - inside[0], run.t, run.drive))[:, None])
+
+    return Term("drive_delay", ("delay",), 1, columns, lambda i, _, __: {"delay": float(i[0])}, fixed=True)
+
+
+def terms() -> tuple[Term, ...]:
+    """Every named candidate but `rig_mass`, which needs the declared mass."""
+    return (
+        _one("viscous_asymmetry", "c", lambda run, _: np.abs(run.v)),
+        _one("block_quadratic_damping", "c", lambda run, _: run.v * np.abs(run.v)),
+        _stribeck(),
+        _thinning(),
+        _compliance(),
+        _one("position_load", "k", lambda run, _: run.x),
+        _one("position_friction", "r", lambda run, law: law.friction(run) * run.x, scaled=True),
+        _one("load_drift", "r", lambda run, _: run.t, -1.0),
+        _one("friction_drift", "r", lambda run, law: law.friction(run) * run.t, scaled=True),
+        _one("drive_gain_drift", "r", lambda run, _: run.drive * run.t, -1.0),
+        _one("drive_nonlinearity", "q", lambda run, _: run.drive * np.abs(run.drive), -1.0),
+        _lag(),
+        _delay(),
+        *(_ripple(name, lambda run, _: np.ones(len(run.t))) for name in RIPPLES),
+        _ripple("friction_ripple", lambda run, law: law.friction(run), -1.0, scaled=True),
+        _ripple("drive_ripple", lambda run, _: run.drive),
+        _harmonic(),
+    )
+
+
+def grids(runs: Sequence[Motion], cutoff: float) -> dict[str, Floats]:
+    """Values to try of every scanned number, from what the runs can tell."""
+    fastest = max(float(np.percentile(np.abs(run.v), 99)) for run in runs)
+    slow = min(float(np.percentile(np.abs(run.v), 50)) for run in runs)
+    reach = max(float(np.ptp(run.x)) for run in runs)
+    span = sum(float(run.t[-1] - run.t[0]) for run in runs)
+    dt = runs[0].dt
+    waves = np.arange(FEWEST_WAVES / reach, cutoff / max(slow, 1e-12), 0.7 / reach)
+    return {
+        "v_s": np.geomspace(0.003 * fastest, fastest, 16),
+        "d": np.geomspace(3e-5 * reach, 0.03 * reach, 16),
+        "tau": np.geomspace(0.1 * dt, 1 / (2 * np.pi * cutoff) * 8, 12),
+        "delay": np.linspace(-2 * dt, 6 * dt, 17)[np.abs(np.linspace(-2, 6, 17)) > 1e-9],
+        "L": 1 / waves,
+        "w": 2 * np.pi * np.arange(3.0 / span, cutoff, 0.7 / span),
+    }

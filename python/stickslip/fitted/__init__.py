@@ -1,0 +1,1 @@
+"""A model held to readings: fits through simulation, identification, comparison and forecasts."""

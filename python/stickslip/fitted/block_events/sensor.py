@@ -1,0 +1,98 @@
+"""The channel of a block on a belt: from its motion to the reading, and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.effects import Effect, Tabulated
+from stickslip.declared.model import Model
+from stickslip.errors import InputError
+from stickslip.fitted.readings import unbent
+
+Floats = NDArray[np.float64]
+TURNS = 40  # of undoing curves: each leaves their slope's share of what the last left
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the channel makes of the deflection x: gain m + curvature m^2 + drift t + curves; m is x, or x lagged."""
+
+    gain: float
+    curvature: float
+    drift: float
+    lag: float = 0.0
+    curves: tuple[Tabulated, ...] = ()
+
+    def of(self, m: Floats, t: Floats) -> Floats:
+        """Readings of (lagged) deflections at times t, without curves."""
+        return np.asarray(self.gain * m + self.curvature * m**2 + self.drift * t)
+
+    def undone(self, reading: Floats, t: Floats) -> Floats:
+        """(Lagged) deflections behind readings without curves."""
+        return unbent((reading - self.drift * t) / self.gain, self.curvature / self.gain)
+
+    def read(self, x: Floats, m: Floats | None, t: Floats) -> Floats:
+        """Readings of a motion, (n,); `m` where there is a lag."""
+        return self.of(x if m is None or not self.lag else m, t) + self._added(x, t)
+
+    def settled(self, x: float, v: float) -> float:
+        """m of a motion that has been steady for long."""
+        return x - self.lag * v
+
+    def steady(self, reading: Floats, v: float, t: Floats) -> Floats:
+        """Deflections behind readings without curves taken in motion at a steady v."""
+        return self.undone(reading, t) + self.lag * v
+
+    def behind(self, reading: Floats, rate: Floats, t: Floats) -> tuple[Floats, Floats]:
+        """(Lagged) deflections m and their rates behind readings and theirs; the deflection is m + lag m'."""
+        m = self.undone(reading, t)
+        moves = self._rate(m, rate - self.drift)
+        for _ in range(TURNS if self.curves else 0):
+            x = m + self.lag * moves
+            m = self.undone(reading - self._added(x, t), t)
+            moves = self._rate(m, rate - self.drift - self._added_rate(x, moves, t))
+        return m, moves
+
+    def _rate(self, m: Floats, rate: Floats) -> Floats:
+        """Rate of m behind that of a reading without drift; where the curvature folds back, that of the edge."""
+        slope = self.gain + 2 * self.curvature * m
+        return np.asarray(rate / np.where(np.abs(slope) < 0.01 * self.gain, 0.01 * self.gain, slope))
+
+    def _added(self, x: Floats, t: Floats) -> Floats:
+        """What curves add, (n,)."""
+        out = np.zeros(len(x))
+        for one in self.curves:
+            out += one.curve(x if one.variable == "x1" else t)
+        return out
+
+    def _added_rate(self, x: Floats, v: Floats, t: Floats) -> Floats:
+        """The rate of that, (n,)."""
+        out, along = np.zeros(len(x)), {"x1": (x, v), "t": (t, 1.0)}
+        for one in self.curves:
+            at, moves = along[one.variable]
+            out += one.curve(at, 1) * np.asarray(moves)
+        return out
+
+
+def reading_of(model: Model, force_channel: bool) -> Reading:
+    """The chain from deflection to reading: a force is recorded by the true spring, and read by the declared one.
+
+    Raises
+    ------
+    InputError
+        A curve in x2: the velocity behind the readings is not known without undoing it.
+    """
+    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
+    gain = 1 + known.get("sensor_gain", {}).get("e", 0.0)
+    if force_channel:
+        gain *= 1 + known.get("rig_stiffness", {}).get("e", 0.0)
+    curvature = known.get("sensor_nonlinearity", {}).get("q", 0.0)
+    drift, lag = known.get("sensor_drift", {}).get("r", 0.0), known.get("sensor_lag", {}).get("tau", 0.0)
+    curves = tuple(one for one in model.effects if isinstance(one, Tabulated) and one.of_reading)
+    if any(one.variable == "x2" for one in curves):
+        words = "a curve of the reading in x2 cannot be undone where x1 alone is recorded; one in x1 or t can"
+        raise InputError(words, key="learned_x1_x2")
+    return Reading(gain, curvature, drift, lag, curves)

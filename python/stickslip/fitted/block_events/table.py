@@ -1,0 +1,278 @@
+"""A run as a table of its events: how fast its sticks rise, where it breaks away, how its slips swing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.errors import InputError
+from stickslip.fitted.block_events.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, arrest, lost
+from stickslip.fitted.block_events.fit import Fitted, Prior, Windows, fit
+from stickslip.measured import signals
+from stickslip.measured import sticks as segments
+from stickslip.measured.case import Recording
+
+Floats = NDArray[np.float64]
+CREEP = 0.25  # share of the belt speed by which a stick may be off it
+LEAST = 12.0  # slip over noise
+BEFORE, AFTER = 1.0, 0.5  # natural periods of stick kept around a slip
+EARLY = (0.1, 0.6)  # part of a stick whose rise is taken: its end creeps
+SHORTEST = 24  # samples of a stick whose rise can be told
+MOST = 700  # samples of a window
+
+
+@dataclass(frozen=True)
+class Run:
+    """A recording made ready: x rises in its sticks (the belt's direction is turned if need be).
+
+    `x` (n,) is NaN at glitches; `sign` undoes the turning; `noise` is the standard deviation of x, quantisation
+    included, `step` the size of a quantum (0: none).
+    """
+
+    name: str
+    source: str
+    role: str
+    rig: BlockOnBelt
+    force_channel: bool
+    belt_speed: float
+    sign: float
+    t: Floats
+    x: Floats
+    noise: float
+    step: float
+    glitches: float
+    track: segments.Track
+
+
+@dataclass(frozen=True)
+class Events:
+    """The slips of one run, fitted one by one, in time order; (k,) arrays but for `p` (k, 6).
+
+    `dwell` is the time at rest before each; `travel` the belt's travel at the breakaway; `slip` the distance slid;
+    `std` (k, 6) what the noise leaves of each number; `position` the block's own place on the belt.
+    """
+
+    p: Floats
+    std: Floats
+    rms: Floats
+    t: Floats
+    dwell: Floats
+    travel: Floats
+    slip: Floats
+    arrest: Floats
+    previous: Floats
+    residual: Floats
+    window: tuple[tuple[int, int], ...]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True)
+class Sticks:
+    """How fast the sticks of one run rise; (k,) arrays. `rate` is over the set-point speed, `std` from the noise."""
+
+    t: Floats
+    x: Floats
+    rate: Floats
+    std: Floats
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A run with its events."""
+
+    run: Run
+    events: Events
+    sticks: Sticks
+
+
+def natural_rate(rig: BlockOnBelt) -> float:
+    """sqrt(k/m) of the declared rig."""
+    return float(np.sqrt(rig.stiffness / rig.mass))
+
+
+def damping_ratio(rig: BlockOnBelt) -> float:
+    """c/(2 sqrt(k m)) of the declared rig."""
+    return float(rig.damping / (2 * np.sqrt(rig.stiffness * rig.mass)))
+
+
+def prepare(recording: Recording) -> Run:
+    """Turn a recording into a run, its noise estimated where it is not declared.
+
+    Raises
+    ------
+    InputError
+        The belt stands still, or the record is too short.
+    """
+    rig = recording.rig
+    if not isinstance(rig, BlockOnBelt):
+        raise InputError("must be a block on a belt", key="rig")
+    if recording.belt_speed == 0:
+        raise InputError(
+            f"run '{recording.name}': the belt stands still; give the speed of the pull", key="belt_speed"
+        )
+    sign = float(np.sign(recording.belt_speed))
+    t = recording.t - recording.t[0]
+    x = sign * np.asarray(recording.x1, dtype=np.float64)
+    good = np.isfinite(x)
+    noise = recording.noise.get("x1") or float(signals.noise_std(x[good], t=t[good]))
+    x = x.copy()
+    x[signals.find_glitches(x).mask] = np.nan
+    speed = abs(recording.belt_speed)
+    track = segments.track(
+        t, x, belt_speed=speed, noise=noise, period=2 * np.pi / natural_rate(rig), tolerance=CREEP
+    )
+    steps = np.diff(np.unique(x[np.isfinite(x)]))
+    step = float(np.min(steps)) if len(steps) and len(steps) < len(x) // 3 else 0.0
+    return Run(
+        recording.name,
+        str(recording.source),
+        recording.role,
+        rig,
+        "spring_force" in recording.channels,
+        speed,
+        sign,
+        t,
+        x,
+        noise,
+        step if step > 1e-3 * noise else 0.0,
+        float(np.mean(np.isnan(x))),
+        track,
+    )
+
+
+def measure(run: Run) -> Measured:
+    """Find the events of a run and fit each."""
+    return Measured(run, events(run), sticks(run))
+
+
+def sticks(run: Run) -> Sticks:
+    """Slopes of the sticks, early in each, by least squares without outliers."""
+    rows = []
+    for s in run.track.sticks:
+        n = s.stop - s.start
+        if n < SHORTEST:
+            continue
+        at = np.arange(s.start + int(EARLY[0] * n), s.start + int(EARLY[1] * n))
+        at = at[np.isfinite(run.x[at])]
+        if len(at) < SHORTEST // 3:
+            continue
+        u = run.t[at] - run.t[at].mean()
+        kept = np.ones(len(at), dtype=bool)
+        c = np.zeros(2)
+        for _ in range(3):
+            c = np.polyfit(u[kept], run.x[at][kept], 1)
+            off = np.abs(run.x[at] - np.polyval(c, u))
+            kept = off <= max(4 * run.noise, float(np.median(off)))
+        std = run.noise / np.sqrt(float(np.sum(u[kept] ** 2)))
+        rows.append((run.t[at].mean(), c[1], c[0] / run.belt_speed, std / run.belt_speed))
+    table = np.array(rows).reshape(-1, 4)
+    return Sticks(*(table[:, j] for j in range(4)))
+
+
+def events(run: Run) -> Events:
+    """Slips with a stick on both sides, each fitted by itself."""
+    bounds, starts = _windows(run)
+    if not bounds:
+        none = np.zeros(0)
+        return Events(np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=())
+    windows = cut(run, bounds)
+    start = np.array(starts)
+    size = np.maximum(start[:, S] - start[:, K], 5 * run.noise)
+    w = natural_rate(run.rig)
+    spread = np.empty_like(start)
+    spread[:, [S, K]] = 100 * size[:, None]
+    spread[:, RELEASE], spread[:, RATE], spread[:, LOG_W2], spread[:, ZETA] = 1 / w, run.belt_speed, 1.5, 0.3
+    return _table(run, bounds, _best(windows, start, Prior(start, spread)))
+
+
+def _best(windows: Windows, start: Floats, prior: Prior) -> Fitted:
+    """The better of two starts of the frequency, event by event."""
+    found = [fit(windows, _shifted(start, shift), prior) for shift in (0.0, 0.7)]
+    first, second = ([float(np.nansum(np.log1p((r / 3) ** 2))) for r in one.residual] for one in found)
+    take = np.array(second) < np.array(first)
+    a, b = found
+    return Fitted(
+        np.where(take[:, None], b.p, a.p),
+        np.where(take[:, None, None], b.covariance, a.covariance),
+        np.where(take, b.rms, a.rms),
+        np.where(take[:, None], b.residual, a.residual),
+    )
+
+
+def _shifted(start: Floats, shift: float) -> Floats:
+    out = start.copy()
+    out[:, LOG_W2] += shift
+    return out
+
+
+def _windows(run: Run) -> tuple[list[tuple[int, int]], list[list[float]]]:
+    """Sample ranges of the events, and where the fit of each starts."""
+    track, dt = run.track, float(np.median(np.diff(run.t)))
+    w = natural_rate(run.rig)
+    period = 2 * np.pi / w / dt
+    bounds, starts = [], []
+    for b, s, a in zip(track.segments[:-2], track.segments[1:-1], track.segments[2:], strict=True):
+        if b.mode or a.mode or s.mode != -1:
+            continue
+        part = track.x[s.start : s.stop + 1]
+        if np.ptp(part) < LEAST * run.noise:
+            continue
+        low = max((b.start + b.stop) // 2, int(s.start - BEFORE * period))
+        high = min((a.start + a.stop) // 2, int(s.stop + AFTER * period))
+        if not 16 < high - low <= MOST:
+            continue
+        top, bottom = float(part[0]), float(part[-1])
+        bounds.append((low, high))
+        starts.append(
+            [top, 0.5 * (top + bottom), float(run.t[s.start]) - 0.1 / w, run.belt_speed, 2 * np.log(w), 0.0]
+        )
+    return bounds, starts
+
+
+def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
+    """Readings of the events side by side."""
+    longest = max(b - a for a, b in bounds)
+    at = np.array([a for a, _ in bounds])[:, None] + np.arange(longest)
+    beyond = at >= np.array([b for _, b in bounds])[:, None]
+    at = np.minimum(at, len(run.t) - 1)
+    x = run.x[at]
+    bad = beyond | ~np.isfinite(x)
+    return Windows(run.t[at], np.where(bad, 0.0, x), np.where(bad, 0.0, 1 / run.noise))
+
+
+def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> Events:
+    p = found.p
+    std = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
+    slid, ends = lost(p), arrest(p)
+    good = (slid > 0.5 * LEAST * run.noise) & (found.rms < 8) & (p[:, S] > p[:, K])
+    good &= np.all(np.isfinite(p) & np.isfinite(std), axis=1)
+    release = p[:, RELEASE]
+    dwell, previous = _rests(run, release)
+    chosen = [one for one, kept in zip(bounds, good, strict=True) if kept]
+    return Events(
+        p[good],
+        std[good],
+        found.rms[good],
+        release[good],
+        dwell[good],
+        run.belt_speed * release[good],
+        slid[good],
+        ends[good],
+        previous[good],
+        found.residual[good],
+        tuple(chosen),
+    )
+
+
+def _rests(run: Run, release: Floats) -> tuple[Floats, Floats]:
+    """Time at rest before each breakaway, and x where the rest began."""
+    begun = np.array([s.start for s in run.track.sticks], dtype=np.int64)
+    at = np.clip(np.searchsorted(run.t[begun], release) - 1, 0, len(begun) - 1)
+    first = begun[at]
+    return np.maximum(release - run.t[first], 1e-9), run.track.x[first]

@@ -1,0 +1,187 @@
+"""Forecast: the state from the past of a run by the window fit, then a free run of the model."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.arguments import explained, must_be
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider
+from stickslip.declared.scale import plainly
+from stickslip.errors import InputError, ModelWarning, number
+from stickslip.fitted.data import CHANNELS, Data, prepare
+from stickslip.fitted.plausible import stick_speed
+from stickslip.fitted.predict import Forecaster
+from stickslip.fitted.readings import curves_of
+from stickslip.measured.case import Recording
+from stickslip.measured.stick_speed import CLEAR, NEAR, contradicted, wrong_set_point
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
+MOST = 1_000_000  # samples of a forecast
+LAST = 10  # samples of the past that the start is held against
+HARDLY = 1.03  # ratio of the past's speed to the one given that may be why the model misses the last readings
+FAR = 5.0  # times the noise
+BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
+
+
+@explained
+def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
+    """Predict the readings that follow a recording.
+
+    The state at its last sample, hidden states of effects and phases included, comes from its own readings by
+    output error over windows; from there the model runs freely. The belt speed is that of the past and of the future:
+    a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where the run
+    began.
+
+    Parameters
+    ----------
+    model
+        Complete model, as `discover` or `identify` give it.
+    recording
+        The past, at least one cycle of it.
+    belt_speed
+        v_b in model units, that of the recording and of what follows it.
+    horizon
+        How far to predict, in the model's unit of time.
+
+    Returns
+    -------
+    DataFrame
+        Columns t, x1, y1 in the recording's own units, at its sampling rate, from the next sample on; for a block
+        on a belt t and the channel recorded, x1 or spring_force.
+
+    Raises
+    ------
+    InputError
+        A horizon that is not positive or longer than a million samples, a past too short or without y1, a belt speed
+        of the wrong sign, ten times off the one that the past rides at or 0 where it rides, or, for a block on a belt,
+        a curve of the reading in x2.
+    StickslipError
+        The model's run stops before the horizon.
+
+    Warns
+    -----
+    ModelWarning
+        The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
+        belt, the sticks of the past ride at another speed than `belt_speed`.
+    """
+    import pandas as pd  # slow to import
+
+    must_be("model", model, Model, "load_model(file) gives one")
+    must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
+    if isinstance(model.rig, DrivenSlider):
+        words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"
+        raise InputError(words, key="model")
+    speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
+    past_run = replace(recording, belt_speed=speed)
+    dt = _interval(recording.t)
+    steps = int(np.floor(span / dt + SLACK))
+    if steps < 1:
+        raise InputError(f"shorter than one sampling interval ({dt:g})", key="horizon", value=horizon)
+    if steps > MOST:
+        words = f"{steps:.3g} samples; {MOST} are the most, a horizon of {MOST * dt:.4g}"
+        raise InputError(words, key="horizon", value=horizon)
+    if isinstance(model.rig, BlockOnBelt):
+        return _slider(model, past_run, dt, steps)
+    run = prepare([past_run])[0]
+    seen, who = _ridden(run)
+    _refuse(contradicted(past_run, seen, BEYOND, who))
+    future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
+    forecaster = Forecaster(model, run, 2, curves_of(model))
+    forecaster.settle(len(run.t))
+    window = forecaster.state_window(len(run.t))
+    past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
+    whole = forecaster.run_on(window, np.concatenate([past, future])).readings
+    difference = whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop]
+    _doubt(difference, run, past_run, seen, who)
+    readings = whole[len(past) :]
+    columns = {"t": future + float(recording.t[0])}
+    columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
+    return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
+
+
+def _interval(t: NDArray[np.float64]) -> float:
+    """The sampling interval: the mean over all, which the rounding of times hardly touches; a gap counts as the samples
+    that it lacks.
+    """
+    gaps = np.diff(t)
+    interval = float(np.median(gaps))
+    for _ in range(3):
+        interval = float(t[-1] - t[0]) / float(np.maximum(np.round(gaps / interval), 1).sum())
+    return interval
+
+
+def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.DataFrame:
+    """A block on a belt: the level of friction is that of the last events of the past."""
+    import pandas as pd
+
+    from stickslip.fitted.block_events.predict import Forecaster as Slider
+    from stickslip.fitted.block_events.sensor import Reading, reading_of
+    from stickslip.fitted.block_events.table import measure
+    from stickslip.fitted.block_events.table import prepare as ready
+
+    sensor, t = reading_of(model, recording.channel("x1") == "spring_force"), recording.t - recording.t[0]
+    m, _ = sensor.behind(recording.x1, np.gradient(recording.x1, t), t)
+    noise = {name: size / (sensor.gain if name == "x1" else 1.0) for name, size in recording.noise.items()}
+    bare = replace(recording, x1=m, noise=noise)
+    _refuse(wrong_set_point(bare, clear=BEYOND))
+    wrong = wrong_set_point(bare, clear=NEAR)
+    if wrong:
+        said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
+        warnings.warn(said, ModelWarning, stacklevel=4)
+    measured = measure(ready(bare))
+    run = measured.run
+    future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
+    slider = Slider(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag))  # all but the lag is undone
+    ahead = slider.forecast(len(run.t), future)
+    readings = sensor.read(run.sign * ahead.state[:, 0], run.sign * ahead.reading, future)
+    columns = {"t": future + float(recording.t[0]), recording.channel("x1"): readings}
+    return pd.DataFrame(
+        {name: values / recording.factor("t" if name == "t" else "x1") for name, values in columns.items()}
+    )
+
+
+def _ridden(run: Data) -> tuple[float | None, str]:
+    """Speed of the past by its sticks, or else by its belt channel, None where neither tells; and what told it."""
+    speed = stick_speed(run)
+    if speed is None and run.readings.shape[1] == len(CHANNELS):
+        reads = float(np.median(run.readings[:, 2]))
+        still = run.belt_speed == 0 and abs(reads) < BEYOND * run.noise[2]  # a sensor's zero may be off
+        return None if still else reads, "the past's channel belt reads"
+    return speed, "the sticks of the past ride at"
+
+
+def _refuse(wrong: str | None) -> None:
+    if wrong:
+        raise InputError(wrong)
+
+
+def _doubt(
+    difference: NDArray[np.float64], run: Data, recording: Recording, seen: float | None, who: str
+) -> None:
+    """Warn where model and last readings (k, c) differ by several times the noise, or the past rode otherwise."""
+    root = np.sqrt(np.mean(difference**2, axis=0))
+    off = root / np.asarray(run.noise)
+    worst = int(np.argmax(off))
+    far = off[worst] > FAR
+    wrong = contradicted(recording, seen, HARDLY if far else CLEAR, who)
+    said = [wrong] if wrong else []
+    if far:
+        name = CHANNELS[worst]
+        unit = "" if recording.unit(name) == "1" else f" {recording.unit(name)}"
+        size = plainly(float(recording.to_readings(name, root[worst])), 3)
+        said.append(
+            f"model and channel {name} differ by {size}{unit} over the last {len(difference)} readings, "
+            f"{plainly(off[worst], 3)} times the noise: the forecast starts that far off"
+            + ("; is belt_speed right?" if seen is None else "")
+        )
+    if said:
+        warnings.warn("; ".join(said), ModelWarning, stacklevel=4)

@@ -1,0 +1,297 @@
+"""What an identification says: the law, how sure it is of each number, and what it never saw."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.model import Model
+from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.scale import law_scale, scales, to_digits
+from stickslip.declared.toml_file import write_text
+from stickslip.declared.units import Channel
+from stickslip.fitted.shooting import FARTHEST
+from stickslip.measured.fit_window import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Status = Literal["identified", "weak", "unidentified"]
+Branch = Literal["minus", "plus"]
+BRANCHES: tuple[Branch, ...] = ("minus", "plus")
+DRAWS = 4000
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number of the law with its 95 % interval.
+
+    `status` is "identified", "weak" (the readings say something, yet the standard deviation is above a third of the
+    number, or the number leans on the declared start, or stopped at the limit of the search) or "unidentified" (no
+    reading depends on it: the value is the declared start). `low` and `high` are None where that side is open: both
+    where a number is not known to a factor of 100, one where it stopped at the limit of the search.
+    """
+
+    value: float
+    low: float | None
+    high: float | None
+    std: float | None
+    status: Status
+    declared: float
+
+
+def estimate(value: float, std: float, prior_share: float, declared: float) -> Estimate:
+    """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
+    if prior_share >= 0.99:
+        return Estimate(declared, None, None, None, "unidentified", declared)
+    side = stopped(value, declared)
+    weak = prior_share > 0.1 or std > abs(value) / 3 or side != 0
+    low, high = interval(value, std)
+    if side:  # what the readings ask for lies beyond
+        low, high = (low, None) if side * value > 0 else (None, high)
+    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
+
+
+def stopped(value: float, declared: float) -> int:
+    """1 where a number stopped at the most that is searched, -1 at the least, else 0."""
+    ratio = value / declared if declared else 1.0
+    return int(ratio >= FARTHEST / 1.001) - int(ratio <= 1.001 / FARTHEST)
+
+
+def interval(value: float, std: float) -> tuple[float | None, float | None]:
+    """95 % limits: even in the logarithm for a positive number, which forces, speeds and amplitudes are."""
+    half = 1.96 * std
+    if value <= 0:
+        return value - half, value + half
+    if half / value >= np.log(FARTHEST**2):  # the whole of what is searched, and more
+        return None, None
+    factor = float(np.exp(half / value))
+    return value / factor, value * factor
+
+
+@dataclass(frozen=True)
+class ForcePoints:
+    """Friction force against relative velocity, from the rearranged equation of motion; (n,) arrays.
+
+    `mode` is 0 where the block sticks (there T is the force the belt supplies, -q), else the sign of v_w.
+    `T_std` is the standard deviation that the noise leaves in T. `run` numbers the run each point is from.
+    """
+
+    v_w: Array
+    T: Array
+    T_std: Array
+    mode: Array
+    run: Array
+
+
+@dataclass(frozen=True)
+class Events:
+    """Slips fitted one by one; (k,) arrays. Levels are forces in the rig's unit, times in the run's.
+
+    `static` is the breakaway force, `kinetic` the level of sliding at small speed behind it, `amplitude` the
+    displacement lost in the slip, `rms` what the fit leaves, `run` the run's number.
+    """
+
+    t: Array
+    static: Array
+    kinetic: Array
+    amplitude: Array
+    rms: Array
+    run: Array
+
+
+@dataclass(frozen=True, repr=False)
+class Identified:
+    """Result of `stickslip.fitted.identify.identify`.
+
+    Attributes
+    ----------
+    rig, law
+        The declared rig and the identified friction law; together they are `model`.
+    estimates : mapping of str to Estimate
+        Every number of the law.
+    names, covariance
+        Parameters the readings bear on, and their (p, p) covariance.
+    covered : mapping
+        Per branch ("minus": v_w < 0, "plus": v_w > 0) the range of |v_w| visited in slip, or None.
+    noise : mapping of str to float
+        Standard deviation per channel, in the rig's units.
+    reduced_chi2 : float
+        Squared residual over noise per degree of freedom: 1 where noise alone remains.
+    force : ForcePoints or None
+    events : Events or None
+        For laws identified event by event.
+    diagnostics : mapping of str to float
+    messages : tuple of str
+        Sentences a person should read.
+    channels, reading_noise : mapping or None
+        Columns and units of the readings, and the noise declared in these units, where a case says so.
+    """
+
+    rig: AnyRig
+    law: FrictionLaw
+    estimates: Mapping[str, Estimate]
+    names: tuple[str, ...]
+    covariance: Array
+    covered: Mapping[Branch, tuple[float, float] | None]
+    noise: Mapping[str, float]
+    reduced_chi2: float
+    force: ForcePoints | None = None
+    events: Events | None = None
+    diagnostics: Mapping[str, float] = field(default_factory=dict)
+    messages: tuple[str, ...] = ()
+    channels: Mapping[str, Channel] | None = None
+    reading_noise: Mapping[str, float] | None = None
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        unseen = f", {len(self.unidentified)} of them unidentified" if self.unidentified else ""
+        return (
+            f"<Identified: {self.law.kind} law, {len(self.estimates)} numbers{unseen}; "
+            f"chi2 per degree of freedom {self.reduced_chi2:.3g}>"
+        )
+
+    @property
+    def model(self) -> Model:
+        """The rig under the identified law; it knows columns and noise where a case declared them."""
+        return Model(self.rig, friction=self.law, channels=self.channels, noise=self.reading_noise)
+
+    @property
+    def unidentified(self) -> tuple[str, ...]:
+        """Names of the numbers that no reading depends on: they are the declared start."""
+        return tuple(n for n, e in self.estimates.items() if e.status == "unidentified")
+
+    def band(
+        self, branch: Branch, u: Array, *, level: float = 0.95, simultaneous: bool = True
+    ) -> tuple[Array, Array, Array]:
+        """Lower limit, value and upper limit of the kinetic magnitude R(u) on one branch.
+
+        Parameters
+        ----------
+        branch : "minus" or "plus"
+        u : (n,) array
+            |v_w|; meaningful inside `covered[branch]`.
+        level : float
+            Probability that the band holds the true branch.
+        simultaneous : bool
+            Over all of u at once (the default), or at each u by itself.
+
+        Returns
+        -------
+        low, value, high : (n,) arrays
+            NaN limits on a branch that was never visited.
+        """
+        sign = -1.0 if branch == "minus" else 1.0
+        u = np.asarray(u, dtype=float)
+        value = self.law.magnitude(sign * np.maximum(u, 1e-12))
+        if self.covered[branch] is None or not self.names:
+            return np.full_like(u, np.nan), value, np.full_like(u, np.nan)
+        gradient = np.column_stack([self._slope(n, sign, u) for n in self.names])
+        root = _root(self.covariance)
+        std = np.sqrt(np.sum((gradient @ root) ** 2, axis=1))
+        draws = np.random.default_rng(0).standard_normal((root.shape[1], DRAWS))
+        z = np.abs(gradient @ root @ draws) / np.where(std > 0, std, 1.0)[:, None]
+        largest = z.max(axis=0) if simultaneous else np.abs(draws[0])
+        half = float(np.quantile(largest, level)) * std
+        return value - half, value, value + half
+
+    def _slope(self, name: str, sign: float, u: Array) -> Array:
+        centre = float(self.estimates[name].value)
+        h = 1e-5 * max(abs(centre), 0.01)
+        at = sign * np.maximum(u, 1e-12)
+        up = self.model.replace(**{name: centre + h}).friction.magnitude(at)
+        down = self.model.replace(**{name: centre - h}).friction.magnitude(at)
+        return np.asarray((up - down) / (2 * h), dtype=float)
+
+    def table(self) -> list[dict[str, str]]:
+        """The estimates as they are printed: a dictionary of cells for each number, by the head of its column.
+
+        Values and intervals are in SI for a rig declared in SI; the model's own number then stands beside.
+        """
+        rows = []
+        for name, e in self.estimates.items():
+            scale = law_scale(name, self.rig, self.channels)
+            sides = [abs(x - e.value) * scale.size for x in (e.low, e.high) if x is not None]
+            half = float(np.mean(sides)) if sides else None
+            cells = [None if x is None else to_digits(x * scale.size, half) for x in (e.value, e.low, e.high)]
+            row = {"parameter": name, "value": str(cells[0]), "95 % interval": _spanned(cells[1], cells[2])}
+            if scale.unit != "1":
+                row["unit"] = scale.unit
+            if scale.unit != "1" and isinstance(self.rig, Rig):
+                row["model"] = to_digits(e.value, None if half is None else half / scale.size)
+            rows.append({**row, "status": e.status})
+        return rows
+
+    def summary(self) -> str:
+        """The estimates as a plain-text table, with the messages below."""
+        rows = self.table()
+        wide = {head: max(len(head), *(len(row[head]) for row in rows)) for head in rows[0]}
+        left = ("parameter", "unit", "status")
+        lines = [
+            "  ".join(
+                cell.ljust(wide[head]) if head in left else cell.rjust(wide[head])
+                for head, cell in row.items()
+            )
+            for row in ({head: head for head in wide}, *rows)
+        ]
+        speed = scales(self.rig, self.channels)["x2"]
+        for branch in BRANCHES:
+            span_u = self.covered[branch]
+            seen = "never visited" if span_u is None else f"|v_w| up to {speed.of(span_u[1], 4)}"
+            lines.append(f"branch {'v_w < 0' if branch == 'minus' else 'v_w > 0'}: {seen}")
+        lines.append(f"chi2 per degree of freedom: {self.reduced_chi2:.4g}")
+        return "\n".join([*lines, *self.messages])
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each number of the law, in the model's own units: the fields of its `Estimate`."""
+        import pandas as pd  # slow to import
+
+        return pd.DataFrame([vars(one) for one in self.estimates.values()], index=list(self.estimates))
+
+    def to_dict(self) -> dict[str, object]:
+        """All numbers, for JSON."""
+        events = None
+        if self.events is not None:
+            events = {k: np.asarray(v).tolist() for k, v in vars(self.events).items()}
+        return {
+            "law": type(self.law).__name__,
+            "estimates": {n: vars(e) for n, e in self.estimates.items()},
+            "covered": {b: self.covered[b] for b in BRANCHES},
+            "unidentified": list(self.unidentified),
+            "names": list(self.names),
+            "covariance": self.covariance.tolist(),
+            "noise": dict(self.noise),
+            "reduced_chi2": self.reduced_chi2,
+            "diagnostics": dict(self.diagnostics),
+            "messages": list(self.messages),
+            "events": events,
+        }
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write `model.toml` and `identified.json` into `folder` (made if absent); return their paths."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        self.model.save(folder / "model.toml")
+        write_text(folder / "identified.json", json.dumps(self.to_dict(), indent=1))
+        return [folder / "model.toml", folder / "identified.json"]
+
+
+def _spanned(low: str | None, high: str | None) -> str:
+    """An interval, open or not, in words."""
+    if low is None or high is None:
+        return "-" if low == high else f"above {low}" if high is None else f"below {high}"
+    return f"{low} .. {high}"
+
+
+def _root(covariance: Array) -> Array:
+    """A matrix whose product with its transpose is the covariance (which may be singular)."""
+    w, V = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    return np.asarray(V * np.sqrt(np.maximum(w, 0.0)), dtype=float)

@@ -1,0 +1,365 @@
+"""From recordings to a friction law: `identify`.
+
+The law's numbers are fitted through simulation (`stickslip.fitted.shooting`), first on windows of about one natural
+period, cut in the middle of sticks, then on whole runs if the law still explains the readings there. The static
+limits follow from the breakaway instants in the same fit. A real block on a belt, whose friction scatters from
+slip to slip, is identified event by event instead (`stickslip.fitted.slip_levels`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Literal
+
+import numpy as np
+
+from stickslip.arguments import explained, must_be
+from stickslip.declared.friction import CoulombFriction, FrictionLaw, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
+from stickslip.errors import InputError
+from stickslip.fitted import friction_force as force
+from stickslip.fitted.identified import BRANCHES, Branch, ForcePoints, Identified, estimate
+from stickslip.fitted.identify_check import checked, explainable, misfit
+from stickslip.fitted.identify_words import fit_messages, misfit_messages, plateau_messages
+from stickslip.fitted.shooting import Shot, Simulator, shoot
+from stickslip.measured import signals
+from stickslip.measured import sticks as segments
+from stickslip.measured.case import Case, Recording
+from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.prepared import Measured
+from stickslip.measured.stick_speed import why_idle, wrong_set_point
+from stickslip.simulated.simulate import simulate
+
+BeltSpeed = Literal["set-point", "plateau"]
+Progress = Callable[[str, float], None]
+BELT_TOLERANCE = 0.05  # share of v_b by which a stick may be off it
+CREEP = 0.25  # the same for a contact that creeps before it slips
+
+
+def natural_period(rig: AnyRig) -> float:
+    """Period of the free block on its springs, in the rig's unit of time."""
+    rig = on_belt(rig)
+    if isinstance(rig, BlockOnBelt):
+        return float(2 * np.pi * np.sqrt(rig.mass / rig.stiffness))
+    return 2 * np.pi
+
+
+def columns(rig: AnyRig) -> tuple[int, ...]:
+    """State column of each recorded channel: x1, and y1 for the rig of (2.1)."""
+    return (0, 2) if isinstance(rig, Rig) else (0,)
+
+
+def measured(
+    recording: Recording,
+    rig: AnyRig,
+    *,
+    noise: Mapping[str, float] | None = None,
+    belt: BeltSpeed = "set-point",
+) -> Measured:
+    """Readings of one run with glitches taken out, their noise, and where the block sticks.
+
+    Raises
+    ------
+    InputError
+        If a channel the rig needs is missing or the record is too short.
+    """
+    channels: list[Array] = []
+    stds: list[float] = []
+    known = noise or recording.noise or {}
+    for name in ("x1", "y1")[: len(columns(rig))]:
+        x = getattr(recording, name)
+        if x is None:
+            raise InputError(f"{recording.name}: channel {name} is missing; the rig of (2.1) needs x1 and y1")
+        x = np.array(x, dtype=float)
+        std = float(known[name]) if name in known else signals.noise_std(x, t=recording.t)
+        x[signals.find_glitches(x).mask] = np.nan
+        channels.append(x)
+        stds.append(std)
+    period, set_point = natural_period(rig), float(recording.belt_speed)
+    t = np.asarray(recording.t, dtype=float)
+    t = t - t[0]
+    tolerance = CREEP if isinstance(rig, BlockOnBelt) else BELT_TOLERANCE
+
+    def look_at(speed: float) -> segments.Track:
+        return segments.track(
+            t, channels[0], belt_speed=speed, noise=stds[0], period=period, tolerance=tolerance
+        )
+
+    used, look = set_point, look_at(set_point)
+    speed, std = segments.plateau_speed(look, channels[0])
+    for _ in range(3 if belt == "plateau" and np.isfinite(speed) else 0):
+        used, look = speed, look_at(speed)
+        speed, std = segments.plateau_speed(look, channels[0])
+    readings = np.column_stack(channels)
+    return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look)
+
+
+def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
+    """Names of the numbers each branch has to be identified from."""
+    if isinstance(law, PaperFriction):
+        return {
+            "minus": ("T_s_minus", "A1", "A2", "t1", "t2", "T_min_minus"),
+            "plus": ("T_s_plus", "T_min_plus"),
+        }  # not the ends of the fitted ranges, v_w_min and v_w_max: the other numbers can do what they do
+    names = [f.name for f in fields(law) if getattr(law, f.name) is not None]
+    plus = tuple(n for n in names if n.endswith("_plus"))
+    minus = tuple(n for n in names if not n.endswith("_plus"))
+    return {"minus": minus, "plus": plus or minus}
+
+
+@explained
+def identify(
+    source: Case | Recording | Sequence[Recording],
+    *,
+    rig: AnyRig | None = None,
+    friction: FrictionLaw | None = None,
+    noise: Mapping[str, float] | None = None,
+    belt_speed: BeltSpeed = "set-point",
+    scatter: bool | None = None,
+    simulator: Simulator = simulate,
+    progress: Progress | None = None,
+) -> Identified:
+    """Identify the friction law from recorded displacements.
+
+    Parameters
+    ----------
+    source : Case, Recording or sequence of Recording
+        A case's "train" runs are used.
+    rig : Rig or BlockOnBelt, optional
+        Required unless `source` is a case.
+    friction : PaperFriction, CoulombFriction or HyperbolicFriction, optional
+        The law's form and the values to start from; the case's, or Table 1, if absent.
+    noise : mapping of str to float, optional
+        Standard deviation per channel in the rig's units; the recording's, or estimated, if absent.
+    belt_speed : "set-point" or "plateau"
+        Whether v_b is what was set, or what the block was seen to ride at in its sticks.
+    scatter : bool, optional
+        Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
+        is given.
+    simulator : callable
+        `stickslip.simulate` or anything with its signature.
+    progress : callable, optional
+        Called with what is being done and the share done.
+
+    Returns
+    -------
+    Identified
+
+    Raises
+    ------
+    InputError
+        If a channel is missing, a record too short, or no slip is found; if the channels of a case for the rig of
+        (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
+    """
+    if not isinstance(source, Case | Recording):
+        for one in source if isinstance(source, (list, tuple)) else [source]:
+            must_be("source", one, (Case, Recording), "load_case(path) gives a case")
+    if scatter is None:
+        scatter = friction is None and isinstance(
+            source.rig if isinstance(source, Case) else rig, BlockOnBelt
+        )
+    undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
+    notes = checked(source) if isinstance(source, Case) and rig in (None, source.rig) else ()
+    recordings, rig, friction = _material(source, rig, friction)
+    tell = progress or (lambda _what, _share: None)
+    tell("reading modes", 0.0)
+    runs = [measured(r, rig, noise=noise, belt=belt_speed) for r in recordings]
+    if scatter:
+        from stickslip.fitted.slip_levels import identify_events
+
+        unit = "" if recordings[0].unit("x1") == "1" else " N"
+        found = identify_events(
+            runs,
+            rig,
+            declared=friction,
+            simulator=simulator,
+            tell=tell,
+            unit=unit,
+            undeclared=undeclared,
+            why_idle=lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
+        )
+    else:
+        start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
+        found = _identify_by_shooting(runs, rig, start, simulator, tell, undeclared)
+        doubts = ((r.name, wrong_set_point(replace(r, rig=rig))) for r in recordings)
+        found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
+    tell("friction force", 0.95)
+    rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
+    said = (*notes, *found.messages, *rode, *misfit_messages(found))
+    found = replace(found, force=_force(runs, rig), messages=said)
+    if rig == recordings[0].rig:
+        known = dict(source.noise) or None if isinstance(source, Case) else None
+        found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
+    tell("done", 1.0)
+    return found
+
+
+def _material(
+    source: Case | Recording | Sequence[Recording], rig: AnyRig | None, friction: FrictionLaw | None
+) -> tuple[list[Recording], AnyRig, FrictionLaw | None]:
+    if isinstance(source, Case):
+        recordings = [r for r in source.runs if r.role == "train"]
+        rig = rig or source.rig
+        friction = friction or source.friction
+    else:
+        recordings = [source] if isinstance(source, Recording) else list(source)
+    if rig is None:
+        raise InputError("rig is missing: give identify(recording, rig=...)")
+    rig = on_belt(rig)
+    if not recordings:
+        raise InputError("no run to identify from: the case has no run with role 'train'")
+    return recordings, rig, friction
+
+
+def _identify_by_shooting(
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    start: FrictionLaw,
+    simulator: Simulator,
+    tell: Progress,
+    undeclared: Sequence[str],
+) -> Identified:
+    """Fit the law to windows, then to whole runs if it explains those as well."""
+    branches = law_parameters(start)
+    names = tuple(dict.fromkeys([*branches["minus"], *branches["plus"]]))
+    model = Model(rig, friction=start)
+    declared = np.array([model.parameters[n] for n in names], dtype=float)
+    noise = np.mean([r.noise for r in runs], axis=0)
+    period, cols = natural_period(rig), columns(rig)
+    windows = [
+        segments.window(r.track, r.readings, b, run=i, columns=cols)
+        for i, r in enumerate(runs)
+        for b in segments.cut(r.track, period)
+    ]
+    steps = iter(np.linspace(0.1, 0.9, 80))
+
+    def fit(model: Model, windows: Sequence[Window], what: str) -> Shot:
+        return shoot(
+            model,
+            windows,
+            names,
+            noise=noise,
+            simulator=simulator,
+            declared=declared,
+            progress=lambda _: tell(what, float(next(steps, 0.9))),
+        )
+
+    short = fit(model, windows, "fitting windows")
+    explainable(short, noise)
+    found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
+    whole = _whole_runs(runs, short, cols)
+    best, where = short, "windows"
+    try:
+        long = fit(found, whole, "fitting whole runs")
+        if _explains(long, short):
+            best, where = long, "whole runs"
+    except (np.linalg.LinAlgError, ValueError):
+        pass  # whole runs are a refinement; a law that cannot follow one keeps the windows' estimate
+    return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
+
+
+def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
+    """One window a run, from the state its first short window was found to start in."""
+    first = {w.run: w for w in reversed(short.windows)}
+    return [
+        replace(
+            segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
+        )
+        for i, r in enumerate(runs)
+    ]
+
+
+def _explains(long: Shot, short: Shot) -> bool:
+    """Whether whole runs cost no more than their fewer free states must (three standard deviations)."""
+    gained = max(long.dof - short.dof, 0)
+    excess = (long.chi2 - short.chi2) / max(1.0, short.reduced)
+    return bool(np.isfinite(long.chi2) and excess < gained + 3 * np.sqrt(2 * gained) + 3)
+
+
+def _widened(shot: Shot) -> Array:
+    """Covariance that allows for what the law leaves unexplained."""
+    covariance = shot.covariance * max(1.0, shot.reduced)
+    if shot.reduced > 1.2 and len(shot.windows) >= 20:
+        # the law is not the whole truth: let the scatter between windows speak where it is larger
+        ratio = np.diag(shot.sandwich) / np.maximum(np.diag(covariance), 1e-300)
+        stretch = np.sqrt(np.maximum(ratio, 1.0))
+        covariance = covariance * np.outer(stretch, stretch)
+    return covariance
+
+
+def _conclude(
+    runs: Sequence[Measured],
+    rig: AnyRig,
+    start: FrictionLaw,
+    names: tuple[str, ...],
+    declared: Array,
+    best: Shot,
+    short: Shot,
+    where: str,
+    simulator: Simulator,
+    undeclared: Sequence[str],
+) -> Identified:
+    covariance = _widened(best)
+    seen = best.prior_share < 0.99
+    values = np.where(seen, best.values, declared)
+    law = Model(rig, friction=start).replace(**dict(zip(names, values.tolist(), strict=True))).friction
+    estimates = {
+        n: estimate(v, float(np.sqrt(c)), float(share), float(d))
+        for n, v, c, share, d in zip(
+            names, values, np.diag(covariance), best.prior_share, declared, strict=True
+        )
+    }
+    kept, noise = np.flatnonzero(seen), np.mean([r.noise for r in runs], axis=0)
+    covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
+    messages = fit_messages(estimates, covered, best, where, undeclared)
+    return Identified(
+        rig=rig,
+        law=law,
+        estimates=estimates,
+        names=tuple(names[i] for i in kept),
+        covariance=covariance[np.ix_(kept, kept)],
+        covered=covered,
+        noise=dict(zip(("x1", "y1"), noise.tolist(), strict=False)),
+        reduced_chi2=best.reduced,
+        diagnostics={
+            "windows": float(len(best.windows)),
+            "reduced_chi2_windows": short.reduced,
+            "runs": float(len(runs)),
+            "whole_runs": float(where == "whole runs"),
+            "misfit": misfit(best, noise),
+        },
+        messages=messages,
+    )
+
+
+def covered_speeds(
+    model: Model, windows: Sequence[Window], simulator: Simulator
+) -> dict[Branch, tuple[float, float] | None]:
+    """Range of |v_w| on each branch while the readings' simulation slips."""
+    speeds: dict[Branch, list[Array]] = {"minus": [], "plus": []}
+    for w in windows:
+        local = model.replace(**w.local) if w.local else model
+        run = simulator(
+            local, belt_speed=w.belt_speed, initial=tuple(w.initial), t_end=float(w.t[-1]), t_eval=w.t
+        )
+        v_w = run.state[:, 1] - w.belt_speed
+        tiny = 1e-6 * (abs(w.belt_speed) + float(np.max(np.abs(v_w))))
+        speeds["minus"].append(-v_w[v_w < -tiny])
+        speeds["plus"].append(v_w[v_w > tiny])
+    covered: dict[Branch, tuple[float, float] | None] = {}
+    for branch in BRANCHES:
+        u = np.concatenate(speeds[branch]) if speeds[branch] else np.array([])
+        covered[branch] = (float(u.min()), float(u.max())) if u.size else None
+    return covered
+
+
+def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:
+    period = natural_period(rig)
+    return force.joined(
+        [
+            force.force_points(rig, r.track, r.readings, noise=r.noise, period=period, run=i)
+            for i, r in enumerate(runs)
+        ]
+    )

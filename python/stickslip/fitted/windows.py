@@ -1,0 +1,128 @@
+"""Where the record is cut, and the states its windows start from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.model import Model
+from stickslip.fitted.data import Data
+from stickslip.fitted.readings import Y1_LAG, Learned, curves_of, unbent
+from stickslip.fitted.window import AUTO, BELT, DWELL, LAGGED, SLIPPING, STATES, STICK, W, Window, Z
+
+Floats = NDArray[np.float64]
+VISIBLE = (0, 1, 2, 3)
+LEAST = 0.1  # slope of a curved reading that a rate is divided by
+FEWEST = 3  # slips of a record whose beginning may be left out
+EARLY = 0.2  # share of it that may be
+SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
+
+
+def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
+    """Windows about `cycles` long, starting where the block slips fastest.
+
+    What comes before the first slip is left out, unless it is much of the record: how the block has come to where the
+    record begins, and for how long it has stuck there, is not known, and a window that begins wrongly misleads a fit.
+    """
+    out = []
+    for number, run in enumerate(data):
+        starts = [_first(run)]
+        for at in run.slips:
+            if run.t[at] - run.t[starts[-1]] >= (cycles - 0.5) * run.cycle:
+                starts.append(int(at))
+        if len(starts) > 1 and run.t[-1] - run.t[starts[-1]] < 0.4 * run.cycle:
+            starts.pop()
+        ends = [*starts[1:], len(run.t)]
+        out += [start_window(run, number, model, a, b) for a, b in zip(starts, ends, strict=True)]
+    return out
+
+
+def _first(run: Data) -> int:
+    """Sample at which the first window starts."""
+    if len(run.slips) < FEWEST:
+        return 0
+    at = int(run.slips[0])
+    return at if run.t[at] - run.t[0] <= EARLY * (run.t[-1] - run.t[0]) else 0
+
+
+def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:
+    """A window with its state from the readings around its start."""
+    state = np.zeros(STATES)
+    state[:4] = behind(model.parameters, curves_of(model), float(run.t[start]), run.local_state(start))
+    contact, free = AUTO, VISIBLE
+    window = Window(number, start, stop, state, free, state, np.full(STATES, np.inf), contact)
+    return with_hidden(window, model, run)
+
+
+def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Floats) -> Floats:
+    """x1, x2, y1, y2 behind readings and their rates (4,), as far as they tell: a lag is taken for settled.
+
+    The model's own numbers undo what its sensors add; past the fold of a curvature the reading at the fold is taken.
+    """
+    x1, x2, y1, y2 = read
+    along = {"x1": (x1, x2), "x2": (x2, 0.0), "y1": (y1, y2), "y2": (y2, 0.0), "t": (t, 1.0)}
+    for one in curves:
+        at, moves = along[one.variable]
+        added, rate = ((one.basis(np.array([at]), k) @ one.values(p))[0] for k in (0, 1))
+        if one.channel == "x1":
+            x1, x2 = x1 - added, x2 - rate * moves
+        elif one.channel == "y1":
+            y1, y2 = y1 - added, y2 - rate * moves
+    late = p.get("sensor_delay.delay", 0.0) + p.get(Y1_LAG, 0.0)
+    y1 += late * y2
+    r, q = p.get("sensor_drift.r", 0.0), p.get("sensor_nonlinearity.q", 0.0)
+    x1, x2 = x1 - r * t, x2 - r
+    x1 = float(unbent(x1, q))
+    x2 /= max(1 + 2 * q * x1, LEAST)
+    c = p.get("sensor_crosstalk.c", 0.0)
+    return np.array([x1 + p.get("sensor_lag.tau", 0.0) * x2 - c * y1, x2 - c * y2, y1, y2])
+
+
+def with_hidden(window: Window, model: Model, run: Data) -> Window:
+    """The window with the hidden states that the model's effects need, started and loosely held."""
+    names = {one.name: one for one in model.effects}
+    state, centre = window.state.copy(), window.state.copy()
+    spread = np.full(STATES, np.inf)
+    free = [k for k in window.free if k < 4]
+    v = float(state[1]) - run.belt_speed
+    if "friction_memory" in names:
+        state[W], spread[W] = v, max(abs(v), abs(run.belt_speed))
+        free.append(W)
+    if "contact_compliance" in names:
+        k = names["contact_compliance"].parameters["k"]
+        state[Z] = float(model.friction.force(v)) / k
+        spread[Z] = 3.0 / k
+        free.append(Z)
+    if "belt_load_droop" in names:
+        k = names["belt_load_droop"].parameters["k"]
+        state[BELT] = float(model.friction.force(v)) * k
+        spread[BELT] = 5 * k + 0.2 * abs(run.belt_speed)
+        free.append(BELT)
+    if "sensor_lag" in names:
+        tau = names["sensor_lag"].parameters["tau"]
+        c = names["sensor_crosstalk"].parameters["c"] if "sensor_crosstalk" in names else 0.0
+        state[LAGGED] = state[0] + c * state[2] - tau * (state[1] + c * state[3])
+        spread[LAGGED] = 0.05 + tau * abs(v)
+        free.append(LAGGED)
+    contact = window.contact
+    # how long the block has stuck before the record is not recorded
+    slow = abs(v) < SLOW * abs(run.belt_speed) and window.contact != SLIPPING
+    if "static_aging" in names and slow:
+        contact = STICK
+        state[DWELL], spread[DWELL] = 0.4 * run.cycle, 0.5 * run.cycle
+        free = [0, 2, 3, *(k for k in free if k > 3), DWELL]
+    centre[list(free)] = state[list(free)]
+    return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, contact)
+
+
+def slipping(window: Window, run: Data) -> Window | None:
+    """A window that starts in stick, started in slip instead; None of any other."""
+    if window.contact != STICK:
+        return None
+    state, spread = window.state.copy(), window.spread.copy()
+    state[1], state[DWELL], spread[DWELL] = run.local_state(window.start)[1], 0.0, np.inf
+    free = (*VISIBLE, *(k for k in window.free if k > 3 and k != DWELL))
+    return replace(window, state=state, spread=spread, free=free, contact=SLIPPING)

@@ -1,0 +1,270 @@
+"""Cases: a declared rig and its recorded runs, as a folder with `rig.toml` holds them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from stickslip.arguments import explained
+from stickslip.arguments import path as as_path
+from stickslip.declared.declaration import read_channel, read_friction, read_rig
+from stickslip.declared.effects import AnyEffect
+from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.model import IN_A_FOLDER, Model
+from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
+from stickslip.declared.toml_file import Document, read_toml
+from stickslip.declared.units import Channel, default_speed_unit, speed
+from stickslip.errors import InputError, Place, did_you_mean, nearest, number
+from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
+from stickslip.measured.findings import Finding, FindingKind
+from stickslip.measured.recording import Recording, Role, load_recording
+
+__all__ = ["Case", "Channel", "Finding", "FindingKind", "Recording", "Role", "load_case", "load_recording"]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+class _Run(_Strict):
+    """A [[run]] of a case."""
+
+    file: str
+    role: Literal["train", "validate"]
+    belt_speed: float | str | None = None
+    start: float | None = Field(default=None, alias="from")
+    end: float | None = Field(default=None, alias="to")
+    rig: dict[str, float] = {}
+    name: str | None = None
+
+
+class _Case(_Strict):
+    """The file rig.toml; what is declared in its tables is checked where it is made."""
+
+    title: str = ""
+    rig: dict[str, object]
+    friction: dict[str, object] = {}
+    noise: dict[str, object] = {}
+    run: Annotated[list[_Run], Field(min_length=1)]
+    channels: dict[str, dict[str, object]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Case:
+    """A rig and its runs.
+
+    Attributes
+    ----------
+    title
+        What the file calls it.
+    rig
+        The declared rig; a run may override numbers of it (`Recording.rig`).
+    friction
+        Starting values of the declared law; Table 1 where the file has none.
+    noise
+        Standard deviation by channel, in the unit of its column; a channel is missing if unknown.
+    runs
+        The recordings, in the order of the file.
+    channels
+        Column, unit and scale by channel.
+    path
+        The file rig.toml.
+    undeclared
+        Numbers of `friction` that the file does not give: they are where a fit starts, and nobody's word.
+    """
+
+    title: str
+    rig: AnyRig
+    friction: FrictionLaw
+    noise: Mapping[str, float]
+    runs: tuple[Recording, ...]
+    channels: Mapping[str, Channel]
+    path: Path
+    undeclared: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        roles = ", ".join(
+            f"{sum(r.role == role for r in self.runs)} {role}" for role in ("train", "validate")
+        )
+        odd = f"; {len(self.findings)} findings" if self.findings else ""
+        return f"<Case '{self.title}': {type(self.rig).__name__}, {len(self.runs)} runs ({roles}){odd}; {self.path}>"
+
+    @property
+    def train(self) -> tuple[Recording, ...]:
+        """Runs to fit; `InputError` if there is none."""
+        return self._with_role("train")
+
+    @property
+    def validate(self) -> tuple[Recording, ...]:
+        """Runs on which error is reported; `InputError` if there is none."""
+        return self._with_role("validate")
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What is odd about the runs, each sentence begun with the run's name."""
+        return tuple(f"{run.name}: {finding}" for run in self.runs for finding in run.findings)
+
+    def run(self, name: str) -> Recording:
+        """Return the run of a name, or raise `InputError` with the nearest one."""
+        for one in self.runs:
+            if one.name == name:
+                return one
+        raise InputError(f"unknown run '{name}'; {did_you_mean(name, [one.name for one in self.runs])}")
+
+    def model(self, *, friction: FrictionLaw | None = None, effects: tuple[AnyEffect, ...] = ()) -> Model:
+        """Return the declared model, or one with another law and effects; it knows columns and noise."""
+        return Model(
+            self.rig,
+            friction=friction or self.friction,
+            effects=effects,
+            channels=dict(self.channels),
+            noise=dict(self.noise) or None,
+        )
+
+    def _with_role(self, role: Role) -> tuple[Recording, ...]:
+        runs = tuple(run for run in self.runs if run.role == role)
+        if not runs:
+            words = f"no [[run]] has role = '{role}'; give it to at least one"
+            raise InputError(words, place=Place(str(self.path)))
+        return runs
+
+
+@explained
+def load_case(path: str | os.PathLike[str]) -> Case:
+    """Read a case: its declared rig and all its runs.
+
+    Parameters
+    ----------
+    path
+        The file rig.toml, or the folder that holds it.
+
+    Raises
+    ------
+    InputError
+        A key is misspelt, missing or wrong (with its line), a file is missing or holds what is not a run
+        (with line and column), a run is there twice, or a window of one overlaps another of another role.
+    """
+    document = read_toml(_case_file(as_path("path", path)))
+    if "run" not in document.tables and {"rig", "friction"} <= document.tables.keys():
+        words = (
+            "no [[run]]: a model file; a case is wanted, the rig.toml that lists the recordings in [[run]]"
+        )
+        raise InputError(words, place=Place(str(document.path)))
+    declared = document.validated(_Case)
+    rig = read_rig(document, "rig", table=declared.rig)
+    law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
+    friction = read_friction(document, "friction", table=law)
+    channels = {
+        name: read_channel(document, "channels", name, table=table)
+        for name, table in declared.channels.items()
+    }
+    with document.at("channels"):
+        check_channels(channels, rig)
+    for name, channel in channels.items():
+        with document.at("channels", name):
+            channel_factor(name, channel, rig)
+    with document.at("noise"):
+        noise = {name: number(name, value) for name, value in declared.noise.items()}  # type: ignore[arg-type]
+        noise_in_model(noise, channels, rig)
+    _check_runs(document, declared.run)
+    runs = tuple(
+        _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
+    )
+    title = declared.title or document.path.resolve().parent.name
+    undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
+    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared)
+
+
+def _case_file(path: Path) -> Path:
+    """Return the file rig.toml of a folder, or the path itself."""
+    if not path.is_dir():
+        return path
+    models = [name for name in IN_A_FOLDER if (path / name).is_file()]
+    if models and not (path / "rig.toml").is_file():
+        words = f"the folder of a model ({models[0]}); a case is wanted, the folder with rig.toml and the recordings"
+        raise InputError(words, place=Place(str(path)))
+    return path / "rig.toml"
+
+
+def _check_runs(document: Document, runs: list[_Run]) -> None:
+    """Refuse names and windows that collide, and files that are not there."""
+    folder = document.path.parent
+    for i, run in enumerate(runs):
+        if (folder / run.file).is_dir():
+            words = "a folder; give the CSV or .mat file of the run"
+            raise document.error(words, "run", i, "file", value=run.file)
+        if not (folder / run.file).is_file():
+            here = {one.name for one in folder.iterdir() if one.suffix in (".csv", ".mat")}
+            guess = nearest(run.file, sorted(here - {one.file for one in runs}))
+            hint = f"did you mean '{guess}'?" if guess else "give it relative to rig.toml"
+            raise document.error(f"no such file; {hint}", "run", i, "file", value=run.file)
+        if run.start is not None and run.end is not None and run.start >= run.end:
+            raise document.error(f"must be above from = {run.start:g}", "run", i, "to", value=run.end)
+        for j, earlier in enumerate(runs[:i]):
+            if earlier.file != run.file or not _overlap(earlier, run):
+                continue
+            which = f"[[run]] {j + 1} has these samples already"
+            if earlier.role != run.role:
+                which += f", as '{earlier.role}'; what is validated must not be trained on"
+            else:
+                which += "; give each run once, or windows with from and to that do not overlap"
+            raise document.error(which, "run", i, "file", value=run.file)
+
+
+def _overlap(a: _Run, b: _Run) -> bool:
+    low = max(-float("inf") if one.start is None else one.start for one in (a, b))
+    high = min(float("inf") if one.end is None else one.end for one in (a, b))
+    return low < high
+
+
+def _read_run(
+    document: Document,
+    i: int,
+    run: _Run,
+    declared: _Case,
+    channels: Mapping[str, Channel],
+    noise: Mapping[str, float],
+    friction: FrictionLaw,
+) -> Recording:
+    with document.at("run", i, "rig"):
+        for key in run.rig:
+            if key not in declared.rig:
+                raise InputError(f"not a number of [rig]; {did_you_mean(key, declared.rig)}", key=key)
+    own = read_rig(document, *(("run", i, "rig") if run.rig else ("rig",)), table={**declared.rig, **run.rig})
+    given = _belt_speed(document, i, run, own)
+    with document.at("run", i):
+        unit = channels["belt"].unit if "belt" in channels else default_speed_unit(own)
+        speed(given, unit, own)
+    name = run.name or Path(run.file).stem
+    if run.name is None:
+        name += "" if run.start is None else f"_from_{run.start:g}"
+        name += "" if run.end is None else f"_to_{run.end:g}"
+    return load_recording(
+        document.path.parent / run.file,
+        own,
+        channels=channels,
+        belt_speed=given,
+        role=run.role,
+        noise=noise,
+        window=(run.start, run.end),
+        name=name,
+        # Table 1 is no guess in N, and neither are the defaults of a law of which only the kind is given
+        friction=friction if isinstance(own, Rig) or set(declared.friction) - {"kind"} else None,
+    )
+
+
+def _belt_speed(document: Document, i: int, run: _Run, rig: AnyRig) -> float | str:
+    """The set-point of a run; a driven slider has none."""
+    if isinstance(rig, DrivenSlider):
+        if run.belt_speed is not None:
+            raise document.error("a driven slider has no belt; leave it out", "run", i, "belt_speed")
+        return 0.0
+    if run.belt_speed is None:
+        place, _ = document.place("run", i, "belt_speed")
+        raise InputError("lacks 'belt_speed'; it needs file, role, belt_speed", place=place)
+    return run.belt_speed

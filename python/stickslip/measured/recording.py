@@ -1,0 +1,330 @@
+"""A recording: channels in the model's numbers and as they were read, with what is odd about them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.arguments import explained, must_be
+from stickslip.arguments import path as as_path
+from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.scale import scales
+from stickslip.declared.units import Channel, default_speed_unit, factor, is_electric, speed
+from stickslip.errors import InputError, Place, did_you_mean
+from stickslip.measured.channels import (
+    bare_channels,
+    by_heads,
+    channel_factor,
+    check_channels,
+    noise_in_model,
+)
+from stickslip.measured.findings import (
+    Finding,
+    FindingKind,
+    belt_findings,
+    channel_findings,
+    drive_findings,
+    size_findings,
+    time_findings,
+)
+from stickslip.measured.readers.tables import Columns, Held, read_columns
+from stickslip.measured.stick_speed import wrong_set_point
+
+Floats = NDArray[np.float64]
+Role = Literal["train", "validate"]
+
+FEWEST = 8  # samples below which no derivative, let alone a law, can be had
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording:
+    """One recorded run of a rig.
+
+    Arrays are the model's numbers: nondimensional for a `Rig`, SI (m, s) for a `BlockOnBelt` declared in SI.
+    A recorded spring force appears as the deflection x1 = force/stiffness. Times are those of the file, which
+    need not start at 0.
+
+    Attributes
+    ----------
+    name
+        Name of the run.
+    role
+        "train" or "validate".
+    rig
+        The rig it was recorded on, the run's overrides included.
+    belt_speed
+        Set-point.
+    t, x1
+        Times, increasing but not always regular, and block displacement (n,).
+    y1, belt
+        Leg displacement and measured belt speed (n,), None if not recorded.
+    raw
+        Columns by channel (n,), as in the file.
+    channels
+        Column, unit and scale by channel.
+    factors
+        The model's number for 1 in the column, by channel.
+    noise
+        Standard deviation by channel ("x1", "y1", "belt") in the model's numbers; unknown ones are missing.
+    source
+        The file.
+    findings
+        What is odd: gaps, clipping, quantisation, ...
+    drive
+        Force of the drive on a `DrivenSlider` (n,), held from each sample to the next; None on other rigs.
+    """
+
+    name: str
+    role: Role
+    rig: AnyRig
+    belt_speed: float
+    t: Floats
+    x1: Floats
+    y1: Floats | None
+    belt: Floats | None
+    raw: Mapping[str, Floats] = field(repr=False)
+    channels: Mapping[str, Channel] = field(repr=False)
+    factors: Mapping[str, float] = field(repr=False)
+    noise: Mapping[str, float]
+    source: Path
+    findings: tuple[Finding, ...] = ()
+    drive: Floats | None = None
+
+    def __len__(self) -> int:
+        return self.t.size
+
+    def __repr__(self) -> str:
+        units = scales(self.rig, self.channels)
+        names = ", ".join(
+            f"{n} [{c.unit}]" if c.unit != "1" else n for n, c in self.channels.items() if n != "t"
+        )
+        span = units["t"].of(float(self.t[-1] - self.t[0])) if len(self) else "nothing"
+        odd = f"; {len(self.findings)} findings" if self.findings else ""
+        return (
+            f"<Recording '{self.name}' ({self.role}): {names}, {len(self)} samples over {span}, "
+            f"belt speed {units['belt'].of(self.belt_speed)}{odd}>"
+        )
+
+    def channel(self, name: str) -> str:
+        """Return the channel that records a quantity: "spring_force" may stand for "x1".
+
+        Raises
+        ------
+        InputError
+            It is not recorded.
+        """
+        if name in self.channels:
+            return name
+        if name == "x1" and "spring_force" in self.channels:
+            return "spring_force"
+        raise InputError(f"{self.name} has no channel '{name}'; {did_you_mean(name, self.channels)}")
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a channel's column, its scale applied."""
+        return self.channels[self.channel(name)].unit
+
+    def factor(self, name: str) -> float:
+        """Return the model's number for 1 in the channel's column."""
+        return self.factors[self.channel(name)]
+
+    def to_readings(self, name: str, values: ArrayLike) -> Floats:
+        """Turn the model's numbers of a channel into numbers of its column."""
+        return np.asarray(values, dtype=np.float64) / self.factor(name)
+
+    def from_readings(self, name: str, values: ArrayLike) -> Floats:
+        """Turn numbers of a channel's column into the model's."""
+        return np.asarray(values, dtype=np.float64) * self.factor(name)
+
+    def window(self, start: float, end: float) -> Recording:
+        """Return the samples with start <= t < end (the model's time); findings are those of the whole.
+
+        Raises
+        ------
+        InputError
+            No sample lies there.
+        """
+        kept = (self.t >= start) & (self.t < end)
+        if not kept.any():
+            words = f"holds no samples; the run lasts from {self.t[0]:g} to {self.t[-1]:g}"
+            raise InputError(f"{self.name}: the window {start:g} to {end:g} {words}")
+        return replace(
+            self,
+            t=self.t[kept],
+            x1=self.x1[kept],
+            y1=None if self.y1 is None else self.y1[kept],
+            belt=None if self.belt is None else self.belt[kept],
+            drive=None if self.drive is None else self.drive[kept],
+            raw={name: column[kept] for name, column in self.raw.items()},
+        )
+
+
+@explained
+def load_recording(
+    source: str | os.PathLike[str] | Mapping[str, ArrayLike],
+    rig: AnyRig,
+    *,
+    channels: Mapping[str, Channel] | None = None,
+    belt_speed: float | str = 0.0,
+    role: Role = "train",
+    noise: Mapping[str, float] | None = None,
+    window: tuple[float | None, float | None] = (None, None),
+    name: str | None = None,
+    friction: FrictionLaw | None = None,
+) -> Recording:
+    """Read one run from a CSV or .mat file, or take it from columns in memory.
+
+    Parameters
+    ----------
+    source
+        The file; or the columns (n,) by name, as a dict of arrays or a data frame has them.
+    rig
+        `Rig` or `BlockOnBelt`.
+    channels
+        Column, unit and scale for t, x1, y1 and, if recorded, belt; a `BlockOnBelt` has t and x1 or
+        spring_force. None: columns of these names, nondimensional.
+    belt_speed
+        Set-point in the unit of the belt channel; without one, m/s for an SI rig and nondimensional
+        otherwise. Text may carry a unit ("1100 um/s").
+    role
+        "train" or "validate".
+    noise
+        Standard deviation by channel, in the unit of its column.
+    window
+        First and last time to keep, start <= t < end, in the unit of t; None: open.
+    name
+        Name of the run; None: that of the file, or "recording".
+    friction
+        Declared law; readings of a size it cannot explain are then found.
+
+    Raises
+    ------
+    InputError
+        The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
+        do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
+    """
+    must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
+    table: Held | Path
+    if hasattr(source, "keys"):
+        table = Held(name or "recording", dict(source))  # type: ignore[arg-type]  # a data frame is no Mapping
+    else:
+        table = as_path("source", source)
+    declared = dict(channels) if channels is not None else bare_channels(table, rig)
+    check_channels(declared, rig)
+    declared = by_heads(table, declared)
+    columns = read_columns(table, [channel.column for channel in declared.values()])
+    factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
+    raw = {one: columns.values[channel.column] for one, channel in declared.items()}
+    _check_times(columns, declared, raw)
+    raw = _cut(columns, declared, raw, window)
+    unit = declared["belt"].unit if "belt" in declared else default_speed_unit(rig)
+    set_point = speed(belt_speed, unit, rig)
+    position = "spring_force" if "spring_force" in declared else "x1"
+    model = {one: column * factors[one] for one, column in raw.items()}
+    _check_belt(columns, declared, raw, set_point)
+    sizes = noise_in_model(noise or {}, declared, rig)
+    recording = Recording(
+        name=name or columns.path.stem,
+        role=role,
+        rig=rig,
+        belt_speed=set_point,
+        t=model["t"],
+        x1=model[position],
+        y1=model.get("y1"),
+        belt=model.get("belt"),
+        drive=model.get("drive"),
+        raw=raw,
+        channels=declared,
+        factors=factors,
+        noise=sizes,
+        source=columns.path,
+    )
+    return replace(recording, findings=tuple(_findings(recording, friction)))
+
+
+def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:
+    t, name = raw["t"], channels["t"].column
+    if t.size < FEWEST:
+        count = "1 sample" if t.size == 1 else f"{t.size} samples"
+        raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(str(columns.path)))
+    step = np.diff(t) * np.sign(channels["t"].scale)
+    wrong = np.flatnonzero(step <= 0)
+    if not wrong.size:
+        return
+    at = int(wrong[0]) + 1
+    place = columns.place(name, at)
+    for other, column in raw.items():
+        if wrong.size > 0.05 * t.size and other != "t" and (np.diff(column) > 0).all():
+            swapped = channels[other].column
+            words = f"does not increase, but column '{swapped}' does; are the two swapped?"
+            raise InputError(words, place=place)
+    what = f"{t[at]:g} twice in a row" if t[at] == t[at - 1] else f"{t[at]:g} after {t[at - 1]:g}"
+    more = "" if wrong.size == 1 else f" ({wrong.size} such places)"
+    raise InputError(f"{what}{more}; times must increase", place=place)
+
+
+def _cut(
+    columns: Columns,
+    channels: Mapping[str, Channel],
+    raw: Mapping[str, Floats],
+    window: tuple[float | None, float | None],
+) -> dict[str, Floats]:
+    """Keep the samples within the window, in the unit of t."""
+    start, end = window
+    if start is None and end is None:
+        return dict(raw)
+    t = raw["t"] * channels["t"].scale
+    kept = (t >= (-np.inf if start is None else start)) & (t < (np.inf if end is None else end))
+    if np.count_nonzero(kept) < FEWEST:
+        said = f"{'its start' if start is None else start} to {'its end' if end is None else end}"
+        words = f"{np.count_nonzero(kept)} samples from {said}; the run lasts from {t[0]:g} to {t[-1]:g}"
+        raise InputError(words, place=Place(str(columns.path), column=channels["t"].column))
+    return {name: column[kept] for name, column in raw.items()}
+
+
+def _check_belt(
+    columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats], set_point: float
+) -> None:
+    if "belt" not in raw or set_point == 0 or np.any(raw["belt"] != 0):
+        return
+    words = (
+        "the belt never moves (0 throughout) but its set-point is not 0; leave the channel out if it is dead"
+    )
+    raise InputError(words, place=Place(str(columns.path), column=channels["belt"].column))
+
+
+def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Finding]:
+    found = time_findings(recording.raw["t"] * recording.channels["t"].scale, recording.unit("t"))
+    jumps = np.array([i for finding in found for i in finding.samples], dtype=np.intp)
+    for name, channel in recording.channels.items():
+        if name == "t":
+            continue
+        noise = recording.noise.get("x1" if name == "spring_force" else name)
+        per_unit = factor(name, channel.unit, recording.rig)
+        own = None if noise is None else noise / per_unit
+        readings = recording.raw[name] * channel.scale
+        unit = "N" if name == "drive" and is_electric(channel.unit) else _word(channel.unit)
+        found += channel_findings(name, readings, unit, own, jumps)
+        if name == "drive" and isinstance(recording.rig, DrivenSlider):
+            found += drive_findings(recording.t, recording.x1, readings * per_unit, recording.rig.mass)
+        elif name == "belt":
+            found += belt_findings(readings, recording.belt_speed / per_unit, _word(channel.unit))
+        elif friction is not None and name != "y1" and isinstance(recording.rig, Rig | BlockOnBelt):
+            rig = recording.rig
+            stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else rig.alpha1
+            reach = max(friction.static_limits) / stiffness
+            found += size_findings(name, recording.x1, reach, _word(channel.unit), per_unit)
+    wrong = wrong_set_point(recording)
+    if wrong and not any(one.kind is FindingKind.BELT for one in found):
+        found.append(Finding(FindingKind.BELT, "belt", f"belt: {wrong}"))
+    return found
+
+
+def _word(unit: str) -> str:
+    return "" if unit == "1" else unit

@@ -1,0 +1,43 @@
+"""Recorded channels: checked, filtered and differentiated, by (3.1) or better."""
+
+from stickslip.measured.signals.belt import BeltSpeed, find_belt_speed
+from stickslip.measured.signals.derivatives import Derivatives, derivatives
+from stickslip.measured.signals.lowpass import Lowpassed, lowpass
+from stickslip.measured.signals.quality import (
+    Clipping,
+    Glitches,
+    Quantisation,
+    find_clipping,
+    find_glitches,
+    noise_std,
+    quantisation,
+    remove_glitches,
+)
+from stickslip.measured.signals.recursion import Differentiator, differentiate, differentiator, first_order
+from stickslip.measured.signals.smoother import Smoothed, smooth
+from stickslip.measured.signals.timebase import TimeBase, check_time_base
+
+__all__ = [
+    "BeltSpeed",
+    "Clipping",
+    "Derivatives",
+    "Differentiator",
+    "Glitches",
+    "Lowpassed",
+    "Quantisation",
+    "Smoothed",
+    "TimeBase",
+    "check_time_base",
+    "derivatives",
+    "differentiate",
+    "differentiator",
+    "find_belt_speed",
+    "find_clipping",
+    "find_glitches",
+    "first_order",
+    "lowpass",
+    "noise_std",
+    "quantisation",
+    "remove_glitches",
+    "smooth",
+]

@@ -1,0 +1,301 @@
+"""What is wrong with a channel: noise, one-sample glitches, quantisation, clipping."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.arguments import explained
+from stickslip.errors import InputError
+from stickslip.measured.signals._input import Booleans, Floats, finite_vector, positive, real_array
+
+_CUBIC = (-1.0 / 6.0, 4.0 / 6.0, 0.0, 4.0 / 6.0, -1.0 / 6.0)  # the middle of five by its four neighbours
+_CUBIC_STD = math.sqrt(1.0 + sum(w * w for w in _CUBIC))  # of x - prediction, for unit white noise
+_WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
+
+
+def _trimmed_std(values: Floats, cut: float) -> float:
+    """Scale of a normal sample of mean 0, deaf to what lies beyond `cut` standard deviations."""
+    density = math.exp(-0.5 * cut**2) / math.sqrt(2.0 * math.pi)
+    kept = math.sqrt(1.0 - 2.0 * cut * density / (2.0 * scipy.special.ndtr(cut) - 1.0))  # std of a cut normal
+    scale = 1.4826 * float(np.median(np.abs(values))) or float(np.mean(np.abs(values)))
+    for _ in range(20):
+        inside = values[np.abs(values) <= cut * scale]
+        new = float(np.sqrt(np.mean(inside**2))) / kept if inside.size else scale
+        if abs(new - scale) <= 1e-6 * scale:
+            break
+        scale = new
+    return scale
+
+
+@explained
+def noise_std(x: ArrayLike, *, t: ArrayLike | None = None, cut: float = 3.5) -> float:
+    """Estimate the standard deviation of the white noise on a channel.
+
+    Third differences, scaled to unit weight, leave the noise and next to nothing of a signal that is a
+    parabola over four samples; the few that meet an onset of slip, a capture or a glitch are trimmed.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Channel, n >= 12.
+    t : array_like, shape (n,), optional
+        Times, if the sampling is not regular.
+    cut : float
+        Differences beyond so many standard deviations are left out.
+
+    Returns
+    -------
+    float
+        In the unit of `x`. Noise that is correlated from sample to sample is underestimated.
+
+    Raises
+    ------
+    InputError
+        On samples that are not finite, too few, or times that do not increase.
+    """
+    values = finite_vector(x, "x", at_least=12)
+    n = values.size - 3
+    if t is None:
+        weights = np.broadcast_to(np.array([-1.0, 3.0, -3.0, 1.0]) / math.sqrt(20.0), (n, 4))
+    else:
+        times = finite_vector(t, "t", at_least=12)
+        if times.shape != values.shape or not (np.diff(times) > 0.0).all():
+            raise InputError(f"t must increase and have the shape of x, {values.shape}")
+        quads = np.lib.stride_tricks.sliding_window_view(times, 4)
+        apart = quads[:, :, None] - quads[:, None, :] + np.eye(4) * (quads[:, 3:] - quads[:, :1])[:, :, None]
+        divided = 1.0 / np.prod(apart / (quads[:, 3:] - quads[:, :1])[:, :, None], axis=2)
+        weights = divided / np.linalg.norm(divided, axis=1, keepdims=True)
+    windows = np.lib.stride_tricks.sliding_window_view(values, 4)
+    return _trimmed_std(np.einsum("ij,ij->i", weights, windows), positive(cut, "cut"))
+
+
+@dataclass(frozen=True, eq=False)
+class Glitches:
+    """One-sample glitches of a channel.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (n,)
+        True where the sample is a glitch.
+    deviation : ndarray, shape (n,)
+        Sample less the cubic through its four neighbours [unit of x].
+    threshold : ndarray, shape (n,)
+        What `deviation` had to exceed [unit of x].
+    """
+
+    mask: Booleans
+    deviation: Floats
+    threshold: Floats
+
+    @property
+    def indices(self) -> NDArray[np.intp]:
+        """Indices of the glitches."""
+        return np.flatnonzero(self.mask)
+
+
+@explained
+def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | None = None) -> Glitches:
+    """Mark samples that their neighbours on both sides contradict.
+
+    A sample is compared with the cubic through its four neighbours; the deviation must exceed the
+    normal quantile of `false_alarms` times its standard deviation, ``1.394 noise``, and stand out from
+    the deviations beside it (a glitch g leaves -2g/3 there). Where the signal itself is rough (deviations
+    over a hundred samples half as large again as usual) the local scale is used, after Hampel. The
+    strongest are taken out first and the rest looked at again.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Channel; with n < 12 nothing is marked.
+    false_alarms : float
+        Bound on the probability that a sound sample with normal noise is marked, in (0, 1); about half
+        of it is met, because a marked sample must also stand out from its neighbours.
+    noise : float, optional
+        Standard deviation of the noise; by default estimated by `noise_std`.
+
+    Returns
+    -------
+    Glitches
+
+    Raises
+    ------
+    InputError
+        If `x` is not one finite channel, or a number is out of range.
+    """
+    values = finite_vector(x, "x").copy()
+    if not 0.0 < false_alarms < 1.0:
+        raise InputError(f"false_alarms must be between 0 and 1, not {false_alarms}")
+    if noise is not None and not (math.isfinite(noise) and noise >= 0.0):
+        raise InputError(f"noise must be a number >= 0, not {noise}")
+    mask = np.zeros(values.shape, dtype=np.bool_)
+    if values.size < 12:
+        return Glitches(mask, np.zeros_like(values), np.full_like(values, np.inf))
+    first = _deviation(values)
+    threshold = _threshold(values, first, false_alarms, noise)
+    deviation = first
+    for _ in range(10):
+        size = np.abs(deviation)
+        beside = np.maximum(np.roll(size, 1), np.roll(size, -1))
+        further = np.maximum(np.roll(size, 2), np.roll(size, -2))
+        new = (size > threshold) & (size > 1.1 * beside) & (size > further) & ~mask
+        if not new.any():
+            break
+        values[new] -= deviation[new]
+        mask |= new
+        deviation = _deviation(values)
+    return Glitches(mask, first, threshold)
+
+
+def _deviation(x: Floats) -> Floats:
+    """Each sample less the cubic through its four neighbours; 0 for the first two and the last two."""
+    out = np.zeros_like(x)
+    out[2:-2] = x[2:-2] - np.convolve(x, _CUBIC, mode="valid")
+    return out
+
+
+def _threshold(x: Floats, deviation: Floats, false_alarms: float, noise: float | None) -> Floats:
+    sigma = max(noise_std(x) if noise is None else noise, quantisation(x).noise)
+    usual = _CUBIC_STD * sigma + 16.0 * np.finfo(np.float64).eps * float(np.abs(x).max())
+    local = 1.4826 * scipy.ndimage.median_filter(np.abs(deviation), size=min(_WINDOW, x.size), mode="nearest")
+    return np.asarray(-scipy.special.ndtri(0.5 * false_alarms) * np.where(local > 1.5 * usual, local, usual))
+
+
+@explained
+def remove_glitches(x: ArrayLike, glitches: Glitches) -> Floats:
+    """`x` with the marked samples, and no others, replaced.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+    glitches : Glitches
+        From `find_glitches`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Marked samples lie on the cubic through the two sound neighbours on either side (fewer at the ends).
+    """
+    values = finite_vector(x, "x").copy()
+    sound = np.flatnonzero(~glitches.mask)
+    if glitches.mask.shape != values.shape or sound.size == 0:
+        raise InputError(
+            f"glitches were found on a channel of shape {glitches.mask.shape}, not {values.shape}"
+        )
+    for at in glitches.indices:
+        place = int(np.searchsorted(sound, at))
+        near = sound[max(0, place - 2) : place + 2]
+        others = near[:, None] - near[None, :] + np.eye(near.size)
+        lagrange = np.prod(np.where(np.eye(near.size) == 1.0, 1.0, (at - near)[None, :] / others), axis=1)
+        values[at] = lagrange @ values[near]
+    return values
+
+
+@dataclass(frozen=True)
+class Quantisation:
+    """Resolution of a channel.
+
+    Attributes
+    ----------
+    step : float
+        Spacing of the levels; 0 if the values lie on no grid [unit of x].
+    levels : int
+        Distinct values that occur.
+    fraction_on_grid : float
+        Part of the distinct spacings that are whole multiples of `step`, to 5 % of it.
+    """
+
+    step: float
+    levels: int
+    fraction_on_grid: float
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the rounding, ``step/sqrt(12)``: holds once other noise exceeds step/3."""
+        return self.step / math.sqrt(12.0)
+
+
+@explained
+def quantisation(x: ArrayLike) -> Quantisation:
+    """Find the grid the values of a channel lie on, from the spacings of the values that occur.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Channel.
+
+    Returns
+    -------
+    Quantisation
+        The printed digits of a text file are a grid too; `noise` says whether it matters.
+    """
+    values = finite_vector(x, "x")
+    if values.size == 0:
+        return Quantisation(0.0, 0, 0.0)
+    rounding = 64.0 * np.finfo(np.float64).eps * float(np.abs(values).max())
+    level = np.unique(values)
+    spacing = np.diff(level)
+    level = np.concatenate([level[:1], level[1:][spacing > rounding]])
+    spacing = np.diff(level)
+    if spacing.size < 2:  # two values make no grid
+        return Quantisation(0.0, level.size, 0.0)
+    smallest = float(spacing.min())
+    step = float(np.median(spacing[spacing < 1.5 * smallest]))
+    for _ in range(3):  # refine over several steps, while the count of steps is beyond doubt
+        count = np.rint(spacing / step)
+        sure = count <= 10.0
+        step = float(np.sum(spacing[sure]) / np.sum(count[sure]))
+    off = np.abs(spacing / step - np.rint(spacing / step))
+    fraction = float(np.mean(off < 0.05 + rounding / step))
+    return Quantisation(step if fraction >= 0.9 else 0.0, level.size, fraction)
+
+
+@dataclass(frozen=True, eq=False)
+class Clipping:
+    """Limits at which a channel is cut off.
+
+    Attributes
+    ----------
+    low, high : float or None
+        The limit, None where the channel is not clipped [unit of x].
+    mask : ndarray of bool, shape (n,)
+        Samples at a limit.
+    """
+
+    low: float | None
+    high: float | None
+    mask: Booleans
+
+
+@explained
+def find_clipping(x: ArrayLike) -> Clipping:
+    """Find limits at which a channel rests unnaturally often.
+
+    An extreme value is a limit if it occurs at least five times, three of them in a row, and more than
+    four times as often as the next level (a smooth extreme that is merely quantised: 2.4 times).
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Channel. NaN is refused, infinities are limits.
+
+    Returns
+    -------
+    Clipping
+    """
+    values = real_array(x, "x")
+    if values.ndim != 1 or np.isnan(values).any():
+        raise InputError(f"x must be one channel without NaN, not shape {values.shape}")
+    mask = np.zeros(values.shape, dtype=np.bool_)
+    limits: list[float | None] = [None, None]
+    if np.unique(values).size > 2:
+        for side, sign in enumerate((-1.0, 1.0)):
+            at = values == sign * np.max(sign * values)
+            beyond = values == sign * np.max(sign * values[~at])
+            in_a_row = bool((at[:-2] & at[1:-1] & at[2:]).any())
+            if at.sum() >= 5 and in_a_row and at.sum() > 4 * beyond.sum():
+                limits[side] = float(values[at][0])
+                mask |= at
+    return Clipping(low=limits[0], high=limits[1], mask=mask)

@@ -1,0 +1,164 @@
+"""report.json: what was found, with SI values beside the model's numbers, and where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+
+from stickslip._core import build_config
+from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
+from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
+from stickslip.discovery.rig_numbers import constant, declared
+from stickslip.measured.case import Case
+from stickslip.shown.report import words
+from stickslip.shown.report.si import UNITS, VARIABLES, factor, scales_of, to_si
+from stickslip.shown.report.units import axes_of
+
+FORMAT = 1  # raised when a key of report.json changes its meaning
+
+
+def contents(found: Found, case: Case) -> dict[str, Json]:
+    """report.json as plain Python; numbers that are not finite are None.
+
+    Parameters
+    ----------
+    found : Found
+    case : Case
+        What it was found in: gives the SI scales, units and files.
+
+    Returns
+    -------
+    dict
+        `Found.report` with, for a rig declared in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
+        parameter that has a dimension (`si_name` too where it is a number of the rig), and with `summary`, `caveats`,
+        `parameters` and `provenance`.
+    """
+    out = dict(found.report)
+    out["format"] = FORMAT
+    out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
+    axes = None if isinstance(case.rig, DrivenSlider) else axes_of(case)
+    out["caveats"] = list(words.caveats(found, axes))
+    out["effects"] = [_effect(one, case.rig) for one in found.effects]
+    out["parameters"] = [*parameter_table(found, case)]
+    out["provenance"] = provenance(case, found.seconds)
+    first = ("format", "title", "verdict", "summary", "effects", "error")
+    return {key: out[key] for key in (*first, *(key for key in out if key not in first))}
+
+
+def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
+    out = plain(one)
+    assert isinstance(out, dict)
+    out["parameters"] = {
+        name: {**_table(plain(number)), **in_si(one, name, rig)} for name, number in one.parameters.items()
+    }
+    out["alternatives"] = [
+        {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
+    ]
+    out["words"] = words.kind(one)
+    scales = scales_of(rig)
+    if one.curve is not None and scales is not None and one.curve.variable in VARIABLES:
+        dimension = VARIABLES[one.curve.variable]
+        si: dict[str, Json] = {
+            "x_si": plain(one.curve.x * factor(dimension, scales)),
+            "x_unit": UNITS[dimension],
+        }
+        out["curve"] = {**_table(out["curve"]), **si}
+    return out
+
+
+def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
+    """A parameter's value, limits and unit in SI; `si_name` says which constant a wrong number of the rig stands for.
+
+    Empty where there is no one number in SI.
+    """
+    one = effect.parameters[name]
+    if not effect.of_rig:
+        return _si(f"{effect.name}.{name}", one, rig)
+    what = constant(rig, name, effect.parameters)
+    if what is None:
+        return {}
+    # found together, c2 is a difference of two numbers: its interval is not in theirs
+    low, high = (None, None) if name == "eta12" and "eta1" in effect.parameters else (one.low, one.high)
+    return {
+        "si_name": what.name,
+        "value_si": what.of(one.value),
+        "unit": what.unit,
+        "low_si": None if low is None else what.of(low),
+        "high_si": None if high is None else what.of(high),
+    }
+
+
+def si_text(effect: FoundEffect, name: str, rig: AnyRig) -> str:
+    """A parameter in SI for a table: "0.22 N", or "J = 0.22 kg m^2" where it stands for a constant of the rig."""
+    one = in_si(effect, name, rig)
+    size = one.get("value_si")
+    if not isinstance(size, float):
+        return "-"
+    constant = f"{one['si_name']} = " if "si_name" in one else ""
+    return f"{constant}{words.short(size)} {one['unit']}"
+
+
+def _table(value: Json) -> dict[str, Json]:
+    assert isinstance(value, dict)
+    return value
+
+
+def _parameters(effect: str, values: Mapping[str, Interval], rig: AnyRig) -> dict[str, Json]:
+    return {name: {**_table(plain(one)), **_si(f"{effect}.{name}", one, rig)} for name, one in values.items()}
+
+
+def _si(name: str, one: Interval, rig: AnyRig) -> dict[str, Json]:
+    at = to_si(name, one.value, rig)
+    if at is None:
+        return {}
+    out: dict[str, Json] = {"value_si": at[0], "unit": at[1]}
+    for key, limit in (("low_si", one.low), ("high_si", one.high)):
+        converted = None if limit is None else to_si(name, limit, rig)
+        out[key] = None if converted is None else converted[0]
+    return out
+
+
+def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
+    """Every estimated number: name, before, after with its interval, SI beside, and whether it is identified."""
+    rows: list[dict[str, Json]] = []
+    for name, one in found.law.items():
+        own: dict[str, Json] = {"name": name, "kind": "law", "before": plain(found.law_before.get(name))}
+        rows.append({**own, **_status(one), **_si(name, one, case.rig)})
+    for effect in found.effects:
+        for name, one in effect.parameters.items():
+            own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
+            before = None
+            if effect.of_rig and isinstance(case.rig, Rig):
+                before = plain(Interval(declared(case.rig, name), None, None))
+            rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case.rig)})
+    return rows
+
+
+def _status(one: Interval) -> dict[str, Json]:
+    status = "identified" if one.low is not None and one.high is not None else "not identified"
+    return {**_table(plain(one)), "status": status}
+
+
+def provenance(case: Case, seconds: float) -> dict[str, Json]:
+    """What made the report, and of what: version, build, and the SHA-256 of every file read."""
+    files = [case.path, *dict.fromkeys(run.source for run in case.runs)]
+    return {
+        "program": "stickslip",
+        "version": version("stickslip"),
+        "build": plain(build_config()),
+        "case": case.title,
+        "files": [{"file": one.name, "sha256": sha256(one)} for one in files],
+        "findings": list(case.findings),
+        "seconds": round(seconds, 3),
+    }
+
+
+def sha256(path: Path) -> str | None:
+    """The file's SHA-256; None if it has gone since."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None

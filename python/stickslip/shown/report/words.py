@@ -1,0 +1,348 @@
+"""Plain words for a verdict: what each effect is, where it sits, how sure one can be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.declared.scale import percent
+from stickslip.discovery.errors import DRAWS
+from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
+from stickslip.shown.report.units import Axes, Axis
+
+PLAIN: Mapping[str, str] = {
+    "block_viscous_damping": "viscous damping of the block",
+    "block_quadratic_damping": "damping of the block that grows with the square of its velocity",
+    "spring_cubic_k1": "a spring k1 that stiffens (or softens) with the cube of its deflection",
+    "spring_cubic_k2": "a spring k2 that stiffens (or softens) with the cube of its deflection",
+    "spring_cubic_k3": "a spring k3 that stiffens (or softens) with the cube of its deflection",
+    "spring_gap_k3": "a stop that the angle body meets beyond a gap",
+    "constant_load": "a constant load on the block",
+    "harmonic_forcing": "a harmonic force on the block, an outside vibration",
+    "pivot_dry_friction": "dry friction in the pivot of the angle body",
+    "normal_force_feedback": "friction that grows and falls with the normal force from the angle body",
+    "stribeck_peak": "a peak of friction at low sliding speed",
+    "static_aging": "static friction that grows with the time at rest",
+    "friction_memory": "friction that lags behind the sliding speed",
+    "friction_drift": "friction that drifts within each run",
+    "belt_seam": "a seam of the belt that comes round: friction varies along the belt",
+    "contact_compliance": "a contact that yields before it slips: no rigid stick",
+    "belt_speed_ripple": "a ripple of the belt speed",
+    "belt_load_droop": "a belt that slows down under load",
+    "sensor_lag": "a lag of the x1 sensor",
+    "sensor_delay": "a delay of the y1 reading against x1",
+    "sensor_crosstalk": "crosstalk: the x1 sensor also reads y1",
+    "sensor_nonlinearity": "a nonlinear x1 sensor",
+    "sensor_drift": "a drift of the x1 sensor within each run",
+    "rig_mass": "a mass other than the declared one",
+    "rig_stiffness": "a spring stiffness other than the declared one",
+    "sensor_gain": "a sensor gain other than the declared one",
+    "viscous_asymmetry": "a viscous damping that differs by direction",
+    "viscous_saturation": "friction that rises at low speed and levels off",
+    "position_load": "a load that grows with the position, like a spring",
+    "position_friction": "friction that grows along the track",
+    "load_drift": "a load that drifts within each run",
+    "position_ripple": "a load that waves along the track",
+    "position_ripple_2": "a second wave of the load along the track",
+    "position_ripple_3": "a third wave of the load along the track",
+    "friction_ripple": "friction that waves along the track",
+    "drive_ripple": "a drive whose gain waves along the track",
+    "drive_gain_drift": "a drive whose gain drifts within each run",
+    "drive_nonlinearity": "a drive whose gain changes with the force",
+    "drive_lag": "a drive that lags behind its command",
+    "drive_delay": "a drive that acts late",
+    "unlisted": "something that has no name in the catalogue",
+}
+PLACE: Mapping[str, str] = {
+    "block": "on the block",
+    "angle_body": "on the angle body",
+    "both": "between block and angle body",
+    "contact": "in the contact",
+    "belt": "in the belt drive",
+    "drive": "in the drive",
+    "x1 channel": "in the x1 channel",
+    "y1 channel": "in the y1 channel",
+}
+
+FAR = 50.0  # chi-squared per reading that no verdict should rest on
+FEW = 3  # effects that a sentence can hold without numbers
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plain(name: str) -> str:
+    """An effect in plain words; a name that has none is given back."""
+    return PLAIN.get(name, name.replace("_", " "))
+
+
+def kind(effect: FoundEffect) -> str:
+    """What is found, in plain words."""
+    return "a declared number of the rig that is wrong" if effect.of_rig else plain(effect.name)
+
+
+def guessed(effect: FoundEffect) -> bool:
+    """Whether nothing describes the effect, so that its place is the likeliest, and its evidence holds no numbers."""
+    return effect.name == "unlisted" and effect.curve is None and not effect.of_rig and not effect.parameters
+
+
+def joined(words: Sequence[str]) -> str:
+    """Words as prose: a, b and c."""
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
+
+
+def sentence(text: str) -> str:
+    """A remark as a sentence: capital, full stop, ±; the name of a run or of an effect stays as it is."""
+    first = text.partition(" ")[0].rstrip(",")
+    head = text[:1].upper() if first.replace("-", "").isalpha() else text[:1]
+    return f"{head}{text[1:].rstrip('.')}.".replace("+-", "±")
+
+
+def ties(effect: FoundEffect) -> list[Alternative]:
+    """The rivals that the readings cannot tell from the effect."""
+    return [one for one in effect.alternatives if one.tied]
+
+
+def hopeless(found: Found) -> bool:
+    """Whether the best of all that was tried is still far from the readings and forecasts no better than nothing."""
+    if found.verdict is Verdict.no_effect:
+        return False
+    return found.residual_after.chi2 > FAR and found.error.after > 0.9 * found.error.before
+
+
+def headline(found: Found) -> str:
+    """The verdict as one sentence; a tie is part of it."""
+    if hopeless(found):
+        times = short(math.sqrt(found.residual_after.chi2), 2)
+        return (
+            f"No explanation found: the best of all that was tried is still off by {times} times the noise and "
+            "forecasts no better. Check the rig's declared numbers, the units and the belt speeds first."
+        )
+    if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt):
+        return "Nothing can be named: no cause stands out from friction that differs from event to event."
+    if found.verdict is Verdict.no_effect and not found.residual_after.clean:
+        return (
+            "Nothing can be named: a little is left above the noise, but no effect and no curve takes it up."
+        )
+    if found.verdict is Verdict.no_effect and found.never:
+        never = f"the block never {found.never} in these runs"
+        return f"Nothing shows as missing, but {never}: little of the friction law is tested."
+    if found.verdict is Verdict.no_effect:
+        return "Nothing is missing: the declared model explains the readings down to their noise."
+    if found.verdict is Verdict.unlisted_effect:
+        effect = next((e for e in found.effects if e.name == "unlisted"), found.effects[0])
+        if effect.of_rig:
+            return f"A declared number of the rig is wrong: {effect.formula}."
+        on = joined([v for v in effect.depends_on if v != "memory"])
+        variables = f", as a function of {on}" if on else ""
+        memory = " with a memory" if "memory" in effect.depends_on else ""
+        others = [plain(e.name) for e in found.effects if e is not effect]
+        beside = f", beside {joined(others)}" if others else ""
+        place = PLACE.get(effect.where, effect.where)
+        acts = "acts, most likely" if guessed(effect) else "acts"
+        return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
+    lacking = [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
+    tied = any(ties(e) for e in found.effects)
+    if len(lacking) == 1 or (
+        len(lacking) <= FEW and not tied
+    ):  # "and" and "or" in one sentence may be read either way
+        return (
+            f"The declared model lacks {joined(lacking)}{': these runs cannot tell which' if tied else ''}."
+        )
+    listed = "; ".join(f"({i}) {one}" for i, one in enumerate(lacking, 1))
+    settled = '; where it says "or" these runs cannot tell which' if tied else ""
+    return f"The declared model lacks {len(lacking)} things: {listed}{settled}."
+
+
+def sureness(found: Found) -> list[str]:
+    """How sure: of there being something, then of each name."""
+    g, count = found.gate, len(found.gate.draws)
+    if found.verdict is Verdict.no_effect:
+        chance = (
+            f"; noise alone does that in {_share(found)} of {count} simulated records like these"
+            if count
+            else ""
+        )
+        return [
+            f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. "
+            f"To be believed it must lower it by {short(g.threshold, 3)}.",
+            "An effect too small to show above the noise of these runs is not excluded.",
+        ]
+    lines = [
+        f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
+        f"{alarms(found)}."
+        if g.observed > g.threshold
+        else "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
+    ]
+    if not found.residual_after.clean and found.verdict is Verdict.effect_found:
+        names = joined([effect.name for effect in found.effects])
+        lines.append(
+            f"But no name tried explains the readings down to their noise; {names} is the best of them."
+        )
+    return lines + [_of_the_name(found, effect) for effect in found.effects]
+
+
+def alarms(found: Found) -> str:
+    """What noise alone does to chi-squared."""
+    g, count = found.gate, len(found.gate.draws)
+    if not count:
+        return f"at least {short(g.threshold, 3)} is asked for"
+    most = short(float(max(g.draws)), 3)
+    return f"in {count} simulated records with noise alone the best did so by at most {most}"
+
+
+def _share(found: Found) -> str:
+    share = sum(float(one) >= found.gate.observed for one in found.gate.draws) / len(found.gate.draws)
+    return percent(share) if share else "none"
+
+
+def _of_the_name(found: Found, effect: FoundEffect) -> str:
+    equal = ties(effect)
+    curve = effect.name == "unlisted"
+    if hopeless(found):
+        name = "A learned curve" if curve else effect.name
+        return f"{name} came nearest. That is no finding: what it leaves is far too much, and it does not forecast."
+    if guessed(effect):
+        on = " and on what" if effect.depends_on else ""
+        return f"Where it acts{on} is the likeliest guess: no name and no curve explains the readings."
+    who = "Where it acts and on what" if curve else f"The name {effect.name}"
+    if effect.of_rig:
+        who = f"That it is {joined(list(effect.parameters))}"
+    if equal:
+        odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
+        exact = " The tie is exact: no run of this kind can break it." if any(a.exact for a in equal) else ""
+        return f"{who} is NOT settled: these runs cannot tell it from {odds}.{exact}"
+    if effect.alternatives:
+        nearest = max(effect.alternatives, key=lambda one: one.odds)
+        return f"{who} stands: for the nearest rival, {nearest.name}, it is {_odds(nearest.odds)}."
+    return (
+        f"{who} stands: no rival comes near."
+        if effect.evidence.control_name
+        else f"{who} {_beside_the_rest(found)}"
+    )
+
+
+def _beside_the_rest(found: Found) -> str:
+    """How far the next best lies where nothing was tried in the very place of what was chosen."""
+    others = [one for one in found.ranking if one.names and not one.chosen and math.isfinite(one.bic)]
+    best = next((one.bic for one in found.ranking if one.chosen), 0.0)
+    if not others:
+        return "was held against no rival."
+    nearest = min(others, key=lambda one: one.bic)
+    above = nearest.bic - best
+    if above <= 0:
+        return f"is NOT settled: {' + '.join(nearest.names)} has a BIC no higher."
+    return (
+        f"was held against no rival of its kind; of all that was tried {' + '.join(nearest.names)} comes nearest, its "
+        f"BIC higher by {short(above, 3)}."
+    )
+
+
+def _odds(odds: float) -> str:
+    if odds >= 0.01:
+        return f"odds {short(odds, 2)} to 1"
+    return f"1 to {short(1 / odds, 2)}" if odds > 1e-12 else "under 1 to 10¹²"
+
+
+def spanned(one: Interval) -> tuple[str, str]:
+    """A value and its 95 % interval, with as many digits as the interval has two of."""
+    if one.low is None or one.high is None:
+        return short(one.value), "–"
+    width, size = abs(one.high - one.low), max(abs(one.low), abs(one.high), abs(one.value))
+    digits = 4 if width <= 0 or size <= 0 else max(3, min(9, 2 + math.floor(math.log10(size / width) + 1)))
+    return short(one.value, digits), f"{short(one.low, digits)} … {short(one.high, digits)}"
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """A number for a person: plain up to a million, then with a power of ten; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    rounded = float(f"{value:.{digits}g}")  # 99.7 is 100 in two digits
+    size = abs(rounded)
+    if size == 0 or 1e-3 <= size < 10**digits:
+        text = f"{rounded:.{digits}g}"
+    elif 1 <= size < 1e7:
+        text = f"{rounded:,.0f}".replace(",", "\u202f")
+    else:
+        mantissa, _, power = f"{value:.{max(digits - 1, 0)}e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPT)}"
+    return text.replace("-", "−")
+
+
+def clean_sentence(found: Found) -> str:
+    """Whether anything is left after the cure."""
+    before, after = found.residual_before, found.residual_after
+    error = f"± {short(after.error, 1)}"
+    if after.clean:
+        return f"What is left is noise: chi-squared per reading is {short(after.chi2)} {error}."
+    if found.effects and after.chi2 > before.chi2 + 2 * math.hypot(before.error, after.error):
+        return (
+            f"Reading by reading more is left than before: chi-squared per reading is {short(after.chi2)} {error}, "
+            f"{short(before.chi2)} without what was found, and noise alone leaves 1.{_other_measure(found)}"
+        )
+    return (
+        f"Not all is explained: chi-squared per reading is still {short(after.chi2)} {error} "
+        "where noise alone leaves 1."
+    )
+
+
+def _other_measure(found: Found) -> str:
+    """What was fitted instead, where that is not the readings."""
+    if not isinstance(found.before.rig, BlockOnBelt):
+        return ""
+    return (
+        " That is not what was fitted: what was found explains how events differ from each other (their levels of "
+        "friction, stick rates, slip frequencies), not the course of the readings within one."
+    )
+
+
+def floor(found: Found, *, single: bool) -> str:
+    """How the floor of the error was estimated."""
+    if single:
+        return (
+            "is the noise of the readings over their standard deviation in an event; the few numbers fitted to each "
+            "event take up a little of the noise."
+        )
+    which = "with what was found" if found.effects else "declared"
+    return (
+        f"is the error of the model {which} on records that it simulated itself, with fresh noise, forecast in "
+        f"the same way: the mean of {DRAWS} draws."
+    )
+
+
+def caveats(found: Found, axes: Axes | None = None) -> list[str]:
+    """What this verdict does not say; numbers in the units of the axes, else the model's own."""
+    out = [sentence(one) for one in found.messages]
+    loose = [name for name, one in found.law.items() if one.low is None or one.high is None]
+    if loose:
+        out.append(f"Not identified by these runs, kept near the declared values: {', '.join(loose)}.")
+    for effect in found.effects:
+        open_ended = [n for n, one in effect.parameters.items() if one.low is None or one.high is None]
+        if open_ended:
+            out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
+        if effect.curve is not None and effect.curve.period is None:
+            variable = effect.curve.variable
+            axis = None if axes is None else axes.variable(variable)
+            reach = _from_to(effect.curve.x.min(), effect.curve.x.max(), axis)
+            out.append(
+                f"The learned curve holds for {variable} {reach}; beyond, it is held constant and nothing is known."
+            )
+    if found.effects and not found.residual_after.clean:
+        out.append(
+            "Intervals take the model to be complete; while something is left over they are too narrow."
+        )
+    speeds = [abs(run.belt_speed) for run in found.runs if run.role == "train"]
+    if speeds:
+        axis = None if axes is None else replace(axes.x2, size=abs(axes.x2.size))
+        reach = _from_to(min(speeds), max(speeds), axis)
+        out.append(f"Trained at |belt speed| {reach}; forecasts at other speeds extrapolate.")
+    return list(dict.fromkeys(out))
+
+
+def _from_to(low: float, high: float, axis: Axis | None) -> str:
+    """A range in the unit of an axis; one number where both ends are written alike."""
+    size, unit = (axis.size, f" {axis.unit}") if axis and axis.unit != "1" else (1.0, " (model units)")
+    ends = [short(end, 3) for end in sorted((size * float(low), size * float(high)))]
+    return f"{ends[0]}{unit} only" if ends[0] == ends[1] else f"from {ends[0]} to {ends[1]}{unit}"

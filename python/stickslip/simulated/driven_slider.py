@@ -1,0 +1,287 @@
+"""Motion of a driven slider under a recorded drive, or in the position loop of its controller.
+
+Moreau's time stepping: over a substep the smooth forces act explicitly and friction as the impulse, up to its limit,
+that brings the velocity nearest to zero. Sticking, release and turns need no event location; the error is of the order
+of the substep. Many lanes move at once: arrays (m,).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.effects import Effect, Tabulated
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import DrivenSlider
+from stickslip.errors import InputError
+
+Floats = NDArray[np.float64]
+
+SUBSTEPS = 8
+
+
+@dataclass
+class State:
+    """Position, velocity, relative bristle deflection and lagged drive of every lane (m,)."""
+
+    x: Floats
+    v: Floats
+    z: Floats
+    f: Floats
+
+
+class Slider:
+    """A model of a driven slider, ready to be moved.
+
+    Parameters
+    ----------
+    model
+        Its rig is a `DrivenSlider`, its law a `CoulombFriction`.
+    dt
+        Sampling interval over which the drive is held [s].
+    substeps
+        Steps within it.
+
+    Raises
+    ------
+    InputError
+        Another rig or law.
+    """
+
+    def __init__(self, model: Model, dt: float, *, substeps: int = SUBSTEPS) -> None:
+        rig, law = model.rig, model.friction
+        if not isinstance(rig, DrivenSlider):
+            raise InputError("only a driven slider is moved by a drive; use stickslip.simulate", key="rig")
+        if not isinstance(law, CoulombFriction):
+            raise InputError(
+                "the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction"
+            )
+        self.h, self.dt, self.substeps = dt / substeps, dt, substeps
+        self.p = {one.name: dict(one.parameters) for one in model.effects if isinstance(one, Effect)}
+        self.curves = [one for one in model.effects if isinstance(one, Tabulated)]
+        self.mass = rig.mass * (1 + self.p.get("rig_mass", {}).get("e", 0.0))
+        self.damping = rig.damping
+        self.kinetic, self.static = law.kinetic_limits, law.static_limits
+        self.delay = self.p.get("drive_delay", {}).get("delay", 0.0)
+
+    def start(self, x: Floats, v: Floats, drive: Floats) -> State:
+        """The state of lanes that move at `v` under a steady drive."""
+        return State(x.copy(), v.copy(), np.sign(v), drive.copy())
+
+    def step(
+        self, s: State, t: float | Floats, drive: Callable[[int], Floats], noise: Floats | float = 0.0
+    ) -> None:
+        """Move every lane on by one sampling interval from time `t`.
+
+        Parameters
+        ----------
+        s
+            Changed in place.
+        t
+            Time at the beginning; (m,) where lanes differ.
+        drive
+            Command (m,) in the interval so many intervals after this one; called with 0 or, for a delayed drive,
+            with what that asks for.
+        noise
+            Another force, held over the interval.
+        """
+        h = self.h
+        k = 0.5 * h * self.damping / self.mass  # damping acts on the mean of the velocities before and after
+        for i in range(self.substeps):
+            at = (i + 0.5) * h
+            f = drive(int(np.floor((at - self.delay) / self.dt)) if self.delay else 0)
+            x, v, now = s.x + 0.5 * h * s.v, s.v, t + at
+            if "drive_lag" in self.p:
+                s.f = f + (s.f - f) * np.exp(-h / self.p["drive_lag"]["tau"])
+                f = s.f
+            smooth = self._gain(x, f, now) * f + self.block(x, v, now) + noise
+            low, high = self.limits(x, v, now)
+            if "contact_compliance" in self.p:
+                self._bristle(s, v)
+                v_new = (1 - k) * v + h * (smooth - np.where(s.z > 0, high, low) * s.z) / self.mass
+            else:
+                free = (1 - k) * v + h * smooth / self.mass
+                v_new = free - np.clip(free, -h * low / self.mass, h * high / self.mass)
+            v_new = v_new / (1 + k)
+            s.x = s.x + 0.5 * h * (v + v_new)
+            s.v = v_new
+
+    def _gain(self, x: Floats, f: Floats, t: float | Floats) -> Floats | float:
+        p = self.p
+        gain: Floats | float = 1.0
+        if "drive_ripple" in p:
+            gain = gain + _sine(p["drive_ripple"], x)
+        if "drive_gain_drift" in p:
+            gain = gain + p["drive_gain_drift"]["r"] * t
+        if "drive_nonlinearity" in p:
+            gain = gain + p["drive_nonlinearity"]["q"] * np.abs(f)
+        return gain
+
+    def block(self, x: Floats, v: Floats, t: float | Floats) -> Floats | float:
+        """Force on the slider (m,) of effects that are neither friction nor drive."""
+        p = self.p
+        force: Floats | float = 0.0
+        if "viscous_asymmetry" in p:
+            force = force - p["viscous_asymmetry"]["c"] * np.abs(v)
+        if "block_quadratic_damping" in p:
+            force = force - p["block_quadratic_damping"]["c"] * v * np.abs(v)
+        if "position_load" in p:
+            force = force - p["position_load"]["k"] * x
+        if "load_drift" in p:
+            force = force + p["load_drift"]["r"] * t
+        if "position_ripple" in p:
+            force = force + _sine(p["position_ripple"], x)
+        if "harmonic_forcing" in p:
+            own = p["harmonic_forcing"]
+            force = force + own["a"] * np.sin(own["w"] * t + own["phi"])
+        for one in self.curves:
+            if one.where == "block":
+                force = force + one.curve(self._variable(one, x, v, t))
+        return force
+
+    def _variable(self, one: Tabulated, x: Floats, v: Floats, t: float | Floats) -> Floats | float:
+        return x if one.variable == "x1" else t if one.variable == "t" else v
+
+    def limits(self, x: Floats, v: Floats, t: float | Floats) -> tuple[Floats, Floats]:
+        """Magnitudes of friction against either direction; the static ones for a lane at rest."""
+        p, u = self.p, np.abs(v)
+        rest = v == 0
+        low = np.where(rest, self.static[0], self.kinetic[0])
+        high = np.where(rest, self.static[1], self.kinetic[1])
+        scale: Floats | float = 1.0
+        if "position_friction" in p:
+            scale = scale + p["position_friction"]["r"] * x
+        if "friction_drift" in p:
+            scale = scale + p["friction_drift"]["r"] * t
+        if "friction_ripple" in p:
+            scale = scale + _sine(p["friction_ripple"], x)
+        for one in self.curves:
+            if one.where == "contact":
+                scale = scale + one.curve(self._variable(one, x, v, t))
+        more: Floats | float = 0.0
+        if "stribeck_peak" in p:
+            more = more + p["stribeck_peak"]["dT"] * np.exp(-((u / p["stribeck_peak"]["v_s"]) ** 2))
+        if "viscous_saturation" in p:
+            more = more - p["viscous_saturation"]["dT"] * np.expm1(-u / p["viscous_saturation"]["v_s"])
+        return np.maximum(low * scale + more, 0.0), np.maximum(high * scale + more, 0.0)
+
+    def _bristle(self, s: State, v: Floats) -> None:
+        d = 0.5 * sum(self.kinetic) / self.p["contact_compliance"]["k"]
+        sign = np.sign(v)
+        s.z = sign + (s.z - sign) * np.exp(-np.abs(v) * self.h / d)
+
+
+def _sine(p: dict[str, float], x: Floats) -> Floats:
+    return np.asarray(p["a"] * np.sin(2 * np.pi * x / p["L"] + p["phi"]), dtype=np.float64)
+
+
+def forecast(
+    model: Model, t: Floats, command: Floats, start: NDArray[np.intp], x: Floats, v: Floats, steps: int
+) -> Floats:
+    """Positions (steps + 1, m) from the samples `start` on, under the recorded drive.
+
+    Parameters
+    ----------
+    model
+        As for `Slider`.
+    t, command
+        Times and drive (n,) of the record, SI.
+    start
+        Sample at which each lane begins (m,); lanes must end within the record.
+    x, v
+        State there (m,).
+    steps
+        Samples ahead.
+    """
+    slider = Slider(model, float(np.median(np.diff(t))))
+    s = slider.start(x, v, command[np.maximum(start - 1, 0)])
+    out = np.empty((steps + 1, len(start)))
+    out[0] = x
+    for k in range(steps):
+
+        def drive(ahead: int, at: NDArray[np.intp] = start + k) -> Floats:
+            return command[np.clip(at + ahead, 0, len(t) - 1)]
+
+        slider.step(s, t[start + k], drive)
+        out[k + 1] = s.x
+    return out
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The position loop of EMPS: v = kp kv (reference - x) - kv dx, force = gain v, |v| <= limit.
+
+    dx is the backward difference of the mean of the last two readings; `quantum` is the step of the encoder (0: none).
+    """
+
+    gain: float
+    kp: float
+    kv: float
+    limit: float = 10.0
+    quantum: float = 0.0
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A simulated loop: readings `x`, true `velocity`, `acceleration` and `command` [V], each (n,) or (n, m)."""
+
+    x: Floats
+    velocity: Floats
+    acceleration: Floats
+    command: Floats
+
+
+def closed_loop(
+    model: Model,
+    loop: Loop,
+    t: Floats,
+    reference: Floats,
+    *,
+    start: tuple[float, float] = (0.0, 0.0),
+    noise: Floats | None = None,
+    substeps: int = SUBSTEPS,
+) -> Driven:
+    """Simulate the slider in its position loop.
+
+    Parameters
+    ----------
+    model, loop
+        What moves and what drives it.
+    t, reference
+        Times and set-point (n,).
+    start
+        Position and velocity at first.
+    noise
+        Process noise [N] (n, m), held over each interval; None: one lane without.
+    """
+    n = len(t)
+    w = np.zeros((n, 1)) if noise is None else noise
+    lanes = w.shape[1]
+    dt = float(np.median(np.diff(t)))
+    slider = Slider(model, dt, substeps=substeps)
+    ones = np.ones(lanes)
+    s = slider.start(start[0] * ones, start[1] * ones, 0.0 * ones)
+    x, velocity, acceleration, command = (np.empty((n, lanes)) for _ in range(4))
+    # what the loop read before it began, had the slider moved on like this
+    back = [start[0] - (k * dt) * start[1] for k in (2, 1)]
+    before, last = back[0] * ones, back[1] * ones
+    for k in range(n):
+        read = s.x if loop.quantum == 0 else loop.quantum * np.round(s.x / loop.quantum)
+        # the difference of two means of two readings each
+        rate = 0.5 * (read - before) / dt
+        u = np.clip(loop.kp * loop.kv * (reference[k] - read) - loop.kv * rate, -loop.limit, loop.limit)
+        x[k], velocity[k], command[k] = read, s.v, u
+        before, last = last, read
+        v = s.v
+
+        def drive(ahead: int, at: int = k) -> Floats:
+            return np.asarray(loop.gain * command[min(max(at + ahead, 0), at)], dtype=np.float64)
+
+        slider.step(s, t[k], drive, w[k])
+        acceleration[k] = (s.v - v) / dt
+    one = noise is None
+    return Driven(*((a[:, 0] if one else a) for a in (x, velocity, acceleration, command)))

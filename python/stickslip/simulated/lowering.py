@@ -1,0 +1,238 @@
+"""From a declared model to what the core computes with: a structure, a flat vector, rows of seeds.
+
+The only place that knows the core's slot names. A public name may move several slots (a Coulomb law without
+`static_plus` has one `static` for both directions), which is why a seed is a row of weights.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.declared.effects import CATALOGUE, CONSTANTS, Effect, Tabulated
+from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig, on_belt
+from stickslip.errors import InputError, unknown
+
+Floats = NDArray[np.float64]
+
+SLOTS: Mapping[str, int] = {name: i for i, name in enumerate(_core.PARAMETERS)}
+STATES: Mapping[str, int] = {name: i for i, name in enumerate(_core.STATES)}
+WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
+HIDDEN = ("w", "z", "b", "m", "dwell")
+PLACES = ("block", "angle_body", "contact")
+VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
+READING_EFFECTS = frozenset({"sensor_delay", "sensor_crosstalk", "sensor_nonlinearity", "sensor_drift"})
+READ_ALONE = READING_EFFECTS | {"sensor_lag"}  # what no motion depends on, though a lag has a state
+
+
+class _Put(Protocol):
+    """Store a value under a public name, in the slots given or in the one of that name."""
+
+    def __call__(self, name: str, value: float, *targets: str) -> None: ...
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A model as the core takes it; `slots` maps every public parameter name to its slots.
+
+    `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
+    `hidden` names the states that the model's effects add.
+    """
+
+    structure: _core.Structure
+    parameters: Floats
+    slots: Mapping[str, tuple[int, ...]]
+    dimension: int
+    factors: Mapping[str, float] = field(default_factory=dict)
+    hidden: tuple[str, ...] = ()
+
+    def initial(self, state: Iterable[float]) -> Floats:
+        """Return the core's full initial state from the visible one, followed by any hidden ones."""
+        given = list(state)
+        visible, hidden = given[: self.dimension], given[self.dimension :]
+        gap, rest = [0.0] * (4 - len(visible)), [0.0] * (len(STATES) - 4 - len(hidden))
+        return np.array([*visible, *gap, *hidden, *rest], dtype=np.float64)
+
+    def seeds(self, names: Iterable[str]) -> Floats:
+        """Return one row of weights a full name (see `Model.full_name`), over all slots and states.
+
+        Raises
+        ------
+        InputError
+            A name is unknown; the nearest one is given.
+        """
+        chosen = list(names)
+        rows = np.zeros((len(chosen), WIDTH + len(STATES)))
+        for row, name in zip(rows, chosen, strict=True):
+            row[list(self._columns(name))] = self.factors.get(name, 1.0)
+        return rows
+
+    def known_names(self) -> list[str]:
+        """Every name a sensitivity may ask for."""
+        visible = _core.STATES[: self.dimension]
+        return [*self.slots, *(f"initial.{name}" for name in (*visible, *self.hidden))]
+
+    def _columns(self, name: str) -> tuple[int, ...]:
+        owner = name.partition(".")[0]
+        read = owner in READING_EFFECTS and ("m" not in self.hidden or name not in self.slots)
+        if read or owner.startswith("learned_"):
+            raise InputError("acts on the reading, not on the motion; no state depends on it", key=name)
+        if name in self.slots:
+            return self.slots[name]
+        if name.startswith("initial.") and name in self.known_names():
+            return (WIDTH + STATES[name.removeprefix("initial.")],)
+        hidden = name.removeprefix("initial.")
+        owners = [kind.name for kind in CATALOGUE.values() if hidden in kind.hidden]
+        if owners and name != hidden:
+            words = f"is a state of the effect {' and of '.join(owners)}, which the model does not have"
+            raise InputError(words, key=name)
+        raise unknown("parameter", name, self.known_names())
+
+
+_LAST: dict[int, tuple[weakref.ref[Model], float, Lowered]] = {}
+
+
+def lower(model: Model, belt_speed: float) -> Lowered:
+    """Translate `model` on a belt of the given set-point speed.
+
+    The last few translations of models without effects are kept: such a model cannot change, and a short
+    trajectory takes no longer than its translation.
+    """
+    kept = _LAST.get(id(model))
+    if kept is not None and kept[0]() is model and kept[1] == belt_speed:
+        return kept[2]
+    lowered = _translate(model, belt_speed)
+    if not model.effects:
+        if len(_LAST) >= 64:
+            _LAST.clear()
+        lowered.parameters.flags.writeable = False
+        _LAST[id(model)] = (weakref.ref(model), belt_speed, lowered)
+    return lowered
+
+
+def _translate(model: Model, belt_speed: float) -> Lowered:
+    parameters = np.zeros(WIDTH)
+    slots: dict[str, tuple[int, ...]] = {}
+
+    def put(name: str, value: float, *targets: str) -> None:
+        places = tuple(SLOTS[target] for target in (targets or (name,)))
+        for place in places:  # far cheaper than an index list
+            parameters[place] = value
+        slots[name] = places
+
+    rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
+    law_kind = _lower_law(model.friction, put)
+    put("belt_speed", belt_speed)
+    bits, table, factors = 0, None, dict[str, float]()
+    for term in model.effects:
+        if isinstance(term, Tabulated):
+            if term.of_reading:  # acts on the reading, not on the motion
+                continue
+            table = term
+            bits |= 1 << _core.EFFECTS.index("tabulated")
+            for i, value in enumerate(term.values):
+                place = len(SLOTS) + i
+                parameters[place] = value
+                slots[f"{term.name}.value_{i}"] = (place,)
+            if term.period is not None:
+                _, last = slots.popitem()  # it is the first again
+                slots[f"{term.name}.value_0"] += last
+                for key in ("w", "phi"):
+                    put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
+            continue
+        if term.name in CONSTANTS:
+            _correct(term, parameters, slots, factors)
+            continue
+        bits |= _lower_effect(term, put)
+    structure = _core.Structure(
+        rig=rig_kind,
+        law=law_kind,
+        effects=bits,
+        table_place=0 if table is None else PLACES.index(table.where),
+        table_variable=0 if table is None else VARIABLES.index(table.variable),
+        table_period=0.0 if table is None or table.period is None else table.period,
+        knots=[] if table is None else list(table.knots),
+    )
+    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors, hidden_states(model))
+
+
+def hidden_states(model: Model) -> tuple[str, ...]:
+    """Names of the states that the model's effects add, in the core's order."""
+    owned = {name for one in model.effects if isinstance(one, Effect) for name in one.kind.hidden}
+    return tuple(name for name in HIDDEN if name in owned)
+
+
+def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.RigKind:
+    if isinstance(rig, BlockOnBelt):
+        put("mass", rig.mass, "alpha1")
+        put("damping", rig.damping, "eta1")
+        put("stiffness", rig.stiffness)
+        return _core.RigKind.block_on_belt
+    for name in ("alpha1", "alpha2", "beta3", "eta1", "eta12"):
+        put(name, getattr(rig, name))
+    parameters[SLOTS["coupling"]] = 1.0 if rig.coupling == "reciprocal" else -1.0
+    return _core.RigKind.two_degree
+
+
+def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _Put) -> _core.LawKind:
+    if isinstance(law, PaperFriction):
+        names: tuple[str, ...] = (
+            "T_s_minus",
+            "A1",
+            "A2",
+            "t1",
+            "t2",
+            "v_w_min",
+            "T_min_minus",
+            "T_s_plus",
+            "T_min_plus",
+            "v_w_max",
+        )
+        for name in names:
+            put(name, getattr(law, name))
+        return _core.LawKind.paper
+    kind = _core.LawKind.coulomb if isinstance(law, CoulombFriction) else _core.LawKind.hyperbolic
+    names = (
+        ("static", "kinetic")
+        if isinstance(law, CoulombFriction)
+        else ("scale", "decay", "constant", "quadratic")
+    )
+    for name in names:
+        value, other = getattr(law, name), getattr(law, f"{name}_plus")
+        if other is None:
+            put(name, value, f"{name}_minus", f"{name}_plus")
+        else:
+            put(name, value, f"{name}_minus")
+            put(f"{name}_plus", other)
+    return kind
+
+
+def _correct(
+    term: Effect, parameters: Floats, slots: dict[str, tuple[int, ...]], factors: dict[str, float]
+) -> None:
+    """Put the true constant of the rig in the place of the declared one; a sensor's gain moves nothing."""
+    name = {"rig_mass": "mass", "rig_stiffness": "stiffness"}.get(term.name)
+    if name is None:
+        return
+    (place,) = slots[f"{term.name}.e"] = slots[name]
+    factors[name], factors[f"{term.name}.e"] = 1 + term.parameters["e"], float(parameters[place])
+    parameters[place] *= factors[name]
+
+
+def _lower_effect(term: Effect, put: _Put) -> int:
+    if term.name in READING_EFFECTS:  # acts on the reading, not on the motion
+        for name, value in term.parameters.items():
+            if f"{term.name}.{name}" in SLOTS:  # a lag that follows in the chain sees it
+                put(f"{term.name}.{name}", value)
+        return 0
+    for name, value in term.parameters.items():
+        put(f"{term.name}.{name}", value)
+    return 1 << _core.EFFECTS.index(term.name)

@@ -1,0 +1,1 @@
+"""Orbits: limit cycles, their branches, steady sliding, Lyapunov exponents."""

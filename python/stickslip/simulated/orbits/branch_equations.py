@@ -1,0 +1,113 @@
+"""The equations of a branch of limit cycles: of the state on the section, the period and the parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stickslip.errors import StickslipError
+from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow
+from stickslip.simulated.orbits.limit_cycle import LimitCycle, cycle_of
+
+CORRECTIONS = 10
+CLOSED = 1e-9  # of the cycle's size
+
+
+@dataclass(frozen=True)
+class Point:
+    """A cycle on the branch, or a trial on the way to one; `x` is in scaled units."""
+
+    x: Floats
+    residual: Floats
+    jacobian: Floats
+    arc: Arc
+    flow: Flow
+    value: float
+    contact: Contact
+
+    @cached_property
+    def signature(self) -> tuple[tuple[int, int], ...]:
+        """Contact modes before and after each transition, from whichever makes this least: a cycle has no first."""
+        modes = self.arc.signature
+        return min((modes[k:] + modes[:k] for k in range(len(modes))), default=())
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The equations of a branch."""
+
+    flow: Flow
+    parameter: str
+    turns: int
+    contact: Contact
+    scale: Floats
+    tol: float
+
+    @cached_property
+    def dimension(self) -> int:
+        """Number of states."""
+        return len(self.flow.states)
+
+    def at(self, x: Floats) -> Point:
+        """Equations and derivatives at X / scale."""
+        d, full = self.dimension, x * self.scale
+        z, span, value = full[:d], float(full[d]), float(full[d + 1])
+        flow = self.flow.moved(self.parameter, value)
+        if span <= 0:
+            raise StickslipError("the period is no longer positive")
+        arc = flow.arc(z, span, parameter=self.parameter, contact=self.contact)
+        residual, jacobian = np.empty(d + 1), np.zeros((d + 1, d + 2))
+        residual[:d] = arc.end - z
+        jacobian[:d, :d] = arc.monodromy - np.eye(d)
+        jacobian[:d, d], jacobian[:d, d + 1] = arc.rate, arc.by_parameter
+        if self.contact == "stick":  # the start is set on the belt, whatever z says
+            residual[1] = arc.start[1] - z[1]
+            jacobian[1] = 0.0
+            jacobian[1, 1], jacobian[1, d + 1] = -1.0, arc.start_by_parameter[1]
+        self._last_row(flow, value, span, z, residual, jacobian)
+        return Point(x, residual, jacobian * self.scale, arc, flow, value, self.contact)
+
+    def _last_row(
+        self, flow: Flow, value: float, span: float, z: Floats, residual: Floats, jacobian: Floats
+    ) -> None:
+        """On the section, or a whole number of periods of what moves the rig."""
+        d, forcing = self.dimension, flow.forcing_period
+        if forcing is None:
+            residual[d], jacobian[d, 1] = z[1], 1.0
+            return
+        h = 1e-6 * max(abs(value), 1e-3)
+        beside = [self.flow.moved(self.parameter, value + s * h).forcing_period or forcing for s in (1, -1)]
+        residual[d], jacobian[d, d] = span - self.turns * forcing, 1.0
+        jacobian[d, d + 1] = -self.turns * (beside[0] - beside[1]) / (2 * h)
+
+    def correct(self, x: Floats, across: Floats) -> tuple[Point, int] | None:
+        """Newton's method in the plane through `x` normal to `across`; None if it does not converge."""
+        try:
+            point = self.at(x)
+            for k in range(CORRECTIONS):
+                system = np.vstack([point.jacobian, across])
+                right = np.append(-point.residual, across @ (x - point.x))
+                change = np.linalg.solve(system, right)
+                if np.abs(change).max() > 0.5:
+                    return None
+                point = self.at(point.x + change)
+                if np.abs(point.residual).max() <= self.tol and np.abs(change).max() <= 1e-7:
+                    return (point, k + 1) if self._closes(point.arc) else None
+        except (StickslipError, np.linalg.LinAlgError):
+            return None
+        return None
+
+    def _closes(self, arc: Arc) -> bool:
+        """Does it end where it began? The equations of a start in stick say nothing of the block's speed at the end."""
+        return self.contact != "stick" or abs(arc.end[1] - arc.start[1]) <= CLOSED * self.scale[1]
+
+    def tangent(self, point: Point, along: Floats) -> Floats:
+        """Unit tangent of the branch, pointing to the side of `along`."""
+        t = np.asarray(np.linalg.svd(point.jacobian)[2][-1])
+        return t if t @ along >= 0 else -t
+
+    def cycle(self, point: Point) -> LimitCycle:
+        """Return the limit cycle at a corrected point."""
+        return cycle_of(point.flow, point.arc, 0, self.turns, point.contact)

@@ -1,0 +1,355 @@
+"""Branches of limit cycles in a parameter, by pseudo-arclength, with the bifurcations on the way.
+
+A point X = (z, T, p) holds the state on the section, the period and the parameter. Equations are those of
+`cycles`; their derivatives by z, T and p are exact. A step goes along the tangent and is corrected by Newton's
+method at right angles to it (Keller 1977), in units of the cycle's size, its period and the span asked for.
+
+Folds, flips and Neimark-Sacker points are zeros of smooth functions. Sliding bifurcations change the sequence of
+contact modes: a stick phase shrinks to nothing, v_w = 0 is crossed where it was stuck to, or is touched in slip.
+They are located where the sequence changes. There the branch may have a corner, and even turn round in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike
+
+from stickslip.arguments import explained, listed, whole_number
+from stickslip.declared.model import Model
+from stickslip.errors import InputError, StickslipError, number, unknown
+from stickslip.simulated.lowering import READ_ALONE
+from stickslip.simulated.orbits.branch import (
+    Branch,
+    Kind,
+    SpecialPoint,
+    Trace,
+    branch_of,
+    comes_round,
+    flip_test,
+    kind_of,
+    neimark_sacker_test,
+)
+from stickslip.simulated.orbits.branch_equations import Point, Problem
+from stickslip.simulated.orbits.flow import Floats, Flow
+from stickslip.simulated.orbits.limit_cycle import LimitCycle, check_states, limit_cycle
+from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, equilibrium
+
+SMALLEST = 1e-9  # step at which a branch counts as ended or cornered
+SMOOTH: tuple[Kind, ...] = ("fold", "flip", "neimark_sacker")
+
+
+@explained
+def continuation(
+    model: Model,
+    belt_speed: float | None = None,
+    *,
+    parameter: str = "belt_speed",
+    span: tuple[float, float],
+    guess: ArrayLike | LimitCycle | None = None,
+    step: float = 0.02,
+    max_points: int = 500,
+    tol: float = 1e-10,
+) -> Branch:
+    """Trace a branch of limit cycles in a parameter, both ways from where it starts.
+
+    Parameters
+    ----------
+    model, belt_speed
+        The rig on its belt. The branch starts at its numbers; `belt_speed` may be left out where it is the
+        parameter, and the branch then starts in the middle of the span.
+    parameter
+        "belt_speed" or a name in `model.parameters`.
+    span
+        Least and greatest value.
+    guess
+        A cycle to start from, or a state to settle from; at rest at the origin if absent.
+    step
+        First and greatest step: 1 is the whole span, or a change of the cycle by its own size.
+    max_points
+        In each direction.
+    tol
+        Residual of the equations at each point, and relative distance in which special points are bracketed.
+
+    Returns
+    -------
+    Branch
+
+    Raises
+    ------
+    InputError
+        A bad span, a start outside it, an unknown parameter.
+    NoLimitCycleError
+        There is no cycle to start from.
+    """
+    if len(ends := listed("span", span, "two numbers, the least and the greatest value")) != 2:
+        raise InputError("must be two numbers, the least and the greatest value", key="span", value=span)
+    low, high = number("span[0]", ends[0]), number("span[1]", ends[1])
+    if not low < high:
+        raise InputError("must increase", key="span", value=span)
+    number("step", step, above=0, most=0.5)
+    max_points, tol = whole_number("max_points", max_points), number("tol", tol, above=0, below=1e-2)
+    if not isinstance(parameter, str):
+        raise InputError("must be the name of a parameter", key="parameter", value=parameter)
+    name, speed, value = _start(model, belt_speed, parameter, (low, high))
+    flow = Flow(model, speed)
+    if isinstance(guess, LimitCycle):
+        check_states(guess, flow)
+    first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
+    problem = Problem(flow, name, first.turns, first.contact, _scale(first, high - low), tol)
+    x = np.concatenate([first.state, [first.period, value]]) / problem.scale
+    e = np.zeros(len(x))
+    e[-1] = 1.0
+    found = problem.correct(x, e)
+    if found is None:
+        raise NoLimitCycleError("the cycle to start from cannot be corrected; give a nearer guess")
+    walk = Walk(problem, (low, high), step, max_points)
+    ahead = walk.go(found[0], e)
+    alone = Trace([found[0]], [], "closed")
+    back = alone if ahead.end == "closed" else walk.go(found[0], -e)
+    return branch_of(
+        name, problem.cycle, back, alone if back.end == "closed" and back is not alone else ahead
+    )
+
+
+def _start(
+    model: Model, belt_speed: float | None, parameter: str, span: tuple[float, float]
+) -> tuple[str, float, float]:
+    """Full name of the parameter, belt speed and value to start at."""
+    if parameter == "belt_speed":
+        value = 0.5 * (span[0] + span[1]) if belt_speed is None else number("belt_speed", belt_speed)
+        name, speed = parameter, value
+    else:
+        if parameter.startswith("initial."):
+            raise unknown("parameter of a branch", parameter, ["belt_speed", *model.parameters])
+        name = model.parameter_name(parameter)
+        if name.partition(".")[0] in READ_ALONE:
+            raise InputError("acts on the reading, not on the motion; no cycle depends on it", key=name)
+        if belt_speed is None:
+            raise InputError("missing; give the speed of the belt", key="belt_speed")
+        speed, value = number("belt_speed", belt_speed), model.parameters[name]
+    if not span[0] <= value <= span[1]:
+        raise InputError(f"the branch starts at {value:g}, outside {span[0]:g} to {span[1]:g}", key=name)
+    return name, speed, value
+
+
+def _scale(cycle: LimitCycle, width: float) -> Floats:
+    states = cycle.trajectory(65).state
+    size = float(np.ptp(states, axis=0).max())
+    return np.concatenate([np.full(len(cycle.state), size), [cycle.period, width]])
+
+
+@dataclass
+class Walk:
+    """Steps along the branch in one direction."""
+
+    problem: Problem
+    span: tuple[float, float]
+    step: float
+    most: int
+
+    def go(self, start: Point, along: Floats) -> Trace:
+        """Points and special points from `start` in the direction of `along`, to an end of the span."""
+        self.problem = replace(self.problem, contact=start.contact)  # another walk may have changed it
+        trace = Trace([start], [])
+        points, special = trace.points, trace.special
+        first = tangent = self.problem.tangent(start, along)
+        step = self.step
+        while len(points) < self.most:
+            last = points[-1]
+            ahead = self.problem.correct(last.x + step * tangent, tangent)
+            if ahead is None or np.linalg.norm(ahead[0].x - last.x) > 2.5 * step:
+                step *= 0.5
+                if step > SMALLEST:
+                    continue
+                if other := self._strobed(last, tangent):
+                    self.problem, point, step = *other, 0.05 * self.step
+                    tangent = self.problem.tangent(point, point.x - last.x)
+                    points.append(point)
+                    continue
+                turned = self._turn(last)
+                if turned is None:
+                    special += (last_one := self._end(last, tangent, len(points)))
+                    trace.end = "special" if last_one else "no_convergence"
+                    break
+                point, tangent, step = turned[0], turned[1], 0.05 * self.step
+                special.append(self._corner(last, point, len(points)))
+                points.append(point)
+                continue
+            point, work = ahead
+            if self._outside(point):
+                points += self._at_the_end(last, point)
+                trace.end = "span"
+                break
+            if self.problem.flow.forcing_period is None and point.arc.rate[1] > 0:  # amplitude below 0
+                special += self._birth(last, len(points))
+                trace.end = "hopf"
+                break
+            if round_again := comes_round(points, first, point):
+                trace.end, met = round_again
+                if trace.end == "closed":
+                    special += self._between(
+                        last, met, tangent, self.problem.tangent(met, point.x - last.x), len(points)
+                    )
+                    points.append(met)
+                break
+            following = self.problem.tangent(point, point.x - last.x)
+            special += self._between(last, point, tangent, following, len(points))
+            if step > 1e-3 * self.step or len(points) < 2:
+                points.append(point)
+            else:  # closing in on a corner: one point is enough
+                points[-1] = point
+            tangent = following
+            step = min(self.step, step * (1.4 if work <= 3 else 0.7 if work > 5 else 1.0))
+        return trace
+
+    def _strobed(self, last: Point, tangent: Floats) -> tuple[Problem, Point] | None:
+        """Beyond where the instant at which a forced cycle is looked at leaves a stick, or comes into one."""
+        if self.problem.flow.forcing_period is None:
+            return None
+        other = replace(self.problem, contact="auto" if last.contact == "stick" else "stick")
+        for step in (1e-6, 1e-5, 1e-4, 1e-3):
+            ahead = other.correct(last.x + step * tangent, tangent)
+            if ahead is None or not np.linalg.norm(ahead[0].x - last.x) < 3 * step:
+                continue
+            if ahead[0].signature == last.signature and not self._outside(ahead[0]):
+                return other, ahead[0]
+        return None
+
+    def _outside(self, point: Point) -> bool:
+        return not self.span[0] <= point.value <= self.span[1]
+
+    def _at_the_end(self, last: Point, point: Point) -> list[Point]:
+        """Return the point at the end of the span itself."""
+        bound = self.span[0] if point.value < self.span[0] else self.span[1]
+        e = np.zeros(len(point.x))
+        e[-1] = 1.0
+        share = (bound - last.value) / (point.value - last.value)
+        found = self.problem.correct(last.x + share * (point.x - last.x), e)
+        return [] if found is None or share < 1e-9 else [found[0]]
+
+    def _between(self, a: Point, b: Point, before: Floats, after: Floats, index: int) -> list[SpecialPoint]:
+        """Special points between two neighbours."""
+        found = list[SpecialPoint]()
+        if a.signature != b.signature:
+            found.append(self._located(self._switch(a, b), a, b, index))
+            return found
+        values = {"fold": (before[-1], after[-1])}
+        for kind, test in (("flip", flip_test), ("neimark_sacker", neimark_sacker_test)):
+            values[kind] = (test(self.problem.cycle(a)), test(self.problem.cycle(b)))
+        for kind in SMOOTH:
+            if values[kind][0] * values[kind][1] < 0:
+                at = self._smooth_zero(a, b, self._test(kind, b.x - a.x))
+                if at is not None:
+                    found.append(SpecialPoint(kind, at.value, self.problem.cycle(at), index))
+        return found
+
+    def _chord(self, a: Point, b: Point, share: float) -> Point | None:
+        """Return the point of the branch over a share of the chord from a to b."""
+        chord = b.x - a.x
+        found = self.problem.correct(a.x + share * chord, chord / np.linalg.norm(chord))
+        return None if found is None else found[0]
+
+    def _birth(self, a: Point, index: int) -> list[SpecialPoint]:
+        """Return where the cycle shrinks to steady sliding: there the sliding itself changes stability."""
+
+        def leading(value: float) -> float:
+            sliding = equilibrium(self.problem.flow.moved(self.problem.parameter, value), a.arc.start)
+            return float(sliding.eigenvalues.real.max())
+
+        for width in (0.01, 0.05, 0.2):
+            reach = width * (self.span[1] - self.span[0])
+            try:
+                at = float(scipy.optimize.brentq(leading, a.value - reach, a.value + reach, xtol=1e-13))
+            except (StickslipError, ValueError):
+                continue
+            return [SpecialPoint("hopf", at, self.problem.cycle(a), index)]
+        return []
+
+    def _test(self, kind: Kind, along: Floats) -> Callable[[Point], float]:
+        if kind == "fold":
+            return lambda point: float(self.problem.tangent(point, along)[-1])
+        test = flip_test if kind == "flip" else neimark_sacker_test
+        return lambda point: test(self.problem.cycle(point))
+
+    def _smooth_zero(self, a: Point, b: Point, test: Callable[[Point], float]) -> Point | None:
+        def value(share: float) -> float:
+            point = a if share == 0 else b if share == 1 else self._chord(a, b, share)
+            if point is None:
+                raise StickslipError("no convergence")
+            return test(point)
+
+        try:
+            share = float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=self.problem.tol, rtol=1e-12))
+        except (StickslipError, ValueError):
+            return None
+        return self._chord(a, b, share)
+
+    def _switch(self, a: Point, b: Point) -> tuple[Point, Point]:
+        """Neighbours as near as the tolerance between which the sequence of modes changes."""
+        left, right, low, high = 0.0, 1.0, a, b
+        while right - left > self.problem.tol:
+            for share in (0.5, 0.37, 0.71):
+                middle = left + share * (right - left)
+                point = self._chord(a, b, middle)
+                if point is not None:
+                    break
+            else:
+                break
+            if point.signature == a.signature:
+                left, low = middle, point
+            else:
+                right, high = middle, point
+        return low, high
+
+    def _located(self, pair: tuple[Point, Point], a: Point, b: Point, index: int) -> SpecialPoint:
+        kind = kind_of(a.signature, b.signature)
+        return SpecialPoint(kind, pair[0].value, self.problem.cycle(pair[0]), index)
+
+    def _corner(self, last: Point, point: Point, index: int) -> SpecialPoint:
+        kind = kind_of(last.signature, point.signature)
+        return SpecialPoint(kind, last.value, self.problem.cycle(last), index, turns_round=True)
+
+    def _end(self, last: Point, tangent: Floats, index: int) -> list[SpecialPoint]:
+        """Say why the branch ends, by what the motion does just beyond."""
+        for step in (1e-7, 1e-6, 1e-5):
+            try:
+                signature = self.problem.at(last.x + step * tangent).signature
+            except StickslipError:
+                continue
+            if signature != last.signature:
+                kind = kind_of(last.signature, signature)
+                return [SpecialPoint(kind, last.value, self.problem.cycle(last), index, ends=True)]
+        return []
+
+    def _turn(self, last: Point) -> tuple[Point, Floats] | None:
+        """Go on from a corner of the branch: tangents of the other side, from states moved a little over to it."""
+        d = self.problem.dimension
+        for size in (1e-5, 1e-4, 1e-3):
+            for i in (k for k in range(d) if k != 1):
+                for way in (-1.0, 1.0):
+                    x = last.x.copy()
+                    x[i] += way * size
+                    found = self._over(last, x, 20 * size)
+                    if found is not None:
+                        return found
+        return None
+
+    def _over(self, last: Point, x: Floats, step: float) -> tuple[Point, Floats] | None:
+        try:
+            beside = self.problem.at(x)
+        except StickslipError:
+            return None
+        if beside.signature == last.signature:
+            return None
+        for along in (1.0, -1.0):
+            tangent = along * np.asarray(np.linalg.svd(beside.jacobian)[2][-1])
+            ahead = self.problem.correct(last.x + step * tangent, tangent)
+            if ahead is None or ahead[0].signature == last.signature:
+                continue
+            if np.linalg.norm(ahead[0].x - last.x) < 3 * step and not self._outside(ahead[0]):
+                return ahead[0], self.problem.tangent(ahead[0], ahead[0].x - last.x)
+        return None

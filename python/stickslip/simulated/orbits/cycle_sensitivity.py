@@ -1,0 +1,66 @@
+"""How a limit cycle moves with the model's numbers: the implicit function theorem on its equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.arguments import explained, must_be, texts
+from stickslip.simulated.orbits.branch_equations import Problem
+from stickslip.simulated.orbits.flow import Floats, Flow
+from stickslip.simulated.orbits.limit_cycle import LimitCycle
+
+
+@dataclass(frozen=True)
+class CycleSensitivity:
+    """Derivatives of a limit cycle.
+
+    Attributes
+    ----------
+    names
+        The parameters, in the order asked for.
+    period : (p,)
+        d period / d parameter.
+    state : (d, p)
+        d state on the section / d parameter.
+    """
+
+    names: tuple[str, ...]
+    period: Floats
+    state: Floats
+
+
+@explained
+def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivity:
+    """Differentiate the period and the state of a cycle by parameters.
+
+    With F(z, T, p) = 0 the equations of the cycle, d(z, T)/dp = -F_(z,T)^-1 F_p. At a fold it does not exist.
+
+    Parameters
+    ----------
+    cycle
+        From `limit_cycle`, or a branch's special point.
+    names
+        "belt_speed" or names in `model.parameters`.
+
+    Raises
+    ------
+    InputError
+        An unknown name, with the nearest known one.
+    numpy.linalg.LinAlgError
+        The cycle is at a fold.
+    """
+    must_be("cycle", cycle, LimitCycle, "limit_cycle(model, belt_speed) gives one")
+    chosen = texts("names", names, "parameter names")
+    flow = Flow(cycle.model, cycle.belt_speed)
+    d = len(cycle.state)
+    columns = np.empty((d + 1, len(chosen)))
+    for k, given in enumerate(chosen):
+        name = given if given == "belt_speed" else cycle.model.parameter_name(given)
+        value = cycle.belt_speed if name == "belt_speed" else cycle.model.parameters[name]
+        problem = Problem(flow, name, cycle.turns, cycle.contact, np.ones(d + 2), 1e-10)
+        jacobian = problem.at(np.concatenate([cycle.state, [cycle.period, value]])).jacobian
+        columns[:, k] = -np.linalg.solve(jacobian[:, :-1], jacobian[:, -1])
+    return CycleSensitivity(chosen, columns[d], columns[:d])

@@ -1,0 +1,357 @@
+"""(2.1)-(4.3) and the catalogue of effects as `reference` integrates them, in plain Python.
+
+Between switchings every side (of a kink, of a gap, of the contact) is frozen, so the field is analytic:
+
+    M x2' = -Q + F,   F = -T = force of the belt on the block,   v = x2 - V(t),   v' = (1/M + k/tau)(F - q)
+    Rig          M = alpha1, Q = alpha1 x1 + eta1 (x2 + y2) + s y1 - B,   s = +1 reciprocal, -1 as printed
+                 alpha2 y2' = -beta3 y1 - eta12 y2 - x1 - eta1 x2 + A
+    BlockOnBelt  M = mass, Q = stiffness x1 + damping x2 - B
+
+with B, A the effects' forces on block and angle body, V = v_b (1 + a sin(w t + phi)) + b the belt's speed
+(ripple, droop), and q the force that would keep the block on the belt (x2 = V, x2' = V'):
+
+    q = [Q(x2 = V) + M (r' - b/tau)] / (1 + M k/tau),   r' = v_b a w cos(w t + phi),   tau b' = -k F - b
+
+Stick: F = q while -L_plus <= q <= L_minus. Slip: T = sgn(v) N R(u), u = |v|, or |w| with friction_memory
+(tau w' = v - w, w = 0 in stick). N, the product of the "friction times" effects, multiplies the limits too.
+Compliance: T = k z + c v, z' = v - k |v| z / (N R), never stick. Every function takes complex numbers (for
+derivatives by a complex step) and arrays of them (for a look at many instants at once).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from stickslip.declared.effects import Tabulated
+from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
+from stickslip.simulated.reference.friction import Value, branch
+
+Guard = Callable[[Value, Value], Value]  # a switching function S(t, z), negative while the side lasts
+
+REST = 1e-12  # |v| below this at the start is rest on the belt
+
+
+@dataclass(frozen=True)
+class Side:
+    """What is frozen while a switching function lands: one value per piecewise-smooth law."""
+
+    contact: int  # -1, 1 slip with that sign of v; 0 stick
+    since: float = 0.0  # time of the last arrival on the belt (static_aging)
+    clamped: bool = False  # beyond the fitted range of the branch
+    memory: int = 1  # sign of w (friction_memory)
+    gap: int = 0  # spring_gap_k3: -1, 0, 1
+    quadratic: int = 1  # sign of x2 (block_quadratic_damping)
+    pivot: int = 0  # sign of y2, 0 stuck (pivot_dry_friction)
+    touching: bool = True  # the normal force is positive (normal_force_feedback)
+    cell: int = 0  # tabulated term: 0 before the first knot, i after knot i, counted from 1
+    cycle: int = 0  # periods behind (tabulated in t)
+
+
+def _cells(curve: Tabulated) -> list[tuple[float, Value]]:
+    """Start and cubic of every cell: constant outside the knots, the natural (periodic) spline between."""
+    x, y = np.array(curve.knots), np.array(curve.values)
+    spline = CubicSpline(x, y, bc_type="periodic" if curve.period else "natural")
+    inner = [(float(a), spline.c[:, i]) for i, a in enumerate(x[:-1])]
+    return [(0.0, y[:1]), *inner, (0.0, y[-1:])]
+
+
+class System:
+    """The field, the loads and the switching functions of one model at one belt speed."""
+
+    def __init__(self, model: Model, belt_speed: float) -> None:
+        self.model, self.v_b = model, float(belt_speed)
+        self.rig = cast(Any, model.rig)  # either of the two, told apart by `two`
+        self.two = isinstance(model.rig, Rig)
+        self.e: dict[str, Mapping[str, float]] = {x.name: x.parameters for x in model.effects}
+        self.branches = {s: branch(model.friction, s) for s in (-1, 1)}
+        names = list(self.rig.state_names)
+        hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
+        self.names = names + [h for h, effect in hidden if effect in self.e]
+        self.d = len(names)
+        curves = [x for x in model.effects if isinstance(x, Tabulated) and not x.of_reading]
+        if len(curves) > 1:
+            raise TypeError(f"the reference takes one tabulated term, the model has {len(curves)}")
+        self.curve = curves[0] if curves else None
+        self.cells = _cells(self.curve) if self.curve else []
+        self.compliant = "contact_compliance" in self.e
+        self.mass = self.rig.alpha1 if self.two else self.rig.mass
+
+    # -- the field, sides frozen ---------------------------------------------------------------------------
+
+    def get(self, z: Value, name: str) -> Value:
+        """Component `name` of z, zero where the system has none."""
+        return z[self.names.index(name)] if name in self.names else 0.0 * z[0]
+
+    def belt(self, t: Value, z: Value) -> tuple[Value, Value]:
+        """V and the ripple's part of V'."""
+        p = self.e.get("belt_speed_ripple", {"a": 0.0, "w": 0.0, "phi": 0.0})
+        angle = p["w"] * t + p.get("phi", 0.0)
+        speed = self.v_b * (1 + p["a"] * np.sin(angle)) + self.get(z, "b")
+        return speed, self.v_b * p["a"] * p["w"] * np.cos(angle)
+
+    def block_load(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """Q: what the belt would have to balance, accelerations apart."""
+        e, rig, x1, y1, y2 = self.e, self.rig, z[0], self.get(z, "y1"), self.get(z, "y2")
+        if self.two:
+            coupling = 1.0 if rig.coupling == "reciprocal" else -1.0
+            load = rig.alpha1 * x1 + rig.eta1 * (x2 + y2) + coupling * y1
+        else:
+            load = rig.stiffness * x1 + rig.damping * x2
+        if p := e.get("block_viscous_damping"):
+            load = load + p["c"] * x2
+        if p := e.get("block_quadratic_damping"):
+            load = load + p["c"] * side.quadratic * x2 * x2
+        if p := e.get("spring_cubic_k1"):
+            load = load + p["k"] * x1**3
+        if p := e.get("spring_cubic_k2"):
+            load = load + p["k"] * (x1 + y1) ** 3
+        if p := e.get("constant_load"):
+            load = load - p["f"]
+        if p := e.get("harmonic_forcing"):
+            load = load - p["a"] * np.sin(p["w"] * t + p.get("phi", 0.0))
+        return load - self.tabulated("block", t, z, x2, side)
+
+    def angle_force(self, t: Value, z: Value, side: Side) -> Value:
+        """alpha2 y2' without the pivot's dry friction."""
+        e, rig, (x1, x2, y1, y2) = self.e, self.rig, z[:4]
+        force = -rig.beta3 * y1 - rig.eta12 * y2 - x1 - rig.eta1 * x2
+        if p := e.get("spring_cubic_k2"):
+            force = force - p["k"] * (x1 + y1) ** 3
+        if p := e.get("spring_cubic_k3"):
+            force = force - p["k"] * y1**3
+        if (p := e.get("spring_gap_k3")) and side.gap:
+            force = force - p["k"] * (y1 - side.gap * p["d"])
+        return force + self.tabulated("angle_body", t, z, x2, side)
+
+    def table_variable(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """Return what the tabulated term depends on, the periods behind taken off."""
+        assert self.curve is not None
+        name, period = self.curve.variable, self.curve.period
+        if name == "t":
+            return t + (self.curve.phi / (2 * np.pi) - side.cycle) * period if period else t
+        return x2 - self.belt(t, z)[0] if name == "v_w" else x2 if name == "x2" else self.get(z, name)
+
+    def tabulated(self, where: str, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """G of the tabulated term, on the cubic of the frozen cell; 0 elsewhere than `where`."""
+        if self.curve is None or self.curve.where != where:
+            return 0.0
+        start, cubic = self.cells[side.cell]
+        return np.polyval(cubic, self.table_variable(t, z, x2, side) - start)
+
+    def normal(self, t: Value, z: Value, side: Side) -> Value:
+        """N: what friction is multiplied by."""
+        e, factor = self.e, 1.0 + 0.0 * z[0] + self.tabulated("contact", t, z, z[1], side)
+        if "normal_force_feedback" in e:
+            factor = factor * (self.pressure(z) if side.touching else 0.0)
+        if p := e.get("friction_drift"):
+            factor = factor * (1 + p["r"] * t)
+        if p := e.get("belt_seam"):
+            travel = 2 * np.pi * (self.v_b * t - z[0]) / p["L"]
+            factor = factor * (1 + p["a"] * np.sin(travel + p.get("phi", 0.0)))
+        return factor
+
+    def pressure(self, z: Value) -> Value:
+        """1 + (beta2 y1 + eta2 y2)/T_s, T_s the declared static limit of T_-."""
+        p = self.e["normal_force_feedback"]
+        return 1 + (p["beta2"] * z[2] + p["eta2"] * z[3]) / self.branches[-1].static
+
+    def slip_speed(self, t: Value, z: Value, side: Side) -> Value:
+        """Return the u of R(u): |v|, or |w| with friction_memory."""
+        if "friction_memory" in self.e:
+            return side.memory * self.get(z, "w")
+        return side.contact * (z[1] - self.belt(t, z)[0])
+
+    def kinetic(self, t: Value, z: Value, side: Side) -> Value:
+        """N R(u) on the frozen branch."""
+        law, u = self.branches[side.contact], self.slip_speed(t, z, side)
+        magnitude = law.above + 0 * u if side.clamped else law.below(u)
+        if p := self.e.get("stribeck_peak"):
+            magnitude = magnitude + p["dT"] * np.exp(-((u / p["v_s"]) ** 2))
+        return self.normal(t, z, side) * magnitude
+
+    def limit(self, direction: int, t: Value, z: Value, side: Side) -> Value:
+        """Return the static limit L against slip with the sign `direction`."""
+        magnitude = self.branches[direction].static
+        if p := self.e.get("stribeck_peak"):
+            magnitude = magnitude + p["dT"]
+        if p := self.e.get("static_aging"):
+            magnitude = magnitude + p["dT"] * (1 - np.exp(-(t - side.since) / p["tau"]))
+        return self.normal(t, z, side) * magnitude
+
+    def demand(self, t: Value, z: Value, side: Side) -> Value:
+        """q: the force that would keep the block on the belt."""
+        speed, ripple = self.belt(t, z)
+        load = self.block_load(t, z, speed, side) + self.mass * ripple
+        if p := self.e.get("belt_load_droop"):
+            load = (load - self.mass * self.get(z, "b") / p["tau"]) / (1 + self.mass * p["k"] / p["tau"])
+        return load
+
+    def field(self, t: Value, z: Value, side: Side) -> Value:
+        """dz/dt with every side frozen."""
+        speed, ripple = self.belt(t, z)
+        v, out = z[1] - speed, dict.fromkeys(self.names, 0.0 * z[0])
+        if side.contact == 0:
+            force = self.demand(t, z, side)
+        elif self.compliant:
+            bristle, contact = self.get(z, "z"), self.e["contact_compliance"]
+            out["z"] = v - contact["k"] * side.contact * v * bristle / self.kinetic(t, z, side)
+            force = -contact["k"] * bristle - contact["c"] * v
+        else:
+            force = -side.contact * self.kinetic(t, z, side)
+        if p := self.e.get("belt_load_droop"):
+            out["b"] = (-p["k"] * force - self.get(z, "b")) / p["tau"]
+        if (p := self.e.get("friction_memory")) and side.contact:
+            out["w"] = (v - self.get(z, "w")) / p["tau"]
+        out["x1"] = z[1]
+        out["x2"] = (force - self.block_load(t, z, z[1], side)) / self.mass
+        if side.contact == 0:
+            out["x2"] = ripple + out.get("b", 0.0)
+        if self.two:
+            torque = self.angle_force(t, z, side)
+            if p := self.e.get("pivot_dry_friction"):
+                if p["v_c"] > 0:
+                    torque = torque - p["f"] * np.tanh(z[3] / p["v_c"])
+                else:
+                    torque = 0.0 * torque if side.pivot == 0 else torque - side.pivot * p["f"]
+            out["y1"], out["y2"] = z[3], torque / self.rig.alpha2
+        return np.array([out[n] for n in self.names])
+
+    # -- the switching functions, and what follows a switching ----------------------------------------------
+
+    def guards(self, side: Side) -> dict[str, Guard]:
+        """Return what can end `side`; "rest", "slip-" and "slip+" change the contact."""
+        e, s = self.e, side.contact
+        out: dict[str, Guard] = {}
+        if s:
+            out["rest"] = lambda t, z: -s * (z[1] - self.belt(t, z)[0])
+            if (kink := self.branches[s].kink) is not None:
+                sign = -1.0 if side.clamped else 1.0
+                out["clamp"] = lambda t, z: sign * (self.slip_speed(t, z, side) - kink)
+            if "friction_memory" in e:
+                out["memory"] = lambda _, z: -side.memory * self.get(z, "w")
+        else:
+            out["slip-"] = lambda t, z: self.demand(t, z, side) - self.limit(-1, t, z, side)
+            out["slip+"] = lambda t, z: -self.limit(1, t, z, side) - self.demand(t, z, side)
+        if "block_quadratic_damping" in e:
+            out["drag"] = lambda _, z: -side.quadratic * z[1]
+        if "normal_force_feedback" in e:
+            out["normal"] = lambda _, z: -self.pressure(z) if side.touching else self.pressure(z)
+        return out | self._gap_guards(side) | self._pivot_guards(side) | self._knot_guards(side)
+
+    def _gap_guards(self, side: Side) -> dict[str, Guard]:
+        if "spring_gap_k3" not in self.e:
+            return {}
+        d = self.e["spring_gap_k3"]["d"]
+        if side.gap:
+            return {"gap": lambda _, z: d - side.gap * z[2]}
+        return {"gap+": lambda _, z: z[2] - d, "gap-": lambda _, z: -z[2] - d}
+
+    def _pivot_guards(self, side: Side) -> dict[str, Guard]:
+        if "pivot_dry_friction" not in self.e or self.e["pivot_dry_friction"]["v_c"] > 0:
+            return {}
+        f = self.e["pivot_dry_friction"]["f"]
+        if side.pivot:
+            return {"pivot": lambda _, z: -side.pivot * z[3]}
+        return {
+            "pivot+": lambda t, z: self.angle_force(t, z, side) - f,
+            "pivot-": lambda t, z: -self.angle_force(t, z, side) - f,
+        }
+
+    def _knot_guards(self, side: Side) -> dict[str, Guard]:
+        out: dict[str, Guard] = {}
+        if self.curve is None:
+            return out
+        knots, cell = self.curve.knots, side.cell
+        if cell < len(knots):
+            out["knot+"] = lambda t, z: self.table_variable(t, z, z[1], side) - knots[cell]
+        if cell > 0:
+            out["knot-"] = lambda t, z: knots[cell - 1] - self.table_variable(t, z, z[1], side)
+        return out
+
+    def switch(self, name: str, t: float, z: Value, side: Side) -> tuple[Value, Side]:
+        """State and sides after the switching `name` at t, z."""
+        z = z.copy()
+        if name == "rest":
+            z[1] = self.belt(t, z)[0]
+            return self.enter(-side.contact, z, side, t) if self.compliant else self.arrive(t, z, side)
+        if name in ("slip-", "slip+"):
+            z[1] = self.belt(t, z)[0]
+            return self.enter(-1 if name == "slip-" else 1, z, side, t)
+        if name.startswith("pivot"):
+            z[3] = 0.0
+            return z, replace(side, pivot=self.pivot(t, z, side))
+        if name == "knot+" and self.curve and self.curve.period and side.cell == len(self.curve.knots) - 1:
+            return z, replace(side, cell=1, cycle=side.cycle + 1)
+        changes: dict[str, dict[str, Any]] = {
+            "clamp": {"clamped": not side.clamped},
+            "memory": {"memory": -side.memory},
+            "drag": {"quadratic": -side.quadratic},
+            "normal": {"touching": not side.touching},
+            "gap": {"gap": 0},
+            "gap+": {"gap": 1},
+            "gap-": {"gap": -1},
+            "knot+": {"cell": side.cell + 1},
+            "knot-": {"cell": side.cell - 1},
+        }
+        return z, replace(side, **changes[name])
+
+    def pivot(self, t: float, z: Value, side: Side) -> int:
+        """Side of the pivot's dry friction at y2 = 0."""
+        f, load = self.e["pivot_dry_friction"]["f"], self.angle_force(t, z, side)
+        return 1 if load >= f else -1 if load <= -f else 0
+
+    def arrive(self, t: float, z: Value, side: Side, dwell: float = 0.0) -> tuple[Value, Side]:
+        """Decide at v = 0: stick if the belt can supply q, else slip to the side it cannot hold."""
+        rest = replace(side, contact=0, since=t - dwell)
+        q = self.demand(t, z, rest)
+        contact = -1 if q > self.limit(-1, t, z, rest) else 1 if q < -self.limit(1, t, z, rest) else 0
+        if "friction_memory" in self.e and contact in (0, side.contact):
+            z[self.names.index("w")] = 0.0  # it has come to rest, were it for an instant
+        return self.enter(contact, z, rest, t)
+
+    def enter(self, contact: int, z: Value, side: Side, t: float) -> tuple[Value, Side]:
+        """Set the sides of the contact when it begins to be `contact`."""
+        w = self.get(z, "w")
+        side = replace(side, contact=contact, memory=int(np.sign(w)) or contact, clamped=False)
+        kink = self.branches[contact].kink if contact else None
+        if kink is not None and self.slip_speed(t, z, side) > kink:
+            side = replace(side, clamped=True)
+        return z, side
+
+    def start(self, z: Value, dwell: float = 0.0) -> tuple[Value, Side]:
+        """State and sides at t = 0; within `REST` of V is at rest on the belt, since `dwell` if it sticks."""
+        z, t = z.copy(), 0.0
+        side = Side(contact=0, quadratic=-1 if z[1] < 0 else 1)
+        if p := self.e.get("spring_gap_k3"):
+            side = replace(side, gap=int(np.sign(z[2])) if abs(z[2]) > p["d"] else 0)
+        if "normal_force_feedback" in self.e:
+            side = replace(side, touching=bool(self.pressure(z) > 0))
+        v = z[1] - self.belt(t, z)[0]
+        if self.curve:
+            if self.curve.period:
+                side = replace(side, cycle=int(np.floor(self.curve.phi / (2 * np.pi))))
+            cell = np.searchsorted(self.curve.knots, self.table_variable(t, z, z[1], side), side="right")
+            side = replace(side, cell=int(cell))
+        if abs(v) > REST:
+            z, side = self.enter(int(np.sign(v)), z, side, t)
+        else:
+            z[1] = self.belt(t, z)[0]
+            z, side = self.arrive(t, z, side, dwell)
+            if self.compliant:  # it goes the way the bristle and the springs push it
+                z, side = self.enter(1, z, side, t)
+                rise = -self.rate(self.guards(side)["rest"], t, z, side)
+                z, side = self.enter(1 if rise >= 0 else -1, z, side, t)
+        if "pivot_dry_friction" in self.e:
+            side = replace(side, pivot=int(np.sign(z[3])) or self.pivot(t, z, side))
+        return z, side
+
+    def rate(self, guard: Guard, t: Value, z: Value, side: Side) -> Value:
+        """f_S, the rate of a switching function along the flow, by a complex step (exact to rounding)."""
+        h = 1e-30
+        return guard(t + 1j * h, z + 1j * h * self.field(t, z, side)).imag / h

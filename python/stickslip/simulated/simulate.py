@@ -1,0 +1,371 @@
+"""One trajectory of a model on its belt: `simulate` and what it returns."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip import _core
+from stickslip.arguments import explained, must_be, texts, vector, whole_number
+from stickslip.declared.effects import Effect
+from stickslip.declared.friction_sign import driving_friction
+from stickslip.declared.model import Model
+from stickslip.errors import InputError, ModelWarning, number
+from stickslip.simulated.lowering import HIDDEN, Lowered, lower
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Modes = NDArray[np.int8]
+
+
+class Status(Enum):
+    """How a run ended; the value is the sentence for the user."""
+
+    finished = "reached the end time"
+    chatter = (
+        "stopped: transitions accumulate without time passing (chatter); the law or start is ill-posed there"
+    )
+    not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
+    step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
+    too_many_transitions = "stopped: more transitions than max_transitions allows"
+    too_many_steps = (
+        "stopped: more steps than max_steps allows; the run is long, or the equations are too stiff for it"
+    )
+    interrupted = "stopped by the user"
+
+    def __str__(self) -> str:
+        return self.value
+
+    @property
+    def ok(self) -> bool:
+        """Did the run reach its end time?"""
+        return self is Status.finished
+
+
+MODE_NAMES = {0: "stick", -1: "slip -", 1: "slip +"}
+
+
+@dataclass(frozen=True, repr=False)
+class Transitions:
+    """Changes of the contact mode, in time order; printed, one a line.
+
+    Attributes
+    ----------
+    t : (k,) times.
+    state : (k, d) states at them.
+    before, after : (k,) modes in {-1, 0, 1}: the sign of v_w, 0 for stick.
+    sensitivity : (k, p) derivative of the times.
+    state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
+    """
+
+    t: Floats
+    state: Floats
+    before: Modes
+    after: Modes
+    sensitivity: Floats
+    state_sensitivity: Floats
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __str__(self) -> str:
+        rows = zip(self.t, self.before, self.after, strict=True)
+        return "\n".join(f"{t:12.6f}  {MODE_NAMES[a]:<6} -> {MODE_NAMES[b]}" for t, a, b in rows)
+
+    def __repr__(self) -> str:
+        span = f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self) else ""
+        return f"<Transitions: {len(self)}{span}>"
+
+
+@dataclass(frozen=True, repr=False)
+class Trajectory:
+    """What `simulate` returns.
+
+    Attributes
+    ----------
+    t : (n,) times: `t_eval`, or the ends of the integrator's own steps.
+    state : (n, d) states in the order of `rig.state_names`.
+    mode : (n,) int8 in {-1, 0, 1}: the mode that holds from that time on.
+    hidden : name -> (n,) hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell.
+    transitions : changes of the contact mode.
+    kinks : (j,) times at which a branch saturates or an effect switches, the mode staying.
+    sensitivity : (n, d, p) d state / d parameter at fixed time, parameters in the order asked for.
+    hidden_sensitivity : name -> (n, p).
+    status : how it ended.
+    steps : number of integration steps.
+    sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
+    hidden_names : hidden states that an effect of the model has; of the others nothing hangs.
+    """
+
+    t: Floats
+    state: Floats
+    mode: Modes
+    hidden: dict[str, Floats]
+    transitions: Transitions
+    kinks: Floats
+    sensitivity: Floats
+    hidden_sensitivity: dict[str, Floats]
+    status: Status
+    steps: int
+    sensitivity_names: tuple[str, ...]
+    state_names: tuple[str, ...]
+    hidden_names: tuple[str, ...]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each time: t, the states by their names, mode, and the hidden states that the effects have."""
+        import pandas as pd  # slow to import
+
+        states = dict(zip(self.state_names, self.state.T, strict=True))
+        hidden = {name: self.hidden[name] for name in self.hidden_names}
+        return pd.DataFrame({"t": self.t, **states, "mode": self.mode, **hidden})
+
+    def __repr__(self) -> str:
+        n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
+        kept = f", {len(self.sensitivity_names)} sensitivities" if self.sensitivity_names else ""
+        return (
+            f"<Trajectory: {n} samples of {self.state.shape[1]} states{span}; {len(self.transitions)} transitions"
+            f"{kept}; {self.status}>"
+        )
+
+
+@explained
+def simulate(
+    model: Model,
+    *,
+    belt_speed: float,
+    initial: ArrayLike | None = None,
+    t_end: float,
+    t_start: float = 0.0,
+    t_eval: ArrayLike | None = None,
+    rtol: float = 1e-10,
+    atol: float = 1e-10,
+    sensitivity: Sequence[str] = (),
+    contact: Literal["auto", "stick", "slip-", "slip+"] = "auto",
+    locator: Literal["henon", "bracket"] = "henon",
+    max_transitions: int = 1_000_000,
+    max_steps: int = 5_000_000,
+    order: int | None = None,
+    step: float | None = None,
+) -> Trajectory:
+    """Simulate the model, locating every transition.
+
+    The motion is a sequence of pieces (stick, slip either way, saturated branches), each expanded in its
+    Taylor series; linear pieces to machine precision, curved ones to the tolerance. Transitions are roots of
+    the switching polynomials, landed on by Hénon's method.
+
+    Parameters
+    ----------
+    model
+        What to simulate.
+    belt_speed
+        v_b, the set-point of the belt, of either sign or zero.
+    initial
+        State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
+        b, m, dwell. At rest at the origin if absent.
+    t_end, t_start
+        Time span, in the rig's unit of time.
+    t_eval
+        Increasing times at which to return the state, within the span; the integrator's steps if absent.
+    rtol, atol
+        Error allowed to each step, relative and absolute; not both zero. `atol` is in the rig's own units: for a
+        block in SI units that moves by micrometres choose it far below that.
+    sensitivity
+        Names of parameters (as in `model.parameters`, "belt_speed", "initial.x1", ...) to differentiate by.
+    contact
+        Mode to start in; found from the state by "auto". "stick" sets the block on the belt (x2 becomes the belt's
+        speed); a slip whose sign v_w contradicts is refused.
+    locator
+        "henon", or "bracket" for plain bisection on the same series.
+    max_transitions
+        Transitions and kinks after which the run is ended.
+    max_steps
+        Steps after which the run is ended: it is very long, or stiff by an effect's time constant far below the
+        motion's.
+    order, step
+        Fixed order and step of the series of curved pieces; chosen from the tolerance if absent.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    InputError
+        A number is out of its bounds or not finite, `t_eval` not increasing or outside the span, a name
+        unknown.
+
+    Warns
+    -----
+    ModelWarning
+        An effect turns the sign of friction within the run (a `friction_drift` that goes on too long, a curve below
+        -1 at the contact): it is simulated as declared, with friction that drives.
+    """
+    must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
+    speed = number("belt_speed", belt_speed)
+    start, end = _span(t_start, t_end)
+    tolerances = checked_tolerances(rtol, atol)
+    if model.effects:
+        for said in driving_friction(model, start, end):
+            warnings.warn(said, ModelWarning, stacklevel=3)
+    lowered = lower(model, speed)
+    times = None if t_eval is None else _sample_times(t_eval, start, end)
+    names = texts("sensitivity", sensitivity, "parameter names")
+    words: tuple[object, object] = (contact, locator)  # whatever was given: an array has no truth value
+    if not isinstance(words[0], str) or contact not in _CONTACTS:
+        raise InputError(f"must be one of {', '.join(_CONTACTS)}", key="contact", value=contact)
+    if not isinstance(words[1], str) or locator not in ("henon", "bracket"):
+        raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
+    raw = _core.simulate(
+        structure=lowered.structure,
+        parameters=lowered.parameters,
+        initial=_started(model, lowered, initial, contact, speed),
+        t_start=start,
+        t_end=end,
+        contact=_CONTACTS[contact],
+        t_eval=times,
+        rtol=tolerances[0],
+        atol=tolerances[1],
+        locator=_core.Locator[locator],
+        seeds=lowered.seeds(map(model.full_name, names)),
+        max_transitions=whole_number("max_transitions", max_transitions),
+        order=0 if order is None else whole_number("order", order, least=2, most=30),
+        fixed_step=0.0 if step is None else number("step", step, above=0),
+        max_steps=whole_number("max_steps", max_steps),
+    )
+    return _trajectory(raw, model, names)
+
+
+_CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}
+
+
+def _span(t_start: float, t_end: float) -> tuple[float, float]:
+    start = number("t_start", t_start)
+    return start, number("t_end", t_end, above=start, why="the end must come after the start")
+
+
+def checked_tolerances(rtol: float, atol: float) -> tuple[float, float]:
+    """Return the tolerances, or raise `InputError` for ones that cannot be kept."""
+    relative, absolute = number("rtol", rtol, least=0, below=1), number("atol", atol, least=0)
+    if relative == 0 and absolute == 0:
+        raise InputError("both are zero; give one like 1e-10", key="rtol, atol")
+    if 0 < relative < 1e-15:
+        raise InputError("below the resolution of float64; the least is 1e-15", key="rtol", value=rtol)
+    return relative, absolute
+
+
+def checked_initial(model: Model, lowered: Lowered, initial: ArrayLike | None) -> Floats:
+    """Return the core's initial state, or raise `InputError` for one of the wrong length or not finite."""
+    names = model.rig.state_names
+    if initial is None:
+        return lowered.initial([0.0] * len(names))
+    given = vector("initial", initial, f"one start ({', '.join(names)})")
+    most = len(names) + len(HIDDEN)
+    owned = _owned(model)
+    if not len(names) <= given.size <= most:
+        words = f"has {given.size} number{'s' * (given.size != 1)}; give {len(names)} ({', '.join(names)})"
+        if owned:
+            hidden = HIDDEN[: HIDDEN.index(owned[-1]) + 1]
+            states = f"hidden state{'s' * (len(hidden) > 1)} {', '.join(hidden)}"
+            words += f", or up to {len(names) + len(hidden)} with the {states}"
+        raise InputError(words, key="initial")
+    values: list[float] = given.tolist()  # so few that numpy's loops cost more
+    if not all(map(math.isfinite, values)):
+        bad = next(name for name, x in zip((*names, *HIDDEN), values, strict=False) if not math.isfinite(x))
+        raise InputError(f"{bad} is not finite", key="initial", value=values)
+    for name, value in zip(HIDDEN, values[len(names) :], strict=False):
+        if value and name not in owned:
+            raise InputError(f"{name} = {value:g}, but no effect of the model has that state", key="initial")
+    return lowered.initial(values)
+
+
+def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact: str, speed: float) -> Floats:
+    """Return the full initial state, refusing a slip that goes the other way than `contact` says."""
+    state = checked_initial(model, lowered, initial)
+    if contact not in ("slip-", "slip+"):
+        return state
+    v = state[1] - speed
+    moving = any(term.name in ("belt_speed_ripple", "belt_load_droop") for term in model.effects)
+    if not moving and v * _CONTACTS[contact] < -1e-12 * abs(speed):
+        raise InputError(
+            f"x2 = {state[1]:g} on a belt of {speed:g} slips the other way", key="contact", value=contact
+        )
+    return state
+
+
+def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
+    times = vector("t_eval", t_eval, "a list of times")
+    # nearly every call; NaN compares false, and what increases between finite ends is finite
+    within = times.size > 0 and start <= times.item(0) and times.item(-1) <= end
+    if within and (times.size == 1 or (times[1:] > times[:-1]).all()):
+        return times
+    if times.size == 0:
+        raise InputError(
+            "empty; give at least one time, or leave it out for the integrator's steps", key="t_eval"
+        )
+    if not np.isfinite(times).all():
+        raise InputError(f"entry {int(np.flatnonzero(~np.isfinite(times))[0])} is not finite", key="t_eval")
+    falls = np.flatnonzero(np.diff(times) <= 0)
+    if falls.size:
+        i = int(falls[0]) + 1
+        raise InputError(f"must increase; entry {i} is {times[i]:g} after {times[i - 1]:g}", key="t_eval")
+    slack = 4 * math.ulp(max(abs(start), abs(end)))
+    if times[0] < start - slack or times[-1] > end + slack:
+        raise InputError(
+            f"runs from {times[0]:g} to {times[-1]:g}, outside the span {start:g} to {end:g}", key="t_eval"
+        )
+    clipped = np.clip(times, start, end)
+    if (clipped[1:] <= clipped[:-1]).any():
+        raise InputError("has several entries within rounding of an end of the span; give one", key="t_eval")
+    return clipped
+
+
+def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...]) -> Trajectory:
+    d = len(model.rig.state_names)
+    state: Floats = raw["state"]
+    sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
+    events: Floats = raw["transition_sensitivity"]  # (k, 1 + states, p)
+    hidden = slice(4, 4 + len(HIDDEN))
+    transitions = Transitions(
+        t=raw["transition_t"],
+        state=raw["transition_state"][:, :d].copy(),
+        before=raw["transition_before"],
+        after=raw["transition_after"],
+        sensitivity=events[:, 0],
+        state_sensitivity=events[:, 1 : 1 + d],
+    )
+    return Trajectory(
+        t=raw["t"],
+        state=state[:, :d].copy(),
+        mode=raw["mode"],
+        hidden=dict(zip(HIDDEN, state.T[hidden], strict=True)),
+        transitions=transitions,
+        kinks=raw["kink_t"],
+        sensitivity=sensitivity[:, :d],
+        hidden_sensitivity=(
+            dict(zip(HIDDEN, sensitivity.transpose(1, 0, 2)[hidden], strict=True))
+            if names
+            else dict.fromkeys(HIDDEN, sensitivity[:, 0])
+        ),
+        status=Status[raw["outcome"].name],
+        steps=int(raw["steps"]),
+        sensitivity_names=names,
+        state_names=model.rig.state_names,
+        hidden_names=_owned(model),
+    )
+
+
+def _owned(model: Model) -> tuple[str, ...]:
+    """Hidden states that an effect of the model has."""
+    if not model.effects:
+        return ()
+    names = {name for term in model.effects if isinstance(term, Effect) for name in term.kind.hidden}
+    return tuple(name for name in HIDDEN if name in names)

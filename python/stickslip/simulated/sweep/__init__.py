@@ -1,0 +1,1 @@
+"""Sweeps: many trajectories of one model over a grid of its numbers."""
