@@ -16,8 +16,11 @@ def test_every_public_name_is_there() -> None:
 
 
 def test_names_shared_by_a_module_and_its_function_are_the_function() -> None:
-    shared = "import stickslip.simulated.simulate, stickslip.fitted.identify, stickslip.fitted.compare, stickslip as ss; "
-    code = shared + "assert all(callable(f) for f in (ss.simulate, ss.identify, ss.compare))"
+    modules = "stickslip.simulated.simulate, stickslip.fitted.identify, stickslip.fitted.compare"
+    code = (
+        f"import {modules}, stickslip as ss; "
+        + "assert all(callable(f) for f in (ss.simulate, ss.identify, ss.compare))"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

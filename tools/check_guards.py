@@ -45,6 +45,13 @@ FAULTS = (
     Fault("ruff check", FACE, "import os\n", f"ruff check {FACE}", "F401"),
     Fault("ruff format", FACE, "x = {  1:2 }\n", f"ruff format --check {FACE}", "would be reformatted"),
     Fault("mypy", FACE, "def f(x: int) -> str:\n    return x\n", f"mypy {FACE}", "return-value"),
+    Fault(
+        "arrows between the rooms",
+        "python/stickslip/declared/planted.py",
+        "from stickslip.fitted import shooting\n\nshooting.shoot\n",
+        "PYTHONPATH=python lint-imports --no-cache",
+        "stickslip.declared.planted -> stickslip.fitted.shooting",
+    ),
     Fault("mypy strict", FACE, "def f(x):\n    return x\n", f"mypy {FACE}", "no-untyped-def"),
     Fault(
         "pytest warnings are errors",
