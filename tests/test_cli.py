@@ -394,4 +394,4 @@ def test_a_full_disk_is_said_in_one_line(
     with pytest.raises(SystemExit) as ended:
         main(["discover", "nowhere"])
     assert ended.value.code == 1
-    assert capsys.readouterr().err == "stickslip: cannot write to the output: no space left\n"
+    assert capsys.readouterr().err == "stickslip: no space left on device\n"

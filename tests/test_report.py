@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import re
 from html.parser import HTMLParser
@@ -17,11 +18,12 @@ import stickslip as ss
 from found_by_hand import SCHEMA, made
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
+from stickslip.files import RECORD, folder
 from stickslip.fitted.readings import reading_rate
 from stickslip.shown.report import motion, words
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import page
-from stickslip.shown.report.write import fill, folder, write_report
+from stickslip.shown.report.write import NAMES, fill, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
 
@@ -159,9 +161,12 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     out = tmp_path / "out"
     (out / "figures").mkdir(parents=True)
     (out / "mine.txt").write_text("kept", encoding="utf-8")
-    (out / "report.json").write_text("old", encoding="utf-8")
+    (out / "report.json").write_text("mine", encoding="utf-8")
     monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
-    write_report(found, case, out)
+    with pytest.raises(ss.InputError, match=r"holds 'report.json', which no former result put there"):
+        write_report(found, case, out)
+    assert (out / "report.json").read_text(encoding="utf-8") == "mine"
+    write_report(found, case, out, force=True)
     assert (out / "mine.txt").read_text(encoding="utf-8") == "kept"
     assert json.loads((out / "report.json").read_text(encoding="utf-8"))["verdict"] == "effect_found"
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
@@ -176,6 +181,8 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
     mine = ("mine.png", "learned_curve.pdf", "sub/errors.png")
     for name in (*old, *mine):
         (figures / name).write_text("old", encoding="utf-8")
+    record = {f"figures/{name}": hashlib.sha256(b"old").hexdigest() for name in old}
+    (tmp_path / "out" / RECORD).write_text(json.dumps(record), encoding="utf-8")
     monkeypatch.setattr(
         "stickslip.shown.report.write.page", lambda *_: (_ for _ in ()).throw(RuntimeError("no page"))
     )
@@ -194,13 +201,15 @@ def test_what_is_said_to_be_written_is_all_that_is_written(tmp_path: Path) -> No
     found, case = made(tmp_path)
     said = write_report(found, case, tmp_path / "out")
     assert said[0].name == "report.html"
-    assert sorted(said) == sorted(p for p in (tmp_path / "out").rglob("*") if p.is_file())
+    assert sorted(said) == sorted(
+        p for p in (tmp_path / "out").rglob("*") if p.is_file() and p.name != RECORD
+    )
     assert any(p.suffix == ".png" for p in said)
 
 
 def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("", encoding="utf-8")
-    with pytest.raises(ss.InputError, match="is a file; give a folder"), folder(tmp_path / "out"):
+    with pytest.raises(ss.InputError, match="is a file; give a folder"), folder(tmp_path / "out", NAMES):
         pytest.fail("the work began")
 
 

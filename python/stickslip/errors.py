@@ -10,6 +10,19 @@ from typing import Self, SupportsFloat
 
 import numpy as np
 
+QUOTED = 200  # characters of the user's own text that a message shows at most
+SENTENCE = 600  # characters of what is said of it
+
+
+def quoted(text: object, most: int = QUOTED) -> str:
+    """Return a user's text fit for a line: control characters escaped, the middle of a long one left out."""
+    told = "".join(
+        c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text)[: 2 * most]
+    )
+    if len(told) <= most and len(str(text)) <= 2 * most:
+        return told
+    return f"{told[: most - 3]}..."
+
 
 @dataclass(frozen=True)
 class Place:
@@ -21,11 +34,11 @@ class Place:
     column: str | None = None
 
     def __str__(self) -> str:
-        head = "" if self.file is None else self.file
+        head = "" if self.file is None else quoted(self.file)
         if self.line is not None:
             head += f" line {self.line}"
-        table = None if self.table is None else f"[{self.table}]"
-        column = None if self.column is None else f"column '{self.column}'"
+        table = None if self.table is None else f"[{quoted(self.table)}]"
+        column = None if self.column is None else f"column '{quoted(self.column)}'"
         return ", ".join(part for part in (head.strip(), table, column) if part)
 
 
@@ -56,14 +69,16 @@ class InputError(StickslipError):
 
     def _sentence(self) -> str:
         given = "" if self.value is None else f" = {_short(self.value)}"
+        key = None if self.key is None else quoted(self.key)
+        what = quoted(self.what, SENTENCE)
         if self.place is None:
-            subject = "" if self.key is None else f"{self.key}{given}"
+            subject = "" if key is None else f"{key}{given}"
         else:
             subject = str(self.place)
-            if self.key is not None:
+            if key is not None:
                 joint = " " if self.place.table is not None else ", "
-                subject += f"{joint}key '{self.key}'{given}"
-        return f"{subject}: {self.what}" if subject else self.what
+                subject += f"{joint}key '{key}'{given}"
+        return f"{subject}: {what}" if subject else what
 
     def placed(self, place: Place) -> Self:
         """Return the same error, said to lie at `place`; one that has a place already keeps it."""
@@ -94,7 +109,10 @@ def _short(value: object) -> str:
     """Show a value as the user wrote it, cut to a line."""
     if isinstance(value, np.generic):
         value = value.item()
-    text = repr(value).replace("\n", " ")
+    try:
+        text = repr(value).replace("\n", " ")
+    except ValueError:  # an integer of thousands of digits
+        return "a number of thousands of digits"
     return text if len(text) <= 40 else text[:37] + "..."
 
 
@@ -167,7 +185,10 @@ def number(
         return value  # nearly every call: a float in its bounds (NaN and infinity compare false)
     if not _is_real(value):
         raise InputError("not a number; give one like 0.5", key=name, value=value)
-    result = float(value)  # type: ignore[arg-type]  # _is_real has seen to it
+    try:
+        result = float(value)  # type: ignore[arg-type]  # _is_real has seen to it
+    except OverflowError:  # an integer of hundreds of digits
+        result = math.inf
     if math.isnan(result):
         raise InputError("not a number; it must be finite", key=name, value=value)
     if math.isinf(result):

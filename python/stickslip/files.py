@@ -1,10 +1,18 @@
-"""Outputs appear whole or not at all: written beside the target, then renamed over it."""
+"""Outputs appear whole or not at all, and take the place of nothing that is somebody else's.
+
+One rule for all commands. A single output takes the place of a regular file or of none: never of a device, a pipe or
+an input; a link is followed. The files of a folder have names that the user did not choose: one that is there already
+is replaced only if a former result put it there and nobody has changed it since.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +24,7 @@ from stickslip.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
+RECORD = ".stickslip.json"  # in a folder of results: what was put there, with its digests
 FINER = 1e-4  # of a sampling interval: how finely times are written
 MOST_DIGITS = 17  # of a double
 
@@ -37,6 +46,10 @@ def apart(out: Path, figure: bool, inputs: Mapping[str, Path]) -> None:
     InputError
         Two of them are one file.
     """
+    try:
+        _regular(out)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(out)) from None
     drawn = [out.with_suffix(kind) for kind in (".svg", ".png")] if figure else []
     for name, path in inputs.items():
         for target in (out, *drawn):
@@ -56,23 +69,141 @@ def whole(path: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        The place is no file, or cannot be written to, or there is no room.
     """
+    temporary = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-    except OSError as e:
-        raise InputError(f"{path}: cannot be written ({e.strerror})") from None
-    os.close(handle)
-    temporary = Path(name)
-    try:
+        target = _regular(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.stem[:100]}.", suffix=target.suffix
+        )
+        os.close(handle)
+        temporary = Path(name)
         yield temporary
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
-        temporary.replace(path)
+        temporary.chmod(0o666 & ~_mask())
+        temporary.replace(target)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder(
+    target: Path, names: Sequence[str], *, force: bool = False, inputs: Iterable[Path] = ()
+) -> Iterator[Path]:
+    """A temporary folder beside the target, whose files are moved into it on success.
+
+    Parameters
+    ----------
+    target
+        The folder; made if absent.
+    names
+        What may be written into it: paths relative to it, with `*` for any name. Those of an earlier result that this
+        one has not are removed.
+    force
+        Replace files of these names whosever they are.
+    inputs
+        Files that are read: never replaced.
+
+    Raises
+    ------
+    InputError
+        The place is a file, cannot be written to, or holds a file of one of these names that no former result put
+        there, or that was changed since; said before any work is done.
+    """
+    temporary = None
+    try:
+        if target.exists() and not target.is_dir():
+            raise InputError("is a file; give a folder", key="--out", value=str(target))
+        _refuse_foreign(target, names, force, inputs)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name[:100]}."))
+        yield temporary
+        _refuse_foreign(target, names, force, inputs)
+        _move(temporary, target, names)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(target)) from None
+    finally:
+        if temporary is not None:
+            shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _regular(path: Path) -> Path:
+    """Where to write for `path`: at the end of its links, which must be a regular file or nothing."""
+    target = path.resolve()
+    if target.is_dir():
+        raise InputError(f"{path}: is a folder; give a file")
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path}: is a device or a pipe; give a file")
+    return target
+
+
+def _mask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _digest(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _former(target: Path) -> dict[str, str]:
+    """What former results put into a folder: digests by relative path."""
+    try:
+        found = json.loads((target / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {str(k): str(v) for k, v in found.items()} if isinstance(found, dict) else {}
+
+
+def _there(target: Path, names: Sequence[str]) -> list[Path]:
+    """The files in a folder that have one of the names."""
+    return sorted({file for name in names for file in target.glob(name)})
+
+
+def _refuse_foreign(target: Path, names: Sequence[str], force: bool, inputs: Iterable[Path]) -> None:
+    """Refuse to replace what is not a former result's."""
+    former = _former(target)
+    read = [one for one in inputs if one.exists()]
+    for file in _there(target, names):
+        name = file.relative_to(target).as_posix()
+        if not file.is_file() or file.is_symlink():
+            what = "a link" if file.is_symlink() else "not a file"
+            words = f"holds '{name}', which is {what} and would be replaced; move it, or give another folder"
+            raise InputError(words, key="--out", value=str(target))
+        if any(file.samefile(one) for one in read):
+            words = f"holds '{name}', which is read here; give another folder"
+            raise InputError(words, key="--out", value=str(target))
+        if not force and former.get(name) != _digest(file):
+            whose = "was changed since it was written" if name in former else "no former result put there"
+            words = f"holds '{name}', which {whose}; give another folder, or --force to replace it"
+            raise InputError(words, key="--out", value=str(target))
+
+
+def _move(temporary: Path, target: Path, names: Sequence[str]) -> None:
+    """Move the new files in, take away those of an earlier result, and note whose they are."""
+    new = {file.relative_to(temporary).as_posix(): file for file in temporary.rglob("*") if file.is_file()}
+    gone = [file for file in _there(target, names) if file.relative_to(target).as_posix() not in new]
+    record = {k: v for k, v in _former(target).items() if (target / k).is_file()}
+    record |= {name: _digest(file) for name, file in new.items()}
+    for file in gone:  # beside the new files it would tell another story
+        file.unlink()
+        record.pop(file.relative_to(target).as_posix(), None)
+    text = json.dumps(dict(sorted(record.items())), indent=1) + "\n"
+    (temporary / RECORD).write_text(text, encoding="utf-8")
+    if not target.exists():
+        temporary.chmod(0o777 & ~_mask())
+        temporary.rename(target)
+        return
+    for name in (*sorted(new), RECORD):
+        there = target / name
+        there.parent.mkdir(parents=True, exist_ok=True)
+        (temporary / name).replace(there)
 
 
 def time_digits(t: Iterable[float], least: int, finer: float = FINER) -> int:

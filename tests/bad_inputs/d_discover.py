@@ -91,7 +91,7 @@ def inertia_in_another_unit(folder: Path) -> None:
 @bad_input(DISCOVER, "a result folder that is a file")
 def out_is_a_file(folder: Path) -> None:
     (folder / "taken").write_text("", encoding="utf-8")
-    with report_folder(folder / "taken"):
+    with report_folder(folder / "taken", ["report.html"]):
         pass
 
 

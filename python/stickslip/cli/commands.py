@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import signal
@@ -23,14 +22,20 @@ import stickslip
 from stickslip.cli import discover as cli_discover
 from stickslip.cli import simulate as cli_simulate
 from stickslip.cli import sweep as cli_sweep
-from stickslip.cli.path_type import Named
+from stickslip.cli.path_type import Named, force_option
 from stickslip.declared.toml_file import write_text
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, StickslipError, quoted
+from stickslip.files import folder
 from stickslip.fitted.compare import Comparison
-from stickslip.fitted.identified import Identified
+from stickslip.fitted.identified import IDENTIFIED, Identified
 from stickslip.fitted.identify import BeltSpeed
 
 BAD_INPUT = 2
+IDENTIFY = (*IDENTIFIED, "friction_characteristic.svg", "friction_characteristic.png")
+COMPARE = (
+    "compare.json",
+    *(f"{figure}.{kind}" for figure in ("phase_portrait", "time_series") for kind in ("svg", "png")),
+)
 console = Console(highlight=False)
 
 
@@ -76,12 +81,11 @@ class OneLine(click.Group):
             words = error.format_message().rstrip(".")
             where = error.ctx.command_path if error.ctx else "stickslip"
             click.echo(f"stickslip: {words[:1].lower()}{words[1:]} (see {where} --help)", err=True)
+        except BrokenPipeError:  # who reads us has gone: click's to end quietly
+            raise
         except OSError as error:
-            if error.errno != errno.ENOSPC:
-                raise
-            click.echo(
-                f"stickslip: cannot write {error.filename or 'to the output'}: no space left", err=True
-            )
+            about = f"{quoted(error.filename)}: " if error.filename else ""
+            click.echo(f"stickslip: {about}{(error.strerror or str(error)).lower()}", err=True)
             sys.exit(1)
         sys.exit(BAD_INPUT)
 
@@ -125,7 +129,8 @@ out_option = click.option("--out", type=Named(file_okay=False), required=True, h
 @click.argument("case", type=Named())
 @out_option
 @belt_option
-def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
+@force_option
+def identify(case: Path, out: Path, belt: BeltSpeed, force: bool) -> None:
     """Identify the friction law from the train runs of CASE (rig.toml or its folder).
 
     Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
@@ -136,13 +141,14 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
     """
     loaded = stickslip.load_case(case)
     _say_findings(loaded.findings)
-    with progress("identifying") as tell:
-        found = stickslip.identify(loaded, belt_speed=belt, progress=tell)
-    written = _save_identified(found, out)
+    with folder(out, IDENTIFY, force=force, inputs=loaded.files) as temporary:
+        with progress("identifying") as tell:
+            found = stickslip.identify(loaded, belt_speed=belt, progress=tell)
+        _fill_identified(found, temporary)
     console.print(estimates_table(found))
     for message in found.messages:
         console.print(f"- {message}", markup=False)
-    _say_written(written)
+    _say_written([out / name for name in IDENTIFY])
 
 
 @main.command(short_help="A model against a recording: one table, two figures.")
@@ -153,7 +159,8 @@ def identify(case: Path, out: Path, belt: BeltSpeed) -> None:
 @click.option(
     "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
 )
-def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None) -> None:
+@force_option
+def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None, force: bool) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify) with the belt speed of a run of CASE; compare the two.
 
     Writes compare.json, the phase portrait and the time series as SVG and PNG.
@@ -172,12 +179,13 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     others = sum(r.role == "validate" for r in loaded.runs) - 1
     if name is None and others > 0:
         console.print(f"{recording.name}, the first of {others + 1} validate runs; --run names another")
-    with progress("comparing") as tell:
-        result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
-    written = _save_comparison(result, out)
+    with folder(out, COMPARE, force=force, inputs=(*loaded.files, model)) as temporary:
+        with progress("comparing") as tell:
+            result = stickslip.compare(law, recording, belt_speed=belt, progress=tell)
+        _fill_comparison(result, temporary)
     console.print(comparison_table(result))
     _say_verdict(result)
-    _say_written(written)
+    _say_written([out / name for name in COMPARE])
 
 
 @main.command(short_help="All of it on a real recording, then a story of discovery.")
@@ -189,7 +197,8 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     help="Folder for the results.",
 )
 @click.option("--first-half", is_flag=True, help="Stop after the slider.")
-def demo(out: Path, first_half: bool) -> None:
+@force_option
+def demo(out: Path, first_half: bool, force: bool) -> None:
     """Do the whole job on a recording that comes with the package: a slider of paper on paper.
 
     Then tell the paper's own story: a rig whose measured portrait is rotated, its stick phase irregular, and why.
@@ -200,12 +209,12 @@ def demo(out: Path, first_half: bool) -> None:
     """
     from stickslip.cli.demo import run
 
-    with progress("demo") as tell:
-        result = run(tell)
-    written = [
-        *_save_identified(result.found, out),
-        *_save_comparison(result.comparison, out),
-    ]
+    with folder(out, (*IDENTIFY, *COMPARE), force=force) as temporary:
+        with progress("demo") as tell:
+            result = run(tell)
+        _fill_identified(result.found, temporary)
+        _fill_comparison(result.comparison, temporary)
+    written = [out / name for name in (*IDENTIFY, *COMPARE)]
     for paragraph in result.before:
         console.print(paragraph + "\n")
     console.print(estimates_table(result.found))
@@ -263,23 +272,19 @@ def _say_verdict(c: Comparison) -> None:
         console.print(f"- {line}", markup=False)
 
 
-def _save_identified(found: Identified, out: Path) -> list[Path]:
+def _fill_identified(found: Identified, into: Path) -> None:
     from stickslip.shown.plot import curves as plot
 
-    written = found.save(out)
-    written += plot.save_figure(plot.friction_characteristic(found), out / "friction_characteristic")
-    return written
+    found.fill(into)
+    plot.save_figure(plot.friction_characteristic(found), into / "friction_characteristic")
 
 
-def _save_comparison(c: Comparison, out: Path) -> list[Path]:
+def _fill_comparison(c: Comparison, into: Path) -> None:
     from stickslip.shown.plot import curves as plot
 
-    out.mkdir(parents=True, exist_ok=True)
-    write_text(out / "compare.json", json.dumps(c.to_dict(), indent=1))
-    written = [out / "compare.json"]
-    written += plot.save_figure(plot.phase_portrait(c), out / "phase_portrait")
-    written += plot.save_figure(plot.time_series(c), out / "time_series")
-    return written
+    write_text(into / "compare.json", json.dumps(c.to_dict(), indent=1))
+    plot.save_figure(plot.phase_portrait(c), into / "phase_portrait")
+    plot.save_figure(plot.time_series(c), into / "time_series")
 
 
 def _is_case(path: Path) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from stickslip.cli.path_type import Named
+from stickslip.cli.path_type import Named, force_option
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import Rig
@@ -20,7 +20,7 @@ from stickslip.declared.scale import read_quantity, scales
 from stickslip.declared.units import Channel
 from stickslip.discovery.result import Found
 from stickslip.errors import InputError, ModelWarning, Place
-from stickslip.files import apart, time_digits, write_csv
+from stickslip.files import apart, folder, time_digits, write_csv
 from stickslip.measured.case import Case, load_case
 from stickslip.measured.readers.tables import column_names
 from stickslip.measured.recording import Recording, load_recording
@@ -48,7 +48,8 @@ console = Console(highlight=False)
     default=None,
     help="Fits side by side; as many as there are cores, if absent. The result is the same.",
 )
-def discover(case: Path, out: Path, seed: int, threads: int | None) -> None:
+@force_option
+def discover(case: Path, out: Path, seed: int, threads: int | None, force: bool) -> None:
     """Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
 
     Writes report.html, report.json, model_before.toml, model_after.toml and the figures. The exit status is 0 with
@@ -59,11 +60,14 @@ def discover(case: Path, out: Path, seed: int, threads: int | None) -> None:
       stickslip discover CASE/rig.toml --out found
     """
     from stickslip.discovery.discover import discover as search
-    from stickslip.shown.report.write import fill, folder, written
+    from stickslip.shown.report.write import NAMES, fill, written
 
     loaded = load_case(case)
     effects = len(CATALOGUE) if isinstance(loaded.rig, Rig) else 0  # the other rigs' are weighed all at once
-    with folder(out) as temporary, telling("discovering", effects) as tell:
+    with (
+        folder(out, NAMES, force=force, inputs=loaded.files) as temporary,
+        telling("discovering", effects) as tell,
+    ):
         for finding in folded(loaded.findings):
             tell(f"note: {finding}")
         found = search(loaded, progress=tell, seed=seed, threads=threads)

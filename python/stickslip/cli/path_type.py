@@ -25,3 +25,8 @@ class Named(click.Path):
         if not str(value).strip():
             self.fail("is empty; give a path", param, ctx)
         return super().convert(value, param, ctx)
+
+
+force_option = click.option(
+    "--force", is_flag=True, help="Replace files in OUT that no former result put there, too."
+)

@@ -23,11 +23,11 @@ from stickslip.declared.rig import Rig
 from stickslip.declared.toml_file import write_text
 from stickslip.discovery.loop import discover
 from stickslip.discovery.result import Found
-from stickslip.files import whole
+from stickslip.files import folder, whole
 from stickslip.measured.case import load_case
 from stickslip.measured.fit_window import Array
 from stickslip.shown.progress import telling
-from stickslip.shown.report.write import fill, folder, written
+from stickslip.shown.report.write import NAMES, fill, written
 from stickslip.simulated.simulate import simulate
 
 RIG = {
@@ -92,7 +92,7 @@ def story(out: Path, console: Console) -> Told:
         "declared model, Table 1 as a start, and the readings.\n"
     )
     case = load_case(path)
-    with folder(place / "found") as temporary, telling("discovering", len(CATALOGUE)) as tell:
+    with folder(place / "found", NAMES) as temporary, telling("discovering", len(CATALOGUE)) as tell:
         found = discover(case, progress=tell, budget=BUDGET)
         tell("drawing the report")
         fill(temporary, found, case)

@@ -126,6 +126,10 @@ def read_toml(path: str | os.PathLike[str]) -> Document:
         line = int(at[1]) if at and at[1] else len(text.splitlines())
         what = _AT_LINE.sub("", words)
         raise InputError(f"not TOML: {what[:1].lower()}{what[1:]}", place=Place(str(file), line)) from None
+    except RecursionError:
+        raise InputError("nested too deeply; no table of ours is", place=Place(str(file))) from None
+    except ValueError:  # Python refuses to read integers of thousands of digits
+        raise InputError("holds a number of thousands of digits", place=Place(str(file))) from None
     return Document(file, text, tables)
 
 
@@ -137,11 +141,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     InputError
         The folder cannot be made or written to.
     """
-    try:
-        with whole(Path(path)) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", place=Place(str(path))) from None
+    with whole(Path(path)) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _first_fault(document: Document, model: type[BaseModel], error: ValidationError) -> InputError:

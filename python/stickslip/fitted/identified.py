@@ -16,6 +16,7 @@ from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits
 from stickslip.declared.toml_file import write_text
 from stickslip.declared.units import Channel
+from stickslip.files import folder
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 Status = Literal["identified", "weak", "unidentified"]
 Branch = Literal["minus", "plus"]
 BRANCHES: tuple[Branch, ...] = ("minus", "plus")
+IDENTIFIED = ("model.toml", "identified.json")  # the files of `Identified.save`
 DRAWS = 4000
 
 
@@ -275,13 +277,19 @@ class Identified:
             "events": events,
         }
 
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write `model.toml` and `identified.json` into `folder` (made if absent); return their paths."""
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        self.model.save(folder / "model.toml")
-        write_text(folder / "identified.json", json.dumps(self.to_dict(), indent=1))
-        return [folder / "model.toml", folder / "identified.json"]
+    def save(self, out: str | Path, *, force: bool = False) -> list[Path]:
+        """Write `model.toml` and `identified.json` into the folder `out` (made if absent); return their paths.
+
+        Files of these names that no earlier result put there are replaced only with `force`.
+        """
+        with folder(Path(out), IDENTIFIED, force=force) as temporary:
+            self.fill(temporary)
+        return [Path(out) / name for name in IDENTIFIED]
+
+    def fill(self, into: Path) -> None:
+        """Write the files of `save` into an existing folder."""
+        self.model.save(into / "model.toml")
+        write_text(into / "identified.json", json.dumps(self.to_dict(), indent=1))
 
 
 def _spanned(low: str | None, high: str | None) -> str:

@@ -95,6 +95,11 @@ class Case:
         return f"<Case '{self.title}': {type(self.rig).__name__}, {len(self.runs)} runs ({roles}){odd}; {self.path}>"
 
     @property
+    def files(self) -> tuple[Path, ...]:
+        """The files it was read from: rig.toml first, then each recording."""
+        return self.path, *dict.fromkeys(run.source for run in self.runs)
+
+    @property
     def train(self) -> tuple[Recording, ...]:
         """Runs to fit; `InputError` if there is none."""
         return self._with_role("train")

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError, Place, did_you_mean
+from stickslip.errors import InputError, Place, did_you_mean, quoted
 
 Floats = NDArray[np.float64]
 
@@ -140,9 +140,13 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
 
 def _existing(path: str | os.PathLike[str]) -> Path:
     file = Path(path)
+    try:
+        there = file.exists()
+    except OSError as error:  # a name that is too long
+        raise InputError(f"cannot be read ({error.strerror})", place=Place(str(file))) from None
     if file.is_dir():
         raise InputError("a folder, not a file", place=Place(str(file)))
-    if not file.exists():
+    if not there:
         siblings = [one.name for one in file.parent.glob(f"*{file.suffix}")] if file.parent.is_dir() else []
         hint = f"; {did_you_mean(file.name, sorted(siblings)[:8])}" if siblings else ""
         raise InputError(f"no such file{hint}", place=Place(str(file)))
@@ -152,7 +156,7 @@ def _existing(path: str | os.PathLike[str]) -> Path:
 def _require(name: str, known: Sequence[str], place: Place) -> None:
     count = list(known).count(name)
     if count == 0:
-        words = f"missing; the file has {', '.join(known)}; {did_you_mean(name, known)}"
+        words = f"missing; the file has {quoted(', '.join(known))}; {did_you_mean(name, known)}"
         raise InputError(words.split("; it must be")[0], place=place)
     if count > 1:
         raise InputError(f"there {count} times; which one is meant? rename the others", place=place)
@@ -161,7 +165,10 @@ def _require(name: str, known: Sequence[str], place: Place) -> None:
 def _cells(text: str, delimiter: str) -> list[str]:
     if delimiter == " ":
         return text.split()
-    return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter))]
+    try:
+        return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter))]
+    except csv.Error:  # a cell of more than 131,072 characters, or a NUL
+        return [cell.strip() for cell in text.split(delimiter)]
 
 
 def _number(cell: str, decimal: str) -> float | None:
@@ -273,9 +280,9 @@ def _cell_fault(cell: str, decimal: str) -> str | None:
         return "empty cell; every sample needs a number (cut the run there or interpolate)"
     value = _number(cell, decimal)
     if value is None:
-        return f"'{cell[:30]}' is text; every sample needs a number"
+        return f"'{quoted(cell, 30)}' is text; every sample needs a number"
     if not np.isfinite(value):
-        return f"{cell}; every sample needs a finite number (cut the run there or interpolate)"
+        return f"{quoted(cell, 30)}; every sample needs a finite number (cut the run there or interpolate)"
     return None
 
 

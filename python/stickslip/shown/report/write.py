@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from stickslip.declared.toml_file import write_text
 from stickslip.discovery.driven_slider.result import DrivenFound
 from stickslip.discovery.result import Found
-from stickslip.errors import InputError
+from stickslip.files import folder
 from stickslip.measured.case import Case
 from stickslip.shown.driven_slider import page as driven
 from stickslip.shown.driven_slider.figures import FIGURES as DRIVEN
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import FIGURES, draw, page
 
+NAMES = (
+    "report.html",
+    "report.json",
+    "model_before.toml",
+    "model_after.toml",
+    *(f"figures/{name}.{kind}" for name in dict.fromkeys((*FIGURES, *DRIVEN)) for kind in ("svg", "png")),
+)
 
-def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[Path]:
+
+def write_report(found: Found, case: Case, out: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
     """Write report.json, report.html, model_before.toml, model_after.toml and the figures into a folder.
 
     Parameters
@@ -31,8 +35,10 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[
     case : Case
         What it was given.
     out : path
-        Folder; made if absent. Files of these names in it are replaced, figures of an earlier result that this one
-        has not are removed, others are left alone.
+        Folder; made if absent. Files of an earlier result in it are replaced, figures that this one has not are
+        removed, others are left alone.
+    force : bool
+        Replace files of these names that no earlier result put there, too.
 
     Returns
     -------
@@ -42,9 +48,9 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str]) -> list[
     Raises
     ------
     InputError
-        The folder cannot be written to. Nothing half-written is left.
+        The folder cannot be written to, or holds somebody's own files of these names. Nothing half-written is left.
     """
-    with folder(Path(out)) as temporary:
+    with folder(Path(out), NAMES, force=force) as temporary:
         fill(temporary, found, case)
     return written(Path(out))
 
@@ -73,46 +79,3 @@ def fill(into: Path, found: Found, case: Case) -> None:
         return
     drawings = draw(found, case, into / "figures")
     write_text(into / "report.html", page(found, case, report, drawings))
-
-
-@contextmanager
-def folder(target: Path) -> Iterator[Path]:
-    """A temporary folder beside the target, whose files are moved into the target on success.
-
-    Raises
-    ------
-    InputError
-        The place is a file, or cannot be written to; said before any work is done.
-    """
-    if target.exists() and not target.is_dir():
-        raise InputError("is a file; give a folder", key="--out", value=str(target))
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(target)) from None
-    try:
-        yield temporary
-        _move(temporary, target)
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(target)) from None
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _move(temporary: Path, target: Path) -> None:
-    if not target.exists():
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o777 & ~mask)
-        temporary.rename(target)
-        return
-    new = {file.relative_to(temporary) for file in temporary.rglob("*")}
-    for file in sorted(temporary.rglob("*")):
-        if file.is_file():
-            there = target / file.relative_to(temporary)
-            there.parent.mkdir(parents=True, exist_ok=True)
-            file.replace(there)
-    for figure in (target / "figures").glob("*.*"):
-        if _ours(figure) and figure.relative_to(target) not in new:
-            figure.unlink()  # of an earlier result: beside the new page it would tell another story
