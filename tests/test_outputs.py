@@ -117,3 +117,33 @@ def test_a_message_is_one_line_of_bounded_length(text: str) -> None:
 def test_numbers_of_hundreds_of_digits_are_said_to_be_infinite() -> None:
     with pytest.raises(ss.InputError, match="infinite"):
         ss.Rig(alpha1=10**400, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+
+
+CASE = """[rig]
+kind = "block_on_belt"
+mass = 1.0
+stiffness = 1.0
+[[run]]
+file = "{file}"
+role = "train"
+belt_speed = 0.1
+[channels]
+t = {{ column = "t", unit = "1" }}
+x1 = {{ column = "x1", unit = "1" }}
+"""
+
+
+@pytest.mark.parametrize("way", ["up", "absolute", "link"])
+def test_a_case_reads_nothing_outside_its_folder(tmp_path: Path, way: str) -> None:
+    (tmp_path / "case").mkdir()
+    secret = tmp_path / "secret.csv"
+    secret.write_text("t,x1,password\n" + "".join(f"{i},{i % 3},hunter2\n" for i in range(20)))
+    (tmp_path / "case" / "link.csv").symlink_to(secret)
+    file = {"up": "../secret.csv", "absolute": str(secret), "link": "link.csv"}[way]
+    (tmp_path / "case" / "rig.toml").write_text(CASE.format(file=file))
+    with pytest.raises(ss.InputError, match="lies outside the case's folder") as refused:
+        ss.load_case(tmp_path / "case")
+    assert "password" not in str(refused.value)
+    case = ss.load_case(tmp_path / "case", files_from=tmp_path)
+    assert len(case.runs[0]) == 20
+    assert case.files[1].samefile(secret)

@@ -10,7 +10,7 @@ import stickslip as ss
 from bad_input import bad_input
 from stickslip.cli import discover as cli_discover
 from stickslip.declared.model import Model
-from stickslip.shown.report.write import folder as report_folder
+from stickslip.files import folder as report_folder
 
 DISCOVER, FORECAST = "Discovery", "Forecasts"
 

@@ -22,7 +22,7 @@ import stickslip
 from stickslip.cli import discover as cli_discover
 from stickslip.cli import simulate as cli_simulate
 from stickslip.cli import sweep as cli_sweep
-from stickslip.cli.path_type import Named, force_option
+from stickslip.cli.path_type import Named, files_from_option, force_option
 from stickslip.declared.toml_file import write_text
 from stickslip.errors import InputError, StickslipError, quoted
 from stickslip.files import folder
@@ -129,8 +129,9 @@ out_option = click.option("--out", type=Named(file_okay=False), required=True, h
 @click.argument("case", type=Named())
 @out_option
 @belt_option
+@files_from_option
 @force_option
-def identify(case: Path, out: Path, belt: BeltSpeed, force: bool) -> None:
+def identify(case: Path, out: Path, belt: BeltSpeed, files_from: Path | None, force: bool) -> None:
     """Identify the friction law from the train runs of CASE (rig.toml or its folder).
 
     Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
@@ -139,7 +140,7 @@ def identify(case: Path, out: Path, belt: BeltSpeed, force: bool) -> None:
     Example:
       stickslip identify CASE/rig.toml --out identified
     """
-    loaded = stickslip.load_case(case)
+    loaded = stickslip.load_case(case, files_from=files_from)
     _say_findings(loaded.findings)
     with folder(out, IDENTIFY, force=force, inputs=loaded.files) as temporary:
         with progress("identifying") as tell:
@@ -159,8 +160,17 @@ def identify(case: Path, out: Path, belt: BeltSpeed, force: bool) -> None:
 @click.option(
     "--run", "name", default=None, help="Name of the run; the first validate run, else the first, if absent."
 )
+@files_from_option
 @force_option
-def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | None, force: bool) -> None:
+def compare(
+    model: Path,
+    case: Path,
+    out: Path,
+    belt: BeltSpeed,
+    name: str | None,
+    files_from: Path | None,
+    force: bool,
+) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify) with the belt speed of a run of CASE; compare the two.
 
     Writes compare.json, the phase portrait and the time series as SVG and PNG.
@@ -172,7 +182,7 @@ def compare(model: Path, case: Path, out: Path, belt: BeltSpeed, name: str | Non
     if _is_case(model) and not _is_case(case):
         words = f"the model comes first: stickslip compare {case} {model} --out {out}"
         raise InputError(words, key="MODEL", value=str(model))
-    law, loaded = stickslip.load_model(model), stickslip.load_case(case)
+    law, loaded = stickslip.load_model(model), stickslip.load_case(case, files_from=files_from)
     first = next((r for r in loaded.runs if r.role == "validate"), loaded.runs[0])
     recording = first if name is None else loaded.run(name)
     _say_findings(tuple(f"{recording.name}: {finding}" for finding in recording.findings))

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from stickslip.cli.path_type import Named, force_option
+from stickslip.cli.path_type import Named, files_from_option, force_option
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import Rig
@@ -48,8 +48,11 @@ console = Console(highlight=False)
     default=None,
     help="Fits side by side; as many as there are cores, if absent. The result is the same.",
 )
+@files_from_option
 @force_option
-def discover(case: Path, out: Path, seed: int, threads: int | None, force: bool) -> None:
+def discover(
+    case: Path, out: Path, seed: int, threads: int | None, files_from: Path | None, force: bool
+) -> None:
     """Find what the declared model of CASE (rig.toml or its folder) lacks, and add it.
 
     Writes report.html, report.json, model_before.toml, model_after.toml and the figures. The exit status is 0 with
@@ -62,7 +65,7 @@ def discover(case: Path, out: Path, seed: int, threads: int | None, force: bool)
     from stickslip.discovery.discover import discover as search
     from stickslip.shown.report.write import NAMES, fill, written
 
-    loaded = load_case(case)
+    loaded = load_case(case, files_from=files_from)
     effects = len(CATALOGUE) if isinstance(loaded.rig, Rig) else 0  # the other rigs' are weighed all at once
     with (
         folder(out, NAMES, force=force, inputs=loaded.files) as temporary,

@@ -30,3 +30,11 @@ class Named(click.Path):
 force_option = click.option(
     "--force", is_flag=True, help="Replace files in OUT that no former result put there, too."
 )
+
+
+files_from_option = click.option(
+    "--files-from",
+    type=Named(exists=True, file_okay=False),
+    default=None,
+    help="Folder that CASE may read recordings from, and below; its own, if absent.",
+)

@@ -54,6 +54,9 @@ class _Case(_Strict):
     channels: dict[str, dict[str, object]]
 
 
+LONGEST = 255  # bytes of a file's name on every usual file system
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Case:
     """A rig and its runs.
@@ -140,13 +143,16 @@ class Case:
 
 
 @explained
-def load_case(path: str | os.PathLike[str]) -> Case:
+def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str] | None = None) -> Case:
     """Read a case: its declared rig and all its runs.
 
     Parameters
     ----------
     path
         The file rig.toml, or the folder that holds it.
+    files_from
+        The folder that its recordings must lie in, or below; that of rig.toml if not given. A case that came from
+        somebody else reads nothing besides.
 
     Raises
     ------
@@ -176,7 +182,8 @@ def load_case(path: str | os.PathLike[str]) -> Case:
     with document.at("noise"):
         noise = {name: number(name, value) for name, value in declared.noise.items()}  # type: ignore[arg-type]
         noise_in_model(noise, channels, rig)
-    _check_runs(document, declared.run)
+    allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
+    _check_runs(document, declared.run, allowed)
     runs = tuple(
         _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
     )
@@ -196,10 +203,15 @@ def _case_file(path: Path) -> Path:
     return path / "rig.toml"
 
 
-def _check_runs(document: Document, runs: list[_Run]) -> None:
-    """Refuse names and windows that collide, and files that are not there."""
+def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:
+    """Refuse names and windows that collide, and files that are not there or lie elsewhere."""
     folder = document.path.parent
     for i, run in enumerate(runs):
+        if len(Path(run.file).name) > LONGEST:
+            raise document.error("no such file; no name is as long", "run", i, "file", value=run.file)
+        if not (folder / run.file).resolve().is_relative_to(allowed.resolve()):
+            words = "lies outside the case's folder; copy it there, or name the folder with --files-from"
+            raise document.error(words, "run", i, "file", value=run.file)
         if (folder / run.file).is_dir():
             words = "a folder; give the CSV or .mat file of the run"
             raise document.error(words, "run", i, "file", value=run.file)
