@@ -85,6 +85,28 @@ def in_si(unit: str, si: str, *, what: str) -> float:
         raise InputError(words, key="unit", value=unit) from None
 
 
+def is_unit(text: str) -> bool:
+    """Say whether a text is a unit that pint knows."""
+    import pint
+
+    try:
+        registry().Unit(text)
+    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+        return False
+    return True
+
+
+def same_unit(one: str, other: str) -> bool:
+    """Say whether two spellings are one unit: "sec" and "s", "Newton" and "N"."""
+    if one == other or "1" in (one, other):
+        return one == other
+    units = registry()
+    try:
+        return abs(float(units.Quantity(1.0, one).to(other).magnitude) - 1) < 1e-12
+    except Exception:  # pint raises of many kinds: whatever it cannot turn is not the same
+        return False
+
+
 def _dimension(unit: object) -> str:
     dimension = str(getattr(unit, "dimensionality", "")).replace("[", "").replace("]", "")
     return "a pure number" if dimension == "dimensionless" else dimension
@@ -174,7 +196,10 @@ def with_unit(text: str) -> tuple[float, str]:
     found = _NUMBER.match(text)
     if found is None:
         return float(text), ""  # nan and inf are numbers too
-    return float(found[0]), text[found.end() :].strip()
+    unit = text[found.end() :].strip()
+    if unit[:1] in {",", ".", "'"} or unit[:1].isdigit():
+        raise ValueError("a number goes on behind what looks like its end: a decimal comma?")
+    return float(found[0]), unit
 
 
 def speed(given: float | str, unit: str, rig: AnyRig) -> float:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
-from stickslip.declared.units import Channel, factor, is_electric
+from stickslip.declared.units import Channel, factor, is_electric, is_unit, same_unit
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.readers.tables import column_names
+
+_HEAD = re.compile(r"(.*?\S)\s*(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*(\S+))\s*$")
 
 
 def needed_channels(rig: AnyRig) -> tuple[str, ...]:
@@ -79,18 +82,37 @@ def noise_in_model(
 
 
 def by_heads(path: str | os.PathLike[str], channels: Mapping[str, Channel]) -> dict[str, Channel]:
-    """Return the channels with their columns as the file heads them: "x1 [mm]" may stand for x1 in mm."""
+    """Return the channels with their columns as the file heads them: "x1 [mm]" may stand for x1 in mm.
+
+    Raises
+    ------
+    InputError
+        The head has another unit than the channel is declared in, and no `scale` turns one into the other.
+    """
     out, there = dict(channels), column_names(path)
     for name, one in channels.items():
-        headed = [head for head in there if head.startswith(f"{one.column} [") and head.endswith("]")]
-        if one.column in there or len(headed) != 1:
+        if one.column in there:
+            headed = [one.column]
+        else:
+            headed = [head for head in there if (parts := head_parts(head)) and parts[0] == one.column]
+        if len(headed) != 1:
             continue
-        unit = headed[0][len(one.column) + 2 : -1]
-        if unit != one.unit:
+        parts = head_parts(headed[0])
+        if parts is not None and one.scale == 1 and not same_unit(parts[1], one.unit):
             words = f"the file has '{headed[0]}', but its channel is declared in '{one.unit}'"
             raise InputError(words, place=Place(str(Path(path)), column=one.column))
         out[name] = replace(one, column=headed[0])
     return out
+
+
+def head_parts(head: str) -> tuple[str, str] | None:
+    """Return the name and the unit of a column's head, as "x1 [mm]", "x1(mm)" or "x1 / mm"; None if it has no unit."""
+    found = _HEAD.match(head)
+    if found is None:
+        return None
+    unit = next(part for part in found.groups()[1:] if part is not None).strip()
+    unit = "1" if unit in ("", "-") else unit
+    return (found[1], unit) if unit == "1" or is_unit(unit) else None
 
 
 def bare_channels(path: str | os.PathLike[str], rig: AnyRig) -> dict[str, Channel]:

@@ -218,7 +218,8 @@ def load_recording(
     declared = dict(channels) if channels is not None else bare_channels(table, rig)
     check_channels(declared, rig)
     declared = by_heads(table, declared)
-    columns = read_columns(table, [channel.column for channel in declared.values()])
+    units = {channel.column: channel.unit for channel in declared.values()}
+    columns = read_columns(table, list(units), units)
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     _check_times(columns, declared, raw)

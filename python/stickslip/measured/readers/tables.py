@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import csv
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, Place, did_you_mean, quoted
+from stickslip.measured.readers import memory
 
 Floats = NDArray[np.float64]
 
 _COMMENTS = ("#", "%", "//")
-_DECIMAL_COMMA = re.compile(r"\d,\d")
 
 
 @dataclass(frozen=True)
@@ -44,29 +44,9 @@ class Held:
     def __fspath__(self) -> str:
         return self.called
 
-    def read(self, names: Sequence[str]) -> Columns:
-        """Return some of the columns, copied, as those of a file."""
-        out: dict[str, Floats] = {}
-        for name in dict.fromkeys(names):
-            place = Place(self.called, column=name)
-            if name not in self.values:
-                raise InputError(f"missing; there are {', '.join(map(str, self.values))}", place=place)
-            try:
-                values = np.array(self.values[name], dtype=np.float64)
-            except (TypeError, ValueError):
-                raise InputError("not numbers", place=place) from None
-            if values.ndim != 1:
-                raise InputError(f"has {values.ndim} dimensions; a column has 1", place=place)
-            first = next(iter(out), name)
-            if out and values.size != out[first].size:
-                words = f"{values.size} numbers, but column '{first}' has {out[first].size}"
-                raise InputError(words, place=place)
-            wrong = np.flatnonzero(~np.isfinite(values))
-            if wrong.size:
-                words = f"{values[wrong[0]]} at sample {wrong[0]} (counted from 0); cut it out or fill it in"
-                raise InputError(words, place=place)
-            out[name] = values
-        return Columns(Path(self.called), out, None)
+    def read(self, units: Mapping[str, str]) -> Columns:
+        """Return some of the columns, copied, in the units given by name, as those of a file."""
+        return Columns(Path(self.called), memory.read(self.called, self.values, units), None)
 
 
 @dataclass(frozen=True)
@@ -77,7 +57,11 @@ class Layout:
     header: tuple[str, ...]
     header_line: int  # from 1
     delimiter: str  # " ": any white space
-    decimal: str
+
+    @property
+    def decimals(self) -> str:
+        """The decimal signs that its numbers may have."""
+        return "." if self.delimiter == "," else ".,"
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number and the cells of each row of data."""
@@ -108,12 +92,15 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
     return _layout(file).header
 
 
-def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
+def read_columns(
+    path: str | os.PathLike[str], names: Sequence[str], units: Mapping[str, str] | None = None
+) -> Columns:
     """Read columns of a CSV file, or variables of a MATLAB file.
 
-    CSV: separated by commas, semicolons, tabs or white space; a decimal comma where the separator is another;
-    a byte-order mark and comment lines (#, %, //) before the data are passed over. The first line that is no
-    comment names the columns; if it is numbers, the last comment before it does.
+    CSV: separated by commas, semicolons, tabs or white space; where the separator is no comma, a column may have
+    decimal commas. Every row has as many cells as the header has names. A byte-order mark and comment lines (#, %, //)
+    before the data are passed over. The first line that is no comment names the columns; if it is numbers, the last
+    comment before it does.
 
     Parameters
     ----------
@@ -121,6 +108,8 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
         A .mat file (version 4 to 7.2), anything else as CSV, or columns in memory.
     names
         Columns to read.
+    units
+        Declared unit by column, which columns in memory with a unit of their own are turned into; "1" if not given.
 
     Raises
     ------
@@ -128,7 +117,7 @@ def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> Columns:
         No such file, a column missing or there twice, an empty cell, NaN or text: the line and column.
     """
     if isinstance(path, Held):
-        return path.read(names)
+        return path.read({name: (units or {}).get(name, "1") for name in names})
     file = _existing(path)
     if file.suffix.lower() == ".mat":
         return _read_mat(file, names)
@@ -179,7 +168,7 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _layout(file: Path) -> Layout:
-    """Find header, separator and decimal sign from the first lines of a file."""
+    """Find header and separator from the first lines of a file."""
     try:
         with file.open(encoding="utf-8-sig", newline=None) as stream:
             lines = [line.rstrip("\n") for _, line in zip(range(1000), stream, strict=False)]
@@ -193,10 +182,8 @@ def _layout(file: Path) -> Layout:
         raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(str(file)))
     line_number, header = data[0]
     delimiter = _delimiter(header)
-    below = [line for _, line in data[1:20]] or [header]
-    decimal = "," if delimiter != "," and any(_DECIMAL_COMMA.search(line) for line in below) else "."
     names = _cells(header, delimiter)
-    if all(_number(cell, decimal) is not None for cell in names if cell):
+    if all(_number(cell, "," if delimiter != "," else ".") is not None for cell in names if cell):
         before = [(i, line) for i, line in used if i < line_number]
         comment = before[-1][1].lstrip("#%/ ") if before else ""
         named = _cells(comment, _delimiter(comment)) if comment else []
@@ -204,7 +191,7 @@ def _layout(file: Path) -> Layout:
             words = "numbers where the column names should be; the first line must name the columns"
             raise InputError(words, place=Place(str(file), line_number))
         names, line_number = named, line_number - 1
-    return Layout(file, tuple(name.strip("\"' ") for name in names), line_number, delimiter, decimal)
+    return Layout(file, tuple(name.strip("\"' ") for name in names), line_number, delimiter)
 
 
 def _delimiter(header: str) -> str:
@@ -213,64 +200,106 @@ def _delimiter(header: str) -> str:
 
 def _read_csv(layout: Layout, names: list[str]) -> dict[str, Floats]:
     """Read at full speed; if anything but finite numbers is there, read again and say where."""
-    import pandas as pd
-
-    try:
-        frame = pd.read_csv(
-            layout.path,
-            sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
-            decimal=layout.decimal,
-            header=None,
-            names=list(range(len(layout.header))),
-            usecols=[layout.header.index(name) for name in names],
-            skiprows=layout.header_line,
-            comment="#",
-            encoding="utf-8-sig",
-            dtype=np.float64,
-            index_col=False,
-            skipinitialspace=True,
-            on_bad_lines="error",
-        )
-        values = {name: frame[layout.header.index(name)].to_numpy(dtype=np.float64) for name in names}
-    except (ValueError, pd.errors.ParserWarning) as error:  # pandas' parser errors are ValueErrors
+    place = Place(str(layout.path), layout.header_line)
+    if not _rectangular(layout):
         _raise_first_fault(layout, names)
-        raise InputError(f"cannot be read: {error}", place=Place(str(layout.path))) from None
-    sound = all(np.isfinite(column).all() for column in values.values())
-    if not (sound and _rectangular(layout, values[names[0]].size)):
-        _raise_first_fault(layout, names)
+    for decimal in layout.decimals:
+        values = _parsed(layout, names, decimal)
+        if values is not None:
+            break
+    else:
+        values = _column_by_column(layout, names)
     if any(column.size == 0 for column in values.values()):
-        raise InputError("no rows below the column names", place=Place(str(layout.path), layout.header_line))
+        raise InputError("no rows below the column names", place=place)
+    if not all(np.isfinite(column).all() for column in values.values()):
+        _raise_first_fault(layout, names)
     return values
 
 
-def _rectangular(layout: Layout, rows: int) -> bool:
-    """Say whether the separators add up; pandas passes over surplus cells of single rows."""
-    if layout.delimiter == " ":
-        return True
+def _parsed(layout: Layout, names: list[str], decimal: str) -> dict[str, Floats] | None:
+    """The columns, all with one decimal sign; None where a cell is no such number."""
+    import pandas as pd
+
+    try:
+        frame = pd.read_csv(layout.path, decimal=decimal, dtype=np.float64, **_how(layout, names))
+    except (ValueError, pd.errors.ParserWarning):  # pandas' parser errors are ValueErrors
+        return None
+    return {name: frame[layout.header.index(name)].to_numpy(dtype=np.float64) for name in names}
+
+
+def _how(layout: Layout, names: list[str]) -> dict[str, Any]:
+    """What pandas is told of a file."""
+    return {
+        "sep": r"\s+" if layout.delimiter == " " else layout.delimiter,
+        "header": None,
+        "names": list(range(len(layout.header))),
+        "usecols": [layout.header.index(name) for name in names],
+        "skiprows": layout.header_line,
+        "comment": "#",
+        "encoding": "utf-8-sig",
+        "index_col": False,
+        "skipinitialspace": True,
+        "on_bad_lines": "error",
+    }
+
+
+def _column_by_column(layout: Layout, names: list[str]) -> dict[str, Floats]:
+    """The columns, each with a decimal sign of its own."""
+    values: dict[str, Floats] = {}
+    for name in names:
+        tried = (_parsed(layout, [name], decimal) for decimal in layout.decimals)
+        column = next((one for one in tried if one is not None), None)
+        if column is None:
+            _raise_first_fault(layout, names)
+            words = "holds a cell that cannot be read as a number"
+            raise InputError(words, place=Place(str(layout.path), column=name))
+        values |= column
+    return values
+
+
+def _rectangular(layout: Layout) -> bool:
+    """Say whether every row has as many cells as the header names columns, counted row by row."""
+    width, separator = len(layout.header), layout.delimiter.encode()
     with layout.path.open("rb") as stream:
         for _ in range(layout.header_line):
             stream.readline()
-        separator = layout.delimiter.encode()
-        count = sum(block.count(separator) for block in iter(lambda: stream.read(1 << 22), b""))
-    return count == rows * (len(layout.header) - 1)
+        for line in stream:
+            count = len(line.split()) if separator == b" " else line.count(separator) + 1
+            if count == width and b'"' not in line and b"#" not in line:
+                continue
+            text = line.decode("utf-8", "replace").partition("#")[0].strip()
+            if text and not text.startswith(_COMMENTS) and not _fits(_cells(text, layout.delimiter), width):
+                return False
+    return True
+
+
+def _fits(cells: Sequence[str], width: int) -> bool:
+    """Whether a row has as many cells as there are columns; a separator may end it."""
+    return len(cells) == width or (len(cells) == width + 1 and not cells[-1])
 
 
 def _raise_first_fault(layout: Layout, names: list[str]) -> None:
     """Raise the first cell that is not a finite number, or the first row that is too short or too long."""
     width = len(layout.header)
     at = {name: layout.header.index(name) for name in names}
+    seen = dict.fromkeys(names, "")  # the decimal sign of each column, once it has shown one
     for row, (number, cells) in enumerate(layout.rows()):
-        if len(cells) != width and not (len(cells) == width + 1 and not cells[-1]):
+        if not _fits(cells, width):
             count = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
             what = f"{count} where the header names {width} columns"
             if layout.delimiter == "," and len(cells) == 2 * width:
                 what += "; decimal commas? separate the columns by semicolons then"
             raise InputError(what, place=Place(str(layout.path), number))
         for name, column in at.items():
-            fault = _cell_fault(cells[column], layout.decimal)
+            cell = cells[column]
+            sign = next((one for one in layout.decimals if one in cell), "")
+            fault = _cell_fault(cell, sign or ".")
+            if fault is None and sign and seen[name] not in ("", sign):
+                fault = f"{quoted(cell, 30)}, but above the column has the decimal sign '{seen[name]}'"
+            seen[name] = seen[name] or sign
             if fault is None:
                 continue
-            if row == 0 and all(cell and _number(cell, layout.decimal) is None for cell in cells):
+            if row == 0 and all(cell and _number(cell, sign or ".") is None for cell in cells):
                 fault += ", as in the whole line; delete it (units are declared with the channels)"
             raise InputError(fault, place=Place(str(layout.path), number, column=name))
 
