@@ -8,6 +8,7 @@ import scipy
 
 import driven_truth as truth
 import stickslip as ss
+from stickslip.declared.effects import DRIVEN
 from stickslip.declared.rig import DrivenSlider
 from stickslip.errors import InputError
 from stickslip.simulated.driven_slider import Loop, Slider, closed_loop, forecast
@@ -88,6 +89,45 @@ SMOOTH = {
     "stribeck_peak": ({"dT": 2.0, "v_s": 0.2}, lambda x, v, t, f: f - 2 * np.exp(-((v / 0.2) ** 2))),
     "viscous_saturation": ({"dT": 2.0, "v_s": 0.2}, lambda x, v, t, f: f - 2 * (1 - np.exp(-v / 0.2))),
 }
+
+
+# a screw's second and third wave are forces as the first
+SMOOTH |= dict.fromkeys(("position_ripple_2", "position_ripple_3"), SMOOTH["position_ripple"])
+ELSEWHERE = {"drive_lag", "drive_delay", "contact_compliance", "rig_mass"}  # with tests of their own
+
+
+def test_every_effect_of_a_driven_slider_has_its_formula_here() -> None:
+    assert set(SMOOTH) | ELSEWHERE == set(DRIVEN)
+
+
+def test_a_wrong_mass_is_another_mass() -> None:
+    t = np.arange(301) / truth.RATE
+    command, start = 25 * np.sin(8 * t), np.array([0])
+    heavy = ss.Model(DrivenSlider(mass=1.2 * truth.MASS, damping=truth.DAMPING), friction=LAW)
+    ours, theirs = (
+        forecast(one, t, command, start, np.zeros(1), np.array([0.05]), 300)
+        for one in (model(ss.effect("rig_mass", e=0.2)), heavy)
+    )
+    np.testing.assert_allclose(ours, theirs, rtol=1e-12)
+
+
+@pytest.mark.parametrize("where", ["block", "contact", "angle_body", "x1 channel", "y1 channel"])
+@pytest.mark.parametrize("variable", ["x1", "x2", "v_w", "t", "y1", "y2"])
+def test_a_curve_acts_or_is_refused(where: str, variable: str) -> None:
+    if where.endswith("channel") and variable == "v_w":
+        return  # no curve of a reading at all
+    curve = ss.tabulated(where, variable, [-0.5, 0, 0.5], [-0.2, 0.1, 0.3])
+    if where not in ("block", "contact") or variable.startswith("y"):
+        with pytest.raises(InputError, match=r"angle body|is read as it is"):
+            model(curve)
+        return
+    t = np.arange(301) / truth.RATE
+    command, start = 25 * np.sin(8 * t), np.array([0])
+    ours, plain = (
+        forecast(one, t, command, start, np.zeros(1), np.array([0.05]), 300)
+        for one in (model(curve), model())
+    )
+    assert np.max(np.abs(ours - plain)) > 1e-4 * np.ptp(plain)
 
 
 @pytest.mark.parametrize("name", SMOOTH)

@@ -231,6 +231,8 @@ CONSTANTS: Mapping[str, EffectKind] = {kind.name: kind for kind in _CONSTANTS}
 _L = ParameterInfo("L", "wavelength of the position", (0.0, math.inf), open_below=True)
 _RATE = _free("r", "relative rate per unit of time")
 
+POSITION_RIPPLES = ("position_ripple", "position_ripple_2", "position_ripple_3")  # one after the other
+
 # a driven slider has no belt and no spring; what acts on it, SI throughout: T is its friction, F its drive
 _DRIVEN = (
     EffectKind(
@@ -258,7 +260,7 @@ _DRIVEN = (
     EffectKind("load_drift", "block", "+r t", (_free("r", "rate"),), ("t",)),
     *(  # a screw with several ripples has one wavelength each
         EffectKind(name, "block", "+a sin(2 pi x1/L + phi)", (_free("a", "amplitude"), _L, _PHI), ("x1",))
-        for name in ("position_ripple", "position_ripple_2", "position_ripple_3")
+        for name in POSITION_RIPPLES
     ),
     EffectKind(
         "friction_ripple", "contact", "friction times 1 + a sin(2 pi x1/L + phi)", (_A, _L, _PHI), ("x1",)

@@ -12,13 +12,22 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained, listed
-from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS, EffectKind, ParameterInfo
+from stickslip.declared.catalogue import (
+    CATALOGUE,
+    CONSTANTS,
+    DRIVEN,
+    KINDS,
+    POSITION_RIPPLES,
+    EffectKind,
+    ParameterInfo,
+)
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 
 __all__ = [
     "CATALOGUE",
     "CONSTANTS",
     "DRIVEN",
+    "POSITION_RIPPLES",
     "AnyEffect",
     "Effect",
     "EffectKind",

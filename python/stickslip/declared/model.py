@@ -296,8 +296,13 @@ def _check_driven(effects: Iterable[AnyEffect]) -> None:
             raise InputError(
                 f"effect '{one.name}' is not one of a DrivenSlider; {did_you_mean(one.name, DRIVEN)}"
             )
-        if isinstance(one, Tabulated) and one.variable in ("y1", "y2"):
+        if isinstance(one, Effect):
+            continue
+        if _needs_angle_body(one):
             raise InputError(f"effect '{one.name}' needs the angle body, which a DrivenSlider has not")
+        if one.of_reading:
+            words = f"effect '{one.name}': the position of a DrivenSlider is read as it is; "
+            raise InputError(words + "a curve acts on its block or its contact")
 
 
 def _check_belt(effects: Iterable[AnyEffect]) -> None:
@@ -319,4 +324,4 @@ def _check_belt(effects: Iterable[AnyEffect]) -> None:
 def _needs_angle_body(one: AnyEffect) -> bool:
     if isinstance(one, Effect):
         return one.kind.two_degree
-    return one.where == "angle_body" or one.variable in ("y1", "y2")
+    return one.where in ("angle_body", "y1 channel") or one.variable in ("y1", "y2")

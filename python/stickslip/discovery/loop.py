@@ -66,7 +66,7 @@ def discover(
     progress: Callable[[str], None] | None = None,
     threads: int | None = None,
     seed: int = 0,
-    budget: float = BUDGET,
+    budget: float | None = None,
 ) -> Found:
     """Find what the declared model of a case lacks.
 
@@ -77,12 +77,14 @@ def discover(
     progress
         Told what is being tried, a sentence at a time.
     threads
-        Cores to use, all (but at most 8) if not given: rivals are fitted side by side in as many processes, the windows
-        of one fit in as many threads. The result does not depend on it while the budget lasts.
+        Cores to use at most, all (but at most 8) if not given; the searches of rigs other than (2.1) use one. Rivals
+        are fitted side by side in as many processes, the windows of one fit in as many threads. The result does not
+        depend on it while the budget lasts.
     seed
         Of the bootstrap and of the floor's noise.
     budget
-        Processor seconds that tracing may take, over all threads.
+        Processor seconds that tracing may take, over all threads; of the rig of (2.1) alone, the searches of the others
+        are short.
 
     Returns
     -------
@@ -97,7 +99,11 @@ def discover(
     """
     arguments.must_be("case", case, Case, "load_case(path) gives one")
     seed = arguments.whole_number("seed", seed, least=0)
-    budget = number("budget", budget, above=0)
+    if budget is not None and not isinstance(case.rig, Rig):
+        raise InputError(
+            "is for the rig of (2.1); the searches of other rigs are short", key="budget", value=budget
+        )
+    budget = BUDGET if budget is None else number("budget", budget, above=0)
     threads = None if threads is None else arguments.whole_number("threads", threads)
     if progress is not None and not callable(progress):
         raise InputError("must be a function of one sentence", key="progress")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect, Tabulated
+from stickslip.declared.effects import POSITION_RIPPLES, Effect, Tabulated
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
@@ -133,8 +133,9 @@ class Slider:
             force = force - p["position_load"]["k"] * x
         if "load_drift" in p:
             force = force + p["load_drift"]["r"] * t
-        if "position_ripple" in p:
-            force = force + _sine(p["position_ripple"], x)
+        for name in POSITION_RIPPLES:
+            if name in p:
+                force = force + _sine(p[name], x)
         if "harmonic_forcing" in p:
             own = p["harmonic_forcing"]
             force = force + own["a"] * np.sin(own["w"] * t + own["phi"])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import Balance, Choice
 from stickslip.discovery.driven_slider.terms import Law, Term
@@ -56,7 +57,7 @@ class Dictionary:
         blocks: list[Single] = []
         at = 0
         for term in (mass_term(balance.mass), *tm.terms()):
-            if term.name in tm.RIPPLES[1:]:
+            if term.name in POSITION_RIPPLES[1:]:
                 continue
             insides = [np.zeros(0)] if not term.scanned else [np.array([v]) for v in grids[term.scanned[0]]]
             for start in range(0, len(insides), CHUNK):
@@ -66,9 +67,9 @@ class Dictionary:
                     self.entries.append(Entry(Choice(term, inside), at, term.amplitudes))
                     at += term.amplitudes
         for again in (
-            one for one in tm.terms() if one.name in tm.RIPPLES[1:]
+            one for one in tm.terms() if one.name in POSITION_RIPPLES[1:]
         ):  # the same columns, another name
-            same = [one for one in self.entries if one.choice.name == tm.RIPPLES[0]]
+            same = [one for one in self.entries if one.choice.name == POSITION_RIPPLES[0]]
             self.entries += [Entry(Choice(again, one.choice.inside), one.first, one.width) for one in same]
         self.filtered: Single = np.concatenate(blocks, axis=1)
         self.white: Single = self.filtered

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effects import DRIVEN, AnyEffect, effect
+from stickslip.declared.effects import POSITION_RIPPLES as RIPPLES
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
@@ -21,7 +22,6 @@ from stickslip.discovery.driven_slider.motion import Band, band, motion
 from stickslip.discovery.driven_slider.residual import describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
 from stickslip.discovery.driven_slider.search import CLOSE, Search
-from stickslip.discovery.driven_slider.terms import RIPPLES
 from stickslip.discovery.result import Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
 from stickslip.discovery.result import Gate as FoundGate
 from stickslip.errors import InputError
@@ -121,6 +121,9 @@ def _check(case: Case) -> None:
     if not isinstance(case.friction, CoulombFriction):
         raise InputError("the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction")
     for run in (*case.train, *case.validate):
+        if run.rig != case.rig:
+            words = "has another rig than the case; one model is fitted to all runs of a driven slider"
+            raise InputError(f"{run.name}: {words}", key="[[run]] rig")
         for finding in run.findings:
             if finding.kind in (FindingKind.GAP, FindingKind.IRREGULAR, FindingKind.SIZE):
                 raise InputError(f"no verdict: {run.name}: {finding}")

@@ -14,10 +14,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.effects import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider.motion import Motion, instant
 
 Floats = NDArray[np.float64]
-RIPPLES = ("position_ripple", "position_ripple_2", "position_ripple_3")  # one after the other
 FEWEST_WAVES = 3.0  # periods within the reach below which a position-periodic force is none
 
 

@@ -66,9 +66,12 @@ class System:
 
     def __init__(self, model: Model, belt_speed: float) -> None:
         self.model, self.v_b = model, float(belt_speed)
-        self.rig = cast(Any, model.rig)  # either of the two, told apart by `two`
         self.two = isinstance(model.rig, Rig)
         self.e: dict[str, Mapping[str, float]] = {x.name: x.parameters for x in model.effects}
+        self.rig = cast(Any, model.rig)  # either of the two, told apart by `two`
+        for effect, number in (("rig_mass", "mass"), ("rig_stiffness", "stiffness")):
+            if p := self.e.get(effect):  # the true number is (1 + e) times the declared one
+                self.rig = replace(self.rig, **{number: getattr(self.rig, number) * (1 + p["e"])})
         self.branches = {s: branch(model.friction, s) for s in (-1, 1)}
         names = list(self.rig.state_names)
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
+from stickslip.declared.effects import Tabulated
 from stickslip.declared.model import Model
 from stickslip.simulated.reference.equations import Guard, Side, System
 
@@ -327,9 +328,9 @@ def _advance(system: System, side: Side, t: float, z: Floats, end: float) -> Flo
 def readings(model: Model, run: Run, t: ArrayLike) -> Floats:
     """Return what the sensors show at the increasing times `t` (n,): x1, y1 (n, 2), or x1 alone (n, 1).
 
-    x1 reads g(m) + r t with g(x) = x + q x^2 and tau m' = x1 + c y1 - m, m(0) = x1(0) + c y1(0) as after rest
-    (`simulate` starts from its own `initial`, m = 0 if none is given); y1 reads y1(t - delay), and y1(0) before that
-    (the catalogue's sensor effects; nonlinearity after lag, drift last).
+    x1 reads g(m) + r t and the curves of its channel, with g(x) = (1 + e) x + q x^2 and tau m' = x1 + c y1 - m,
+    m(0) = x1(0) + c y1(0) as after rest (`simulate` starts from its own `initial`, m = 0 if none is given); y1 reads
+    y1(t - delay), and y1(0) before that (the catalogue's sensor effects; nonlinearity after lag, drift last).
     """
     effects, times = {e.name: e.parameters for e in model.effects}, np.asarray(t, float)
     two, c = run.system.two, effects.get("sensor_crosstalk", {"c": 0.0})["c"]
@@ -341,14 +342,27 @@ def readings(model: Model, run: Run, t: ArrayLike) -> Floats:
     x: Floats = shown(now)
     if "sensor_lag" in effects:
         x = _lagged(lambda at: shown(run.at(at)), run, times, effects["sensor_lag"]["tau"])
-    if p := effects.get("sensor_nonlinearity"):
-        x = x + p["q"] * x**2
+    gain = 1 + effects.get("sensor_gain", {"e": 0.0})["e"]
+    q = effects.get("sensor_nonlinearity", {"q": 0.0})["q"]
+    x = gain * x + q * x**2
     if p := effects.get("sensor_drift"):
         x = x + p["r"] * times
+    x = x + _learned(model, "x1 channel", now, times)
     if not two:
         return x[:, None]
     late = effects.get("sensor_delay", {"delay": 0.0})["delay"]
-    return np.column_stack([x, run.at(np.maximum(times - late, 0.0))[:, 2]])
+    y = run.at(np.maximum(times - late, 0.0))[:, 2]
+    return np.column_stack([x, y + _learned(model, "y1 channel", now, times)])
+
+
+def _learned(model: Model, channel: str, z: Floats, times: Floats) -> Floats:
+    """What the learned curves of a channel add, each of a state or of time."""
+    out = np.zeros(len(times))
+    for one in model.effects:
+        if isinstance(one, Tabulated) and one.where == channel:
+            names = model.rig.state_names
+            out += one.curve(times if one.variable == "t" else z[:, names.index(one.variable)])
+    return out
 
 
 def _lagged(signal: Callable[[Floats], Floats], run: Run, times: Floats, tau: float) -> Floats:
