@@ -28,7 +28,12 @@ from stickslip.simulated.sweep.sweep import sweep
 check_instruction_set()  # before anything is computed with another one than was asked for
 
 
-def __getattr__(name: str) -> str:
+def __getattr__(name: str) -> object:
+    if name == "reference":
+        from stickslip.simulated.reference import integrate  # of use in cross-checks alone
+
+        globals()[name] = integrate
+        return integrate
     if name == "__version__":
         from importlib.metadata import version  # slow to import, and seldom asked for
 
@@ -82,6 +87,7 @@ __all__ = [
     "load_model",
     "load_recording",
     "lyapunov",
+    "reference",
     "signals",
     "simulate",
     "steady_sliding",

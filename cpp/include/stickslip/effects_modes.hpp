@@ -27,6 +27,8 @@ void leave_rest(const System<T>& sys, State<T>& s, Mode& mode, Side* on) {
   }
 }
 
+inline constexpr int first_moves = 4;  // derivatives of v that say where a block on bristles goes
+
 // The contact mode of a block at rest on the belt, from its margins (or, on bristles, from where v goes).
 template <class T>
 void settle_at_rest(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Piece<T>& piece) {
@@ -36,14 +38,14 @@ void settle_at_rest(const System<T>& sys, State<T>& s, Mode& mode, Side* on, Pie
   for (int i = 0; i < 4; ++i) state_series(piece, i)[0] = s.z[i];
   if (has(sys, fx_compliance)) {
     mode.contact = 1;
-    expand_effects(sys, mode, s, 1, piece);
-    mode.contact = value(piece.fx.v[1]) < 0 ? -1 : 1;
+    expand_effects(sys, mode, s, first_moves, piece);
+    int k = 1;  // riding the belt with its spring relaxed, it leaves by a higher derivative than the first
+    while (k < first_moves && value(piece.fx.v[k]) == 0) ++k;
+    mode.contact = value(piece.fx.v[k]) < 0 ? -1 : 1;
   } else {
     mode.contact = 0;
-    const T dwell = s.z[hidden_dwell];
-    s.z[hidden_dwell] = T(0.0);
+    if (before != 0) s.z[hidden_dwell] = T(0.0);  // it has just come to rest; a run may begin in a rest that has lasted
     expand_effects(sys, mode, s, 0, piece);
-    s.z[hidden_dwell] = before == 0 ? dwell : T(0.0);
     s.z[1] = piece.s.x2[0];
     const auto real = [](const T& x) { return static_cast<double>(value(x)); };
     Side stands = Side::none;
