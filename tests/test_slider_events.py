@@ -24,7 +24,7 @@ from stickslip.fitted.block_events.cycle import (
     positions,
     slopes,
 )
-from stickslip.fitted.block_events.predict import Forecaster, seen
+from stickslip.fitted.block_events.predict import Forecaster, scaled
 from stickslip.fitted.block_events.table import measure, natural_rate, prepare
 from stickslip.measured.case import Recording, load_recording
 from stickslip.simulated.simulate import simulate
@@ -141,9 +141,6 @@ def test_forecasts_start_at_the_level_of_the_last_events(tmp_path: Path) -> None
     np.testing.assert_allclose(out.reading[early][good], truth[early][good], atol=8 * NOISE)
 
 
-def test_a_law_is_turned_and_sized() -> None:
-    law = CoulombFriction(static=2.0, kinetic=1.0, static_plus=3.0)
-    turned = seen(law, -1.0, 2.0)
-    assert turned.static_limits == (6.0, 4.0)
-    curved = seen(HyperbolicFriction(scale=2.0, decay=5.0, constant=1.0), 1.0, 3.0)
-    assert curved == HyperbolicFriction(scale=6.0, decay=5.0, constant=3.0)
+def test_a_law_is_sized() -> None:
+    curved = Model(BlockOnBelt(), friction=HyperbolicFriction(scale=2.0, decay=5.0, constant=1.0))
+    assert scaled(curved, 3.0).friction == HyperbolicFriction(scale=6.0, decay=5.0, constant=3.0)

@@ -16,9 +16,8 @@ from stickslip.declared.model import Model
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
 from stickslip.discovery.slider.views import _state
-from stickslip.fitted.block_events.levels import carried, held_at, sliding
-from stickslip.fitted.block_events.predict import Forecaster
-from stickslip.fitted.block_events.sensor import Reading
+from stickslip.fitted.block_events.levels import carried, sliding
+from stickslip.fitted.block_events.predict import state_behind
 from stickslip.fitted.block_events.table import measure, prepare
 from stickslip.simulated.simulate import simulate
 
@@ -97,7 +96,6 @@ def test_the_ends_of_a_slip_give_back_its_levels(effects: list[Effect], exact: f
     mass = MASS * (1 + known.get("rig_mass", {}).get("e", 0.0))
     log_w2 = np.log(STIFFNESS * (1 + known.get("rig_stiffness", {}).get("e", 0.0)) / mass)
     assert carried(model, np.array([top]), speed)[0] == pytest.approx(STATIC, rel=1e-6)
-    assert held_at(model, STATIC, speed) == pytest.approx(top, rel=1e-6)
     level = sliding(model, np.array([top]), np.array([bottom]), speed, float(log_w2))[0]
     assert level == pytest.approx(KINETIC, rel=exact)
 
@@ -118,9 +116,5 @@ def test_the_motion_behind_a_curved_and_drifting_reading() -> None:
 
 
 def test_the_state_behind_a_lag_in_mid_slip() -> None:
-    t, tau = np.linspace(1.0, 1.06, 16), 0.02
-    m = np.polynomial.Polynomial([0.03, -0.2, -3.0])  # of t - 1.06
-    forecaster = object.__new__(Forecaster)
-    forecaster.chain = Reading(1.0, 0.0, 0.0, tau)
-    got = forecaster._slipping(m(t - 1.06), t, 1.06)
-    np.testing.assert_allclose(got, (0.03 - 0.2 * tau, -0.2 - 6.0 * tau, 0.03), atol=1e-12)
+    m, tau = np.polynomial.Polynomial([0.03, -0.2, -3.0]), 0.02  # of the time to now
+    np.testing.assert_allclose(state_behind(m, 0.0, tau), (0.03 - 0.2 * tau, -0.2 - 6.0 * tau), atol=1e-12)

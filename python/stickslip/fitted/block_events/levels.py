@@ -60,15 +60,6 @@ def carried(model: Model, x: Floats, speed: float) -> Floats:
     )
 
 
-def held_at(model: Model, force: float, speed: float) -> float:
-    """Deflection at which the contact of a block carried at `speed` bears `force`: `carried` solved for x."""
-    stiffness, cubic = true_stiffness(model), number_of(model, "spring_cubic_k1", "k")
-    x = (force - float(carried(model, np.zeros(1), speed)[0])) / stiffness
-    for _ in range(30 if cubic else 0):
-        x -= (float(carried(model, np.array([x]), speed)[0]) - force) / (stiffness + 3 * cubic * x**2)
-    return x
-
-
 def sliding(model: Model, top: Floats, bottom: Floats, speed: float, log_w2: float) -> Floats:
     """Level of sliding of slips by their two ends.
 

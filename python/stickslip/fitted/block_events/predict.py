@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import InitVar, dataclass, fields, replace
+import functools
+from dataclasses import InitVar, dataclass, field, fields, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect
-from stickslip.declared.friction import FrictionLaw
 from stickslip.declared.model import Model
-from stickslip.declared.rig import BlockOnBelt
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.cycle import S
-from stickslip.fitted.block_events.levels import carried, held_at
+from stickslip.fitted.block_events.levels import carried
+from stickslip.fitted.block_events.past import SHORTEST, Leg, Past, Start
 from stickslip.fitted.block_events.sensor import Reading, reading_of
-from stickslip.fitted.block_events.table import Measured
-from stickslip.simulated.lowering import HIDDEN
-from stickslip.simulated.simulate import simulate
+from stickslip.fitted.block_events.table import Measured, natural_rate
 
 Floats = NDArray[np.float64]
 RECENT = 3  # events whose mean level is carried on
-HELD = 0.1  # s, or a third of a natural period: the end of a stick that its height is taken from
-PHASES = 48
+LAST = 16  # readings that a state at the end is held against
+PHASES = 24  # of a turn, tried for an unknown phase, and legs that they are tried on
+ROUNDS = 3  # of phases and states by turns
+PERIODS = 2  # natural ones, of a past without sticks that its state is taken from
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Readings x, deflections and velocities, modes and belt's-frame speeds at times t, (n,)."""
+    """Readings x, deflections and velocities, and modes at times t, (n,), as `Run` has them."""
 
     t: Floats
     reading: Floats
@@ -35,101 +35,220 @@ class Prediction:
     mode: NDArray[np.int8]
 
 
+@dataclass(frozen=True)
+class Step:
+    """A stick of the past and the way from it to the next: chi-squared plain and at the level of the events before.
+
+    `ratio` is the friction at its breakaway over the model's; `tried`: a level was known before it.
+    """
+
+    start: Start
+    misfit: float = 0.0
+    sized: float = 0.0
+    readings: int = 0
+    ratio: float = np.nan
+    tried: bool = False
+
+
 @dataclass
 class Forecaster:
-    """Forecasts one run with one model; x rises in its sticks, as in `Run`."""
+    """Forecasts one run with one model.
+
+    Parameters
+    ----------
+    model : of a `BlockOnBelt`; its phases are kept unless the past says otherwise.
+    measured : the run; x rises in its sticks, as in `Run`.
+    reading : of the measured run's channel; the model's own if none is given.
+    """
 
     model: Model
     measured: Measured
-    reading: InitVar[Reading | None] = None  # of the measured run's channel; the model's own if none is given
+    reading: InitVar[Reading | None] = None
+    past: Past = field(init=False)
+    walk: list[Step] = field(init=False, default_factory=list)
+    turned: int = field(init=False, default=0)  # legs that the phases are from
 
     def __post_init__(self, reading: Reading | None) -> None:
         run = self.measured.run
-        rig = (
-            replace(run.rig, damping=self.model.rig.damping)
-            if isinstance(self.model.rig, BlockOnBelt)
-            else run.rig
-        )
-        self.model = replace(self.model, rig=rig, friction=seen(self.model.friction, run.sign))
         self.chain = reading or reading_of(self.model, run.force_channel)
-
-    def state(self, stop: int) -> tuple[float, float, float]:
-        """Deflection, velocity and (lagged) deflection as read, at sample `stop`, from the readings before it."""
-        run = self.measured.run
-        t0 = float(run.t[stop - 1])
-        stick = next((s for s in reversed(run.track.sticks) if s.start < stop), None)
-        if stick is not None and stop <= stick.stop:
-            first = max(stick.start, int(np.searchsorted(run.t, t0 - HELD)))
-            at = np.arange(min(first, stop - 4), stop)
-            at = at[np.isfinite(run.x[at])]
-            early = self.chain.steady(run.x[at], run.belt_speed, run.t[at])
-            x = float(np.median(early + run.belt_speed * (t0 - run.t[at])))
-            return x, run.belt_speed, self.chain.settled(x, run.belt_speed)
-        at = np.arange(max(0, stop - 16), stop)
-        at = at[np.isfinite(run.x[at])]
-        x, v, m = self._slipping(run.x[at], run.t[at], t0)
-        return x, min(v, run.belt_speed), m
-
-    def _slipping(self, read: Floats, t: Floats, t0: float) -> tuple[float, float, float]:
-        """State at t0 from the last readings of a slip: a parabola of what the lag leaves, m; x is m + tau m'."""
-        m = np.polynomial.Polynomial.fit(t - t0, self.chain.undone(read, t), 2).convert()
-        lag = self.chain.lag
-        return float((m + lag * m.deriv())(0.0)), float((m.deriv() + lag * m.deriv(2))(0.0)), float(m(0.0))
-
-    def level(self, before: float) -> float:
-        """The friction of the last events before a time over the law's: no law predicts how runs differ.
-
-        A lag rounds the tops off, and where they are fitted the release looks late: 2 % too high a level for a lag of
-        a twelfth of the natural period.
-        """
-        e = self.measured.events
-        past = np.flatnonzero(e.t < before)[-RECENT:]
-        if not len(past):
-            return 1.0
-        top = self.chain.steady(e.p[past, S], self.measured.run.belt_speed, e.t[past])
-        force = carried(self.model, top, self.measured.run.belt_speed)
-        return float(np.mean(force) / self.model.friction.static_limits[0])
+        m, noise = self.chain.motion(run.t, run.sign * run.x, run.noise)
+        self.past = Past(run.t, m, noise, run.sign * run.belt_speed, run.track, self.chain)
+        self.sticks = [s for s in run.track.sticks if s.stop - s.start >= SHORTEST]
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
-        """Readings at `future` times from samples before `stop`."""
+        """Readings at `future` times from samples before `stop`.
+
+        Raises
+        ------
+        StickslipError
+            The model cannot be simulated over the past or to the last time.
+        """
+        self._turn(stop)
+        start, walk = self._last(stop)
+        model = self._levelled(walk)
+        leg = self.past.fitted(model, start, stop - 1)
+        if leg is None:
+            raise StickslipError("the model cannot be simulated over the end of the past")
+        # from where the leg began, unless the readings are elsewhere: what is hidden goes on to the last digit
+        out = self.past.simulated(model, self._elsewhere(leg, stop) or leg.start, future)
+        sign = self.measured.run.sign
+        read = self.chain.read(out.state[:, 0], out.hidden["m"], future)
+        return Prediction(future, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
+
+    def _sliding(self, model: Model, stop: int) -> Start:
+        """A state some natural periods before a sample, of a past without sticks."""
         run = self.measured.run
-        t0 = float(run.t[stop - 1])
-        x, v, m = self.state(stop)
-        factor = self.level(t0)
-        law = seen(self.model.friction, 1.0, factor)
-        now = replace(self.model, friction=law).with_effects(self._without_slow())
-        if v == run.belt_speed:  # a stick cannot begin above its limit
-            x = min(x, held_at(self.model, 0.9999 * law.static_limits[0], run.belt_speed))
-        t = future - t0
-        out = simulate(
-            now,
-            belt_speed=run.belt_speed,
-            initial=(x, v, *(m if name == "m" else 0.0 for name in HIDDEN)) if self.chain.lag else (x, v),
-            t_end=float(t[-1]),
-            t_eval=t,
-            rtol=1e-7,
-            atol=1e-10,
-        )
-        if len(out.t) != len(future):
-            raise StickslipError("the model's run stopped before the horizon")
-        reading = self.chain.read(out.state[:, 0], out.hidden.get("m"), future)
-        return Prediction(future, reading, np.asarray(out.state), np.asarray(out.mode, dtype=np.int8))
+        back = PERIODS * 2 * np.pi / natural_rate(run.rig)
+        first = int(np.searchsorted(run.t, run.t[stop - 1] - back))
+        return self.past.sliding(model, max(0, min(first, stop - LAST)))
 
-    def _without_slow(self) -> list[Effect]:
-        """What varies over many events is in the level of the last ones already."""
-        slow = ("belt_seam", "harmonic_forcing", "friction_drift")
-        return [one for one in self.model.effects if isinstance(one, Effect) and one.name not in slow]
+    def _last(self, stop: int) -> tuple[Start, list[Step]]:
+        """Where the model starts to reach a sample, the middle of the last stick if there is one; and the way there."""
+        walk = self._walked(stop)
+        begun = next((s for s in self.sticks if s.start + SHORTEST <= stop < s.stop), None)
+        if begun is not None:
+            at = (begun.start + stop) // 2
+            before = self.past.leg(self.model, walk[-1].start, at) if walk else None
+            if before is not None:
+                walk = [*walk[:-1], self._held_against(walk, before)]
+            return self.past.resting(self.model, at, replace(begun, stop=stop), before), walk
+        if walk:
+            return walk[-1].start, walk
+        return self._sliding(self.model, stop), walk
+
+    def _walked(self, stop: int) -> list[Step]:
+        """The sticks that end before a sample, each entered as the model comes from the one before."""
+        count = sum(s.stop <= stop for s in self.sticks)
+        for stick in self.sticks[len(self.walk) : count]:
+            at = (stick.start + stick.stop) // 2
+            before = self.past.leg(self.model, self.walk[-1].start, at) if self.walk else None
+            if before is not None:
+                self.walk[-1] = self._held_against(self.walk, before)
+            self.walk.append(Step(self.past.resting(self.model, at, stick, before)))
+        # the way on from the last of them is not past yet
+        done = self.walk[:count]
+        return [*done[:-1], *(Step(one.start) for one in done[-1:])]
+
+    def _held_against(self, walk: list[Step], leg: Leg) -> Step:
+        """What friction's level of the events before would have made of a leg, and what its own event says of it."""
+        e, run, law = self.measured.events, self.measured.run, self.model.friction
+        inside = np.flatnonzero((e.t > run.t[leg.start.at]) & (e.t < run.t[leg.stop]))
+        ratio = np.nan
+        if len(inside):
+            lag = self.chain.lag * self.past.speed
+            top = self.chain.undone(run.sign * e.p[inside[:1], S], e.t[inside[:1]]) + lag
+            ours = float(carried(self.model, np.array([leg.released]), self.past.speed)[0])
+            limit = law.static_limits[0] if run.sign > 0 else -law.static_limits[1]
+            ratio = float(carried(self.model, top, self.past.speed)[0]) / (
+                ours if np.isfinite(ours) else limit
+            )
+        factor, sized = self._level(walk), leg
+        if factor is not None:
+            sized = self.past.leg(scaled(self.model, factor), leg.start, leg.stop) or leg
+        return Step(leg.start, leg.misfit, sized.misfit, leg.stop - leg.start.at, ratio, factor is not None)
+
+    @staticmethod
+    def _level(walk: list[Step]) -> float | None:
+        """Friction of the last events over the model's; None where none is known."""
+        ratios = [one.ratio for one in walk if np.isfinite(one.ratio)][-RECENT:]
+        level = float(np.mean(ratios)) if ratios else 0.0
+        return level if level > 0 else None
+
+    def _levelled(self, walk: list[Step]) -> Model:
+        """The model, its friction at the level of the last events where that has foretold the past better.
+
+        No law predicts how runs and places differ; but the level is one more number, and must be worth it.
+        """
+        tried, factor = [one for one in walk if one.tried], self._level(walk)
+        plain, sized, n = (sum(getattr(one, key) for one in tried) for key in ("misfit", "sized", "readings"))
+        if factor is None or not n or not worth(plain, sized, 1, n):
+            return self.model
+        return scaled(self.model, factor)
+
+    def _turn(self, stop: int) -> None:
+        """Phases of this run, which no other run tells; those of the model where the past fits them."""
+        names = [f"{one.name}.phi" for one in self.model.effects if "phi" in one.parameters]
+        if not names or len(self._walked(stop)) < 2 * self.turned:
+            return
+        self.turned = len(self.walk)
+        for _ in range(ROUNDS):  # the states at the sticks were those of the phases before
+            legs = [step for step in self._walked(stop) if step.readings][-PHASES:]
+            if len(legs) < 2 * len(names) or not self._turned(names, legs):
+                return
+
+    def _turned(self, names: list[str], legs: list[Step]) -> bool:
+        """Take the phases that meet the legs best, if they are worth it."""
+
+        def misfit(model: Model) -> float:
+            made = [self.past.leg(model, one.start, one.start.at + one.readings) for one in legs]
+            return sum(np.inf if one is None else one.misfit for one in made)
+
+        start, model, step = misfit(self.model), self.model, 2 * np.pi / PHASES
+        for name in names:
+            put = functools.partial(_put, model, name)
+            angles = model.parameters[name] + step * np.arange(PHASES)
+            nearest = float(angles[int(np.argmin([misfit(put(a)) for a in angles]))])
+            found = scipy.optimize.minimize_scalar(
+                lambda a, put=put: misfit(put(a)),
+                bounds=(nearest - step, nearest + step),
+                options={"xatol": 1e-6},
+            )
+            model = put(float(found.x))
+        if worth(start, misfit(model), len(names), sum(one.readings for one in legs)):
+            self.model, self.walk = model, []
+            return True
+        return False
+
+    def _elsewhere(self, leg: Leg, stop: int) -> Start | None:
+        """A state from the last readings alone; None where the model passes through them as well.
+
+        In a stick the block is carried; in a slip a parabola of what the lag leaves is m, and x is m + lag m'.
+        """
+        run, past, lag = self.measured.run, self.past, self.chain.lag
+        first = max(leg.start.at, stop - LAST)
+        r = (past.m[first:stop] - past.lagged(leg.end)[first - leg.start.at :]) / past.noise
+        good = np.isfinite(r)
+        stuck = any(s.start <= first and stop <= s.stop for s in run.track.sticks)
+        degree = 0 if stuck else 2
+        if good.sum() <= degree + 1:
+            return None
+        t, rides = (run.t[first:stop] - run.t[stop - 1])[good], past.speed if stuck else 0.0
+        m = past.m[first:stop][good] - rides * t
+        local = np.polynomial.Polynomial.fit(t, m, degree).convert()
+        own = float(np.sum(((m - local(t)) / past.noise) ** 2))
+        if not worth(float(np.sum(r[good] ** 2)), own, degree + 1, len(t)):
+            return None
+        hidden = {name: float(values[-1]) for name, values in leg.end.hidden.items()}
+        start = Start(stop - 1, float(leg.end.state[-1, 0]), 0.0, hidden, leg.start.contact)
+        x, v = state_behind(local, rides, lag)
+        contact = start.contact if stuck else "auto"
+        v = past.speed if stuck else run.sign * min(run.sign * v, run.belt_speed)
+        moved = replace(start.moved(self.model, x), v=v, contact=contact)
+        return replace(moved, hidden=moved.hidden | {"m": float(local(0.0))})
 
 
-def seen(law: FrictionLaw, sign: float, factor: float = 1.0) -> FrictionLaw:
-    """The law times a factor, as the block feels it when the belt's direction is turned to be positive."""
+def _put(model: Model, name: str, value: float) -> Model:
+    return model.replace({name: float(value)})
+
+
+def state_behind(m: np.polynomial.Polynomial, rides: float, lag: float) -> tuple[float, float]:
+    """Deflection and velocity at time 0 behind the lagged deflection m(t) + rides t."""
+    rate = rides + float(m.deriv()(0.0))
+    return float(m(0.0)) + lag * rate, rate + lag * float(m.deriv(2)(0.0))
+
+
+def worth(before: float, after: float, numbers: int, readings: int) -> bool:
+    """Is a fall of chi-squared worth so many more numbers (BIC)? What is left after it is counted as noise."""
+    left = max(after / max(readings - numbers, 1), 1.0)
+    return bool((before - after) / left > numbers * np.log(readings))
+
+
+def scaled(model: Model, factor: float) -> Model:
+    """The model with friction a factor as large."""
+    law = model.friction
     values = {one.name: getattr(law, one.name) for one in fields(law)}
-    if sign < 0:
-        own = {n: values.get(f"{n}_plus") for n in values if f"{n}_plus" in values}
-        turned = {n: values[n] if v is None else v for n, v in own.items()}
-        values |= turned | {f"{n}_plus": values[n] for n, v in own.items() if v is not None}
     sized = {n: v if v is None or n.startswith("decay") else v * factor for n, v in values.items()}
-    return type(law)(**sized)
+    return replace(model, friction=type(law)(**sized))
 
 
 def instants(measured: Measured, cycle: float, most: int) -> list[int]:

@@ -56,6 +56,13 @@ class Reading:
             moves = self._rate(m, rate - self.drift - self._added_rate(x, moves, t))
         return m, moves
 
+    def motion(self, t: Floats, reading: Floats, noise: float) -> tuple[Floats, float]:
+        """The (lagged) deflections (n,) behind readings (n,), NaN where those are missing, and their noise."""
+        good = np.isfinite(reading)
+        filled = np.interp(t, t[good], reading[good])
+        m, _ = self.behind(filled, np.gradient(filled, t), t)
+        return np.where(good, m, np.nan), noise / abs(self.gain)
+
     def _rate(self, m: Floats, rate: Floats) -> Floats:
         """Rate of m behind that of a reading without drift; where the curvature folds back, that of the edge."""
         slope = self.gain + 2 * self.curvature * m

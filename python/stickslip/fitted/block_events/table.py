@@ -22,6 +22,7 @@ LEAST = 12.0  # slip over noise
 BEFORE, AFTER = 1.0, 0.5  # natural periods of stick kept around a slip
 EARLY = (0.1, 0.6)  # part of a stick whose rise is taken: its end creeps
 SHORTEST = 24  # samples of a stick whose rise can be told
+RESOLVED = 1e-9  # of the range of x: no fit and no simulation is nearer, so it counts as noise
 MOST = 700  # samples of a window
 
 
@@ -121,6 +122,7 @@ def prepare(recording: Recording) -> Run:
     x = sign * np.asarray(recording.x1, dtype=np.float64)
     good = np.isfinite(x)
     noise = recording.noise.get("x1") or float(signals.noise_std(x[good], t=t[good]))
+    noise = max(noise, RESOLVED * float(np.ptp(x[good])))
     x = x.copy()
     x[signals.find_glitches(x).mask] = np.nan
     speed = abs(recording.belt_speed)
