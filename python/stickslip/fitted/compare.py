@@ -25,7 +25,7 @@ from stickslip.fitted.shooting import Simulator
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import Array
-from stickslip.measured.prepared import Measured
+from stickslip.measured.prepared import Measured, Motion
 from stickslip.simulated.simulate import simulate
 
 Flags = NDArray[np.bool_]
@@ -129,7 +129,9 @@ def compare(
     must_be("recording", recording, Recording, "one of a case's runs, like case.validate[0]")
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)
-    run = _from_a_stick(measured(recording, model.rig, belt=belt_speed), model)
+    run = _from_a_stick(
+        measured(recording, model.rig, belt=belt_speed, motion=_motion(model, recording)), model
+    )
     tell("simulating, and forecasting from cycle to cycle", 0.2)
     both = runs_of(run, model, recording, simulator)
     free, ahead, where = both.free, both.ahead, both.forecast
@@ -146,14 +148,25 @@ def compare(
     )
 
 
+def _motion(model: Model, recording: Recording) -> Motion | None:
+    """What stands between the motion of a block on a belt and its readings, which stick as fast as that says."""
+    if isinstance(model.rig, Rig) or not model.effects:
+        return None
+    from stickslip.fitted.block_events.sensor import reading_of
+
+    return reading_of(model, recording.channel("x1") == "spring_force").motion
+
+
 def _from_a_stick(run: Measured, model: Model) -> Measured:
     """The run from its first stick on, for a block whose friction scatters: in mid-slip its start is not known."""
     sticks = run.track.sticks
     if isinstance(model.rig, Rig) or not sticks or run.track.segments[0].mode == 0:
         return run
     start = (sticks[0].start + sticks[0].stop) // 2
-    cut = run.track.after(start)
-    return replace(run, t=cut.t, readings=run.readings[start:], track=cut)
+    if len(run.t) - start < 3 * run.track.width:  # too little would be left to tell stick from slip
+        return run
+    t = run.t[start:]  # what depends on time goes by the run's own
+    return replace(run, t=t, readings=run.readings[start:], track=replace(run.track.after(start), t=t))
 
 
 def per_model(recording: Recording, channel: str) -> float:
@@ -253,15 +266,17 @@ def _noisy(run: Measured, free: Array) -> segments.Track:
 
 def replace_track(run: Measured, x: Array) -> segments.Track:
     """Track of another displacement on the run's times, read with the run's filter and threshold."""
-    return segments.track(
+    motion = x if run.motion is None else run.motion(run.t, x, run.noise[0])[0]
+    found = segments.track(
         run.t,
-        x,
+        motion,
         belt_speed=run.belt_speed,
         noise=run.noise[0],
         period=np.inf,
         width=run.track.width,
         threshold=run.track.threshold,
     )
+    return found if run.motion is None else segments.as_read(found, run.t, x)
 
 
 def matched(a: Array, b: Array, reach: float) -> tuple[Array, int]:
@@ -306,6 +321,7 @@ def _forecast_row(run: Measured, ahead: Array, where: Flags) -> Row:
     x = run.readings[where, 0]
     ok = np.isfinite(x)
     spread = float(np.nanstd(run.readings[:, 0]))
-    value = float(np.sqrt(np.mean((ahead[where, 0][ok] - x[ok]) ** 2))) / spread if ok.any() else None
+    known = ok.any() and spread > 0
+    value = float(np.sqrt(np.mean((ahead[where, 0][ok] - x[ok]) ** 2))) / spread if known else None
     meaning = "x1, from one cycle to the next, over its standard deviation; scatter: the noise alone"
-    return Row("forecast NRMSE", "1", None, value, float(run.noise[0]) / spread, meaning)
+    return Row("forecast NRMSE", "1", None, value, float(run.noise[0]) / spread if spread else None, meaning)

@@ -19,7 +19,10 @@ POOR = 0.7  # leaves half of it: above, it is no use
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table; `scatter` is the standard deviation of the measured value from cycle to cycle."""
+    """One line of the table; `scatter` is the standard deviation of the measured value from cycle to cycle.
+
+    What is not finite is not known: it is None.
+    """
 
     quantity: str
     unit: str
@@ -27,6 +30,12 @@ class Row:
     simulated: float | None
     scatter: float | None
     meaning: str
+
+    def __post_init__(self) -> None:
+        for name in ("measured", "simulated", "scatter"):
+            value = getattr(self, name)
+            if value is not None and not np.isfinite(value):
+                object.__setattr__(self, name, None)
 
     @property
     def cells(self) -> tuple[str, str, str, str]:

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from stickslip.arguments import explained, must_be
-from stickslip.declared.friction import CoulombFriction, FrictionLaw, PaperFriction
+from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError
@@ -28,13 +28,14 @@ from stickslip.measured import signals
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Case, Recording
 from stickslip.measured.fit_window import Array, Window
-from stickslip.measured.prepared import Measured
+from stickslip.measured.prepared import Measured, Motion
 from stickslip.measured.stick_speed import why_idle, wrong_set_point
 from stickslip.simulated.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
 BELT_TOLERANCE = 0.05  # share of v_b by which a stick may be off it
+RESOLVED = 1e-9  # of the range of a channel: no simulation is nearer, so it counts as noise
 CREEP = 0.25  # the same for a contact that creeps before it slips
 
 
@@ -57,6 +58,7 @@ def measured(
     *,
     noise: Mapping[str, float] | None = None,
     belt: BeltSpeed = "set-point",
+    motion: Motion | None = None,
 ) -> Measured:
     """Readings of one run with glitches taken out, their noise, and where the block sticks.
 
@@ -77,23 +79,30 @@ def measured(
         x[signals.find_glitches(x).mask] = np.nan
         channels.append(x)
         stds.append(std)
+        stds[-1] = max(stds[-1], RESOLVED * _size(x))
     period, set_point = natural_period(rig), float(recording.belt_speed)
     t = np.asarray(recording.t, dtype=float)
     t = t - t[0]
     tolerance = CREEP if isinstance(rig, BlockOnBelt) else BELT_TOLERANCE
 
+    behind, size = (channels[0], stds[0]) if motion is None else motion(t, channels[0], stds[0])
+
     def look_at(speed: float) -> segments.Track:
-        return segments.track(
-            t, channels[0], belt_speed=speed, noise=stds[0], period=period, tolerance=tolerance
-        )
+        return segments.track(t, behind, belt_speed=speed, noise=size, period=period, tolerance=tolerance)
 
     used, look = set_point, look_at(set_point)
-    speed, std = segments.plateau_speed(look, channels[0])
+    speed, std = segments.plateau_speed(look, behind)
     for _ in range(3 if belt == "plateau" and np.isfinite(speed) else 0):
         used, look = speed, look_at(speed)
-        speed, std = segments.plateau_speed(look, channels[0])
+        speed, std = segments.plateau_speed(look, behind)
+    look = look if motion is None else segments.as_read(look, t, channels[0])
     readings = np.column_stack(channels)
-    return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look)
+    return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look, motion)
+
+
+def _size(x: Array) -> float:
+    """Range of readings, their own size where they are all the same, 1 where they are all 0."""
+    return float(np.nanmax(x) - np.nanmin(x)) or float(np.nanmax(np.abs(x))) or 1.0
 
 
 def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
@@ -137,7 +146,7 @@ def identify(
         Whether v_b is what was set, or what the block was seen to ride at in its sticks.
     scatter : bool, optional
         Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
-        is given.
+        is given or the case declares a law with more numbers than single slips tell.
     simulator : callable
         `stickslip.simulate` or anything with its signature.
     progress : callable, optional
@@ -159,6 +168,9 @@ def identify(
     if scatter is None:
         scatter = friction is None and isinstance(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt
+        )
+        scatter = scatter and not (
+            isinstance(source, Case) and isinstance(source.declared_law, PaperFriction)
         )
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
     notes = checked(source) if isinstance(source, Case) and rig in (None, source.rig) else ()
@@ -194,6 +206,13 @@ def identify(
         found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
     tell("done", 1.0)
     return found
+
+
+def _by_slips(law: FrictionLaw | None) -> bool:
+    """Are the numbers of a declared law among those that single slips are fitted with?"""
+    if isinstance(law, HyperbolicFriction):
+        return not law.quadratic and not law.quadratic_plus
+    return not isinstance(law, PaperFriction)
 
 
 def _material(

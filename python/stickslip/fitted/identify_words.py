@@ -113,7 +113,13 @@ def plateau_messages(runs: Sequence[tuple[float, float, float]], belt: str) -> l
 
 
 def event_messages(
-    kind: str, branch: Branch, preference: float, events: Events, unit: str, declared: bool
+    kind: str,
+    branch: Branch,
+    preference: float,
+    events: Events,
+    unit: str,
+    declared: bool,
+    better: str | None = None,
 ) -> tuple[str, ...]:
     """Say what slips fitted one by one were like.
 
@@ -125,6 +131,8 @@ def event_messages(
         Written behind forces.
     declared
         Whether the numbers of the direction never visited are declared ones.
+    better
+        What BIC would have chosen, where the kind was declared; None where it chose.
     """
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
@@ -134,6 +142,11 @@ def event_messages(
         else "a decay with speed fits worse",
         "hyperbolic": "friction falls with speed rather than at once",
     }[kind]
+    bic = f"(BIC, Coulomb minus hyperbolic: {preference:.1f})"
+    chosen = {
+        None: f"{kind} law chosen by BIC (Coulomb minus hyperbolic: {preference:.1f}): {why}",
+        kind: f"{kind} law, as declared {bic}",
+    }.get(better, f"{kind} law, as declared; a {better} law fits better {bic}: declare that, or no law")
     q = np.quantile(events.static, [0.05, 0.5, 0.95])
     share = float(np.median(events.rms / events.amplitude))
     doubt = (
@@ -143,8 +156,7 @@ def event_messages(
     )
     return (
         *((doubt,) if share > POOR else ()),
-        f"{len(events.t)} slips fitted one by one; {kind} law chosen by BIC "
-        f"(Coulomb minus hyperbolic: {preference:.1f}): {why}",
+        f"{len(events.t)} slips fitted one by one; {chosen}",
         f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
         f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
         f"a single slip is reproduced to {percent(share)} of its amplitude (median)",

@@ -84,7 +84,9 @@ def _prepared(run: Measured, recording: Recording) -> Data | None:
     seen = np.isfinite(run.readings)  # glitches are out
     x1, y1 = (np.interp(run.t, run.t[ok], r[ok]) for r, ok in zip(run.readings.T, seen.T, strict=True))
     try:
-        data = prepare([replace(recording, belt_speed=run.belt_speed, x1=x1, y1=y1)])[0]
+        noise = dict(zip(("x1", "y1"), run.noise.tolist(), strict=True))
+        told = replace(recording, belt_speed=run.belt_speed, x1=x1, y1=y1, noise={**recording.noise, **noise})
+        data = prepare([told])[0]
     except InputError:
         return None
     weight = np.where(seen, data.weight[:, :2], 0.0)
@@ -131,7 +133,8 @@ def _free_run(run: Measured, chain: _Chain, simulator: Simulator) -> Array:
     except (StickslipError, np.linalg.LinAlgError):
         fitted = opening
     whole = replace(whole, initial=fitted.initial)
-    out = _simulated(model, whole, simulator, 0.0, chain.settled(whole))
+    began = float(run.t[0]) if model.effects else 0.0
+    out = _simulated(model, whole, simulator, began, chain.settled(whole))
     if out is None:
         raise InputError("the model cannot be simulated over the run from the estimated start")
     return chain.read(out)

@@ -43,6 +43,11 @@ class _Declared:
     law: FrictionLaw | None
     undeclared: frozenset[str]
 
+    @property
+    def kind(self) -> Kind | None:
+        """The kind that is declared; None where it is left open, which of these two it is."""
+        return next((name for name, kind in MAKE.items() if isinstance(self.law, kind)), None)
+
     def unseen(
         self, branch: Branch, kind: type[CoulombFriction] | type[HyperbolicFriction], names: Sequence[str]
     ) -> dict[str, float] | None:
@@ -101,7 +106,8 @@ def identify_events(
     runs : sequence of Measured
     rig : BlockOnBelt
     declared : law or None
-        Gives the numbers of the direction that is not visited, where it is of the kind chosen and they are declared.
+        Its kind is kept; without one, or with one of another kind, the readings choose between the two. It gives the
+        numbers of the direction that is not visited, where it is of the kind chosen and they are declared.
     simulator : callable
     tell : callable
         Progress.
@@ -145,14 +151,17 @@ def identify_events(
     gain = float(np.sum(scores_of(coulomb, coulomb) - scores_of(falling, coulomb)))
     preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
-    if preference > DECISIVE:
+    told = _Declared(declared, frozenset(undeclared))
+    if (told.kind or _preferred(preference)) == "hyperbolic":
         choice = _Choice("hyperbolic", falling, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    found = _conclude(
-        runs, rig, branch, choice, slips, noise, _Declared(declared, frozenset(undeclared)), unit
-    )
+    found = _conclude(runs, rig, branch, choice, slips, noise, told, unit)
     return replace(found, messages=(*found.messages, *idle))
+
+
+def _preferred(preference: float) -> Kind:
+    return "hyperbolic" if preference > DECISIVE else "coulomb"
 
 
 def _branch(runs: Sequence[Measured]) -> Branch:
@@ -287,7 +296,15 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=event_messages(kind, branch, preference, events, unit, known is not None),
+        messages=event_messages(
+            kind,
+            branch,
+            preference,
+            events,
+            unit,
+            known is not None,
+            better=_preferred(preference) if declared.kind else None,
+        ),
     )
 
 

@@ -14,7 +14,7 @@ from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.declaration import read_channel, read_friction, read_rig
 from stickslip.declared.effects import AnyEffect
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction import FrictionLaw, PaperFriction
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.toml_file import Document, read_toml
@@ -123,6 +123,13 @@ class Case:
             if one.name == name:
                 return one
         raise InputError(f"unknown run '{name}'; {did_you_mean(name, [one.name for one in self.runs])}")
+
+    @property
+    def declared_law(self) -> FrictionLaw | None:
+        """The law, if the file declares its kind or any of its numbers: a fit keeps its kind. None if it does not."""
+        numbers = {one.name for one in fields(self.friction)}
+        silent = isinstance(self.friction, PaperFriction) and numbers <= set(self.undeclared)
+        return None if silent else self.friction
 
     def model(self, *, friction: FrictionLaw | None = None, effects: tuple[AnyEffect, ...] = ()) -> Model:
         """Return the declared model, or one with another law and effects; it knows columns and noise."""

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from stickslip.measured import sticks as segments
 from stickslip.measured.fit_window import Array
+
+# times, readings and their noise to the motion behind them and its noise
+Motion = Callable[[Array, Array, float], tuple[Array, float]]
 
 
 @dataclass(frozen=True)
@@ -21,3 +25,4 @@ class Measured:
     plateau: float
     plateau_std: float
     track: segments.Track
+    motion: Motion | None = None  # what shows where the block sticks, if not the readings themselves

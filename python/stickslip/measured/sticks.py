@@ -161,6 +161,7 @@ def track(
     if threshold is None:
         threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * reference)
     stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
+    stick = _without_rests(stick, t, filled, belt_speed)
     mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))
     return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)
 
@@ -202,6 +203,31 @@ def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArr
             if bool(out[s.start]) is value and s.stop - s.start < limit and s.start > 0 and s.stop < len(out):
                 out[s.start : s.stop] = not value
     return out
+
+
+def _without_rests(
+    mask: npt.NDArray[np.bool_], t: Array, x: Array, belt_speed: float
+) -> npt.NDArray[np.bool_]:
+    """Sticks that rise less than half as fast as the belt are a block at rest, on which the belt slides.
+
+    Where noise hides the belt's speed in every single velocity, a stretch as a whole still tells.
+    """
+    out = mask.copy()
+    for s in runs(mask.astype(np.int64)) if belt_speed else ():
+        part = slice(s.start, s.stop)
+        if s.mode and s.stop - s.start > 1:
+            out[part] = np.polyfit(t[part] - t[s.start], x[part], 1)[0] / belt_speed > 0.5
+    return out
+
+
+def as_read(track_: Track, t: Array, x: Array) -> Track:
+    """The modes of a track with displacement and velocity of other readings, smoothed alike; NaN is bridged."""
+    good = np.isfinite(x)
+    filled, dt = np.interp(t, t[good], x[good]), float(np.median(np.diff(t)))
+    smooth, v = (
+        scipy.signal.savgol_filter(filled, track_.width, 2, deriv=order, delta=dt) for order in (0, 1)
+    )
+    return replace(track_, x=smooth, v=v)
 
 
 def _without_specks(mode: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

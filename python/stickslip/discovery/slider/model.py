@@ -8,17 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effects import CONSTANTS, Effect, effect
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction import CoulombFriction, FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.discovery.result import Interval
 from stickslip.discovery.slider.choose import Choice
 from stickslip.discovery.slider.held import constants_of
 from stickslip.discovery.slider.population import Block
 from stickslip.discovery.slider.weigh import Weighed, columns_of, weigh
+from stickslip.errors import InputError
 from stickslip.fitted.block_events.cycle import S
 from stickslip.fitted.block_events.levels import carried, number_of, sliding
 from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.block_events.table import Measured
+from stickslip.fitted.identify import identify
 from stickslip.fitted.scatter import block_bootstrap
 from stickslip.measured.case import Case
 
@@ -122,13 +124,40 @@ def models(
     for one in choice.chosen:
         values = {name: interval.value for name, interval in parameters(one, choice).items()}
         terms.append(effect(one.candidate.name, **values))
-    before, law_before = _law(Model(rig, friction=CoulombFriction()), choice.declared.force_channel, runs)
-    after, law = _law(Model(rig, friction=before, effects=tuple(terms)), choice.declared.force_channel, runs)
+    before: FrictionLaw
+    after: FrictionLaw
+    if isinstance(case.declared_law, CoulombFriction | None):
+        before, law_before = _law(Model(rig, friction=CoulombFriction()), choice.declared.force_channel, runs)
+        with_terms = Model(rig, friction=before, effects=tuple(terms))
+        after, law = _law(with_terms, choice.declared.force_channel, runs)
+    else:
+        before, law_before = after, law = _fitted_law(case)
 
-    def whole(friction: CoulombFriction, effects: Sequence[Effect]) -> Model:
+    def whole(friction: FrictionLaw, effects: Sequence[Effect]) -> Model:
         return Model(rig, friction=friction, effects=tuple(effects), channels=own.channels, noise=own.noise)
 
     return (whole(before, ()), law_before), (whole(after, terms), law)
+
+
+def _fitted_law(case: Case) -> tuple[FrictionLaw, Law]:
+    """A declared law that is no Coulomb law, by simulation: the closed form of the events knows constant levels only.
+
+    Raises
+    ------
+    InputError
+        The slips cannot tell the law, or a run is of another rig, which the fit does not know.
+    """
+    other = next((run for run in case.train if run.rig != case.rig), None)
+    if other is not None:
+        words = f"run '{other.name}' is on a rig of its own, which only a Coulomb law is identified with"
+        raise InputError(words, key="friction")
+    found = identify(case)
+    law = {
+        name: Interval(one.value, one.low, one.high)
+        for name, one in found.estimates.items()
+        if one.low is not None
+    }
+    return found.law, law
 
 
 def _law(
