@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, Place, did_you_mean, quoted
-from stickslip.measured.readers import memory
+from stickslip.measured.readers import matlab, memory
 
 Floats = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
         return tuple(path.values)
     file = _existing(path)
     if file.suffix.lower() == ".mat":
-        return tuple(name for name, _, _ in _whosmat(file))
+        return tuple(matlab.read(file)[0])
     return _layout(file).header
 
 
@@ -315,38 +315,15 @@ def _cell_fault(cell: str, decimal: str) -> str | None:
     return None
 
 
-def _whosmat(file: Path) -> list[tuple[str, tuple[int, ...], str]]:
-    from scipy.io import whosmat
-    from scipy.io.matlab import MatReadError
-
-    try:
-        return list(whosmat(str(file)))
-    except NotImplementedError:
-        words = "a MATLAB 7.3 file; save it with -v7"
-    except (ValueError, TypeError, MatReadError, OSError) as error:
-        words = f"not a MATLAB file ({str(error).splitlines()[0]})"
-    raise InputError(words, place=Place(str(file)))
-
-
 def _read_mat(file: Path, names: Sequence[str]) -> Columns:
-    from scipy.io import loadmat
-
-    known = [name for name, _, _ in _whosmat(file)]
+    known, values = matlab.read(file, list(dict.fromkeys(names)))
     for name in names:
         _require(name, known, Place(str(file), column=name))
-    found = loadmat(str(file), variable_names=list(names))
-    values: dict[str, Floats] = {}
-    for name in names:
-        array = np.asarray(found[name])
-        if array.dtype.kind not in "iufb" or array.ndim > 2 or max(array.shape) != array.size:
-            words = f"a {array.dtype.name} array of shape {array.shape}; a channel is a real vector"
-            raise InputError(words, place=Place(str(file), column=name))
-        column = np.ascontiguousarray(array.ravel(), dtype=np.float64)
+    for name, column in values.items():
         wrong = np.flatnonzero(~np.isfinite(column))
         if wrong.size:
             words = f"{column[wrong[0]]} at sample {wrong[0]}; every sample needs a finite number"
             raise InputError(words, place=Place(str(file), column=name))
-        values[name] = column
     lengths = {name: column.size for name, column in values.items()}
     if len(set(lengths.values())) > 1:
         words = ", ".join(f"{name} has {size} samples" for name, size in lengths.items())
