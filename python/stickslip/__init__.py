@@ -1,45 +1,108 @@
 """Stick-slip friction rigs: simulate them, identify them from recordings, find what the model lacks."""
 
-from stickslip._core import build_config
-from stickslip.declared.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
-from stickslip.declared.model import Model, load_model
-from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
-from stickslip.declared.units import Channel
-from stickslip.discovery.discover import Found, discover
-from stickslip.errors import InputError, ModelWarning, StickslipError
-from stickslip.fitted.compare import Comparison, compare
-from stickslip.fitted.forecast import forecast
-from stickslip.fitted.identified import Identified
-from stickslip.fitted.identify import identify
-from stickslip.measured import signals
-from stickslip.measured.case import Case, load_case
-from stickslip.measured.recording import Recording, load_recording
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from stickslip.simulated.instruction_set import check_instruction_set
-from stickslip.simulated.orbits.branch import Branch, SpecialPoint
-from stickslip.simulated.orbits.continuation import continuation
-from stickslip.simulated.orbits.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
-from stickslip.simulated.orbits.limit_cycle import LimitCycle, limit_cycle
-from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum, lyapunov
-from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, steady_sliding
-from stickslip.simulated.simulate import Status, Trajectory, Transitions, simulate
-from stickslip.simulated.sweep.sweep import sweep
+
+if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
+    from stickslip._core import build_config
+    from stickslip.declared.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
+    from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+    from stickslip.declared.model import Model, load_model
+    from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
+    from stickslip.declared.units import Channel
+    from stickslip.discovery.discover import Found, discover
+    from stickslip.errors import InputError, ModelWarning, StickslipError
+    from stickslip.fitted.compare import Comparison, compare
+    from stickslip.fitted.forecast import forecast
+    from stickslip.fitted.identified import Identified
+    from stickslip.fitted.identify import identify
+    from stickslip.measured import signals
+    from stickslip.measured.case import Case, load_case
+    from stickslip.measured.recording import Recording, load_recording
+    from stickslip.simulated import reference
+    from stickslip.simulated.orbits.branch import Branch, SpecialPoint
+    from stickslip.simulated.orbits.continuation import continuation
+    from stickslip.simulated.orbits.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
+    from stickslip.simulated.orbits.limit_cycle import LimitCycle, limit_cycle
+    from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum, lyapunov
+    from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, steady_sliding
+    from stickslip.simulated.simulate import Status, Trajectory, Transitions, simulate
+    from stickslip.simulated.sweep.sweep import sweep
+
+    __version__: str
 
 check_instruction_set()  # before anything is computed with another one than was asked for
 
+_HOME = {  # where each public name lives; imported when it is first used, for a quick start
+    "BlockOnBelt": "stickslip.declared.rig",
+    "Branch": "stickslip.simulated.orbits.branch",
+    "CATALOGUE": "stickslip.declared.effects",
+    "Case": "stickslip.measured.case",
+    "Channel": "stickslip.declared.units",
+    "Comparison": "stickslip.fitted.compare",
+    "CoulombFriction": "stickslip.declared.friction",
+    "CycleSensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
+    "DrivenSlider": "stickslip.declared.rig",
+    "Effect": "stickslip.declared.effects",
+    "Found": "stickslip.discovery.discover",
+    "HyperbolicFriction": "stickslip.declared.friction",
+    "Identified": "stickslip.fitted.identified",
+    "InputError": "stickslip.errors",
+    "LimitCycle": "stickslip.simulated.orbits.limit_cycle",
+    "LyapunovSpectrum": "stickslip.simulated.orbits.lyapunov",
+    "Model": "stickslip.declared.model",
+    "ModelWarning": "stickslip.errors",
+    "NoLimitCycleError": "stickslip.simulated.orbits.steady_sliding",
+    "PaperFriction": "stickslip.declared.friction",
+    "Recording": "stickslip.measured.recording",
+    "Rig": "stickslip.declared.rig",
+    "Scales": "stickslip.declared.rig",
+    "SpecialPoint": "stickslip.simulated.orbits.branch",
+    "Status": "stickslip.simulated.simulate",
+    "SteadySliding": "stickslip.simulated.orbits.steady_sliding",
+    "StickslipError": "stickslip.errors",
+    "Tabulated": "stickslip.declared.effects",
+    "Trajectory": "stickslip.simulated.simulate",
+    "Transitions": "stickslip.simulated.simulate",
+    "build_config": "stickslip._core",
+    "compare": "stickslip.fitted.compare",
+    "continuation": "stickslip.simulated.orbits.continuation",
+    "cycle_sensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
+    "discover": "stickslip.discovery.discover",
+    "effect": "stickslip.declared.effects",
+    "forecast": "stickslip.fitted.forecast",
+    "identify": "stickslip.fitted.identify",
+    "limit_cycle": "stickslip.simulated.orbits.limit_cycle",
+    "load_case": "stickslip.measured.case",
+    "load_model": "stickslip.declared.model",
+    "load_recording": "stickslip.measured.recording",
+    "lyapunov": "stickslip.simulated.orbits.lyapunov",
+    "reference": "stickslip.simulated",
+    "signals": "stickslip.measured",
+    "simulate": "stickslip.simulated.simulate",
+    "steady_sliding": "stickslip.simulated.orbits.steady_sliding",
+    "sweep": "stickslip.simulated.sweep.sweep",
+    "tabulated": "stickslip.declared.effects",
+}
 
-def __getattr__(name: str) -> object:
-    if name == "reference":
-        from stickslip.simulated.reference import integrate  # of use in cross-checks alone
+if not TYPE_CHECKING:  # it would let every misspelt name pass
 
-        globals()[name] = integrate
-        return integrate
-    if name == "__version__":
-        from importlib.metadata import version  # slow to import, and seldom asked for
-
-        globals()[name] = found = version("stickslip")
+    def __getattr__(name: str) -> object:
+        if name == "__version__":
+            found = import_module("importlib.metadata").version("stickslip")
+        elif name in _HOME:
+            module = import_module(_HOME[name])
+            found = getattr(module, name) if hasattr(module, name) else import_module(f"{_HOME[name]}.{name}")
+        else:
+            raise AttributeError(f"module 'stickslip' has no attribute '{name}'")
+        globals()[name] = found
         return found
-    raise AttributeError(f"module 'stickslip' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
 
 
 __all__ = [

@@ -9,8 +9,9 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.box import SIMPLE
@@ -19,19 +20,17 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import stickslip
-from stickslip.cli import discover as cli_discover
-from stickslip.cli import simulate as cli_simulate
-from stickslip.cli import sweep as cli_sweep
 from stickslip.cli.path_type import Named, files_from_option, force_option
-from stickslip.declared.toml_file import write_text
 from stickslip.errors import InputError, StickslipError, quoted
 from stickslip.files import folder
-from stickslip.fitted.compare import Comparison
-from stickslip.fitted.identified import IDENTIFIED, Identified
-from stickslip.fitted.identify import BeltSpeed
+
+if TYPE_CHECKING:  # slow to import, and `--help` needs none of it
+    from stickslip.fitted.compare import Comparison
+    from stickslip.fitted.identified import Identified
+    from stickslip.fitted.identify import BeltSpeed
 
 BAD_INPUT = 2
-IDENTIFY = (*IDENTIFIED, "friction_characteristic.svg", "friction_characteristic.png")
+IDENTIFY = ("model.toml", "identified.json", "friction_characteristic.svg", "friction_characteristic.png")
 COMPARE = (
     "compare.json",
     *(f"{figure}.{kind}" for figure in ("phase_portrait", "time_series") for kind in ("svg", "png")),
@@ -60,8 +59,34 @@ def ended_cleanly() -> Iterator[None]:
             signal.signal(one, signal.SIG_DFL)
 
 
+ELSEWHERE = {  # commands in modules of their own, imported when they are asked for, and what the list says of them
+    "discover": ("stickslip.cli.discover", "What the declared model lacks: an effect, and how sure."),
+    "forecast": ("stickslip.cli.discover", "The readings that follow a recording."),
+    "simulate": ("stickslip.cli.simulate", "One run of a model, as CSV and a figure."),
+    "sweep": ("stickslip.cli.sweep", "A model over a grid of its numbers, into a Zarr store."),
+}
+
+
 class OneLine(click.Group):
     """Errors of ours are one line on standard error and exit status 2; a traceback is a bug."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the commands, of those elsewhere too."""
+        return sorted([*super().list_commands(ctx), *ELSEWHERE])
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command, imported if it is elsewhere."""
+        if cmd_name not in ELSEWHERE:
+            return super().get_command(ctx, cmd_name)
+        command: click.Command = getattr(import_module(ELSEWHERE[cmd_name][0]), cmd_name)
+        return command
+
+    def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        said = {name: one.get_short_help_str(100) for name, one in self.commands.items()}
+        said |= {name: words for name, (_, words) in ELSEWHERE.items()}
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(said.items()))
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run the program, without an output where it was given none."""
@@ -239,12 +264,6 @@ def demo(out: Path, first_half: bool, force: bool) -> None:
     _say_written(written)
 
 
-main.add_command(cli_simulate.simulate)
-main.add_command(cli_discover.discover)
-main.add_command(cli_discover.forecast)
-main.add_command(cli_sweep.sweep)
-
-
 def estimates_table(found: Identified) -> Table:
     """The identified law."""
     table = Table(title=f"identified law: {found.law.kind}", box=SIMPLE, pad_edge=False)
@@ -290,6 +309,7 @@ def _fill_identified(found: Identified, into: Path) -> None:
 
 
 def _fill_comparison(c: Comparison, into: Path) -> None:
+    from stickslip.declared.toml_file import write_text
     from stickslip.shown.plot import curves as plot
 
     write_text(into / "compare.json", json.dumps(c.to_dict(), indent=1))

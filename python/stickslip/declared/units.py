@@ -197,7 +197,7 @@ def with_unit(text: str) -> tuple[float, str]:
     if found is None:
         return float(text), ""  # nan and inf are numbers too
     unit = text[found.end() :].strip()
-    if unit[:1] in {",", ".", "'"} or unit[:1].isdigit():
+    if unit != "1" and (unit[:1] in {",", ".", "'"} or unit[:1].isdigit()):
         raise ValueError("a number goes on behind what looks like its end: a decimal comma?")
     return float(found[0]), unit
 

@@ -1,0 +1,62 @@
+"""Importing the package and asking for help load nothing slow; every public name is there when it is used."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import stickslip
+
+SLOW = ("jinja2", "loky", "matplotlib", "pandas", "pint", "pydantic", "scipy", "tomlkit", "xarray", "zarr")
+HELP = "from stickslip.cli.commands import main\ntry:\n    main(['--help'])\nexcept SystemExit:\n    pass"
+
+
+@pytest.mark.parametrize("code", ["import stickslip", HELP], ids=["import", "help"])
+def test_nothing_slow_is_loaded(code: str) -> None:
+    asked = f"{code}\nimport sys\nprint(*(name for name in {SLOW} if name in sys.modules), file=sys.stderr)"
+    run = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert run.stderr.split() == []
+
+
+def test_dir_is_the_public_list() -> None:
+    assert dir(stickslip) == sorted(stickslip.__all__)
+    assert all(getattr(stickslip, name) is not None for name in stickslip.__all__)
+
+
+def test_the_checker_of_types_sees_what_a_user_gets() -> None:
+    tree = ast.parse(Path(stickslip.__file__).read_text(encoding="utf-8"))
+    (checked,) = (
+        one for one in tree.body if isinstance(one, ast.If) and not isinstance(one.test, ast.UnaryOp)
+    )
+    seen = {
+        name.name: one.module for one in checked.body if isinstance(one, ast.ImportFrom) for name in one.names
+    }
+    assert seen == stickslip._HOME
+    assert {*seen, "__version__"} == set(stickslip.__all__)
+
+
+def test_a_misspelt_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="simulat'"):
+        _ = stickslip.simulat  # type: ignore[attr-defined]
+
+
+def test_help_says_of_a_command_what_the_command_says() -> None:
+    import click
+
+    from stickslip.cli.commands import ELSEWHERE, main
+
+    context = click.Context(main)
+    assert {"compare", "demo", "identify", *ELSEWHERE} == set(main.list_commands(context))
+    for name, (_, words) in ELSEWHERE.items():
+        command = main.get_command(context, name)
+        assert command is not None
+        assert command.short_help == words
+
+
+def test_identify_writes_what_the_result_says() -> None:
+    from stickslip.cli.commands import IDENTIFY
+    from stickslip.fitted.identified import IDENTIFIED
+
+    assert IDENTIFY[: len(IDENTIFIED)] == IDENTIFIED
