@@ -85,3 +85,19 @@ def test_an_array_whose_description_is_damaged_is_named(tmp_path: Path) -> None:
     (out / "final_state" / "zarr.json").write_text("{")
     with pytest.raises(ss.InputError, match="'final_state' that cannot be read"):
         ss.sweep(MODEL, over, t_end=2, out=out)
+
+
+def test_chunks_that_changed_places_are_noticed(tmp_path: Path) -> None:
+    out, over = tmp_path / "a.zarr", {"belt_speed": np.linspace(0.05, 0.4, 200_000)}
+    first = ss.sweep(MODEL, over, t_end=0.1, observe="final_state", out=out).load()
+    a, b, *_ = sorted((one for one in (out / "final_state" / "c").rglob("*") if one.is_file()), key=str)
+    other = a.read_bytes()
+    a.write_bytes(b.read_bytes())
+    b.write_bytes(other)
+    with pytest.raises(ss.InputError, match="is not the one written there"):
+        ss.sweep(MODEL, over, t_end=0.1, observe="final_state", out=out)
+    a.unlink()
+    b.unlink()
+    xr.testing.assert_identical(
+        ss.sweep(MODEL, over, t_end=0.1, observe="final_state", out=out).load(), first
+    )

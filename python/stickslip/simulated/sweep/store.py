@@ -7,6 +7,7 @@ marks the chunk complete: killed at any moment, the store holds whole chunks and
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import shutil
 import tempfile
@@ -22,6 +23,7 @@ import numpy as np
 import stickslip
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
+from stickslip.files import whole
 from stickslip.simulated.sweep.observables import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
 from stickslip.simulated.sweep.request import Block, Request
 
@@ -165,11 +167,24 @@ class ZarrSink:
         """
         for block in blocks:
             there = all(self._is_there(name, block) for name in self.request.observe)
+            there = there and self._sums(block).is_file()
             if not there or np.any(self._read("status", block) == NOT_COMPUTED):
                 yield block
             else:
-                for name in self.request.observe:
-                    self._read(name, block)
+                self._check(block)
+
+    def _check(self, block: Block) -> None:
+        """Read every result of a chunk, and see that it is the one that was written in this place."""
+        sums = self._sums(block).read_text(encoding="utf-8").split()
+        for name, there in zip(sorted(self.request.observe), sums, strict=False):
+            if _sum(self._read(name, block)) != there:
+                words = f"the chunk {self._file(name, block)} is not the one written there; remove that file"
+                raise InputError(f"{words} to have it computed again", key="out", value=str(self.path))
+
+    def _sums(self, block: Block) -> Path:
+        """The file of a chunk's checksums, in the order of the results' names; within an array Zarr passes over it."""
+        place = self._file("status", block).removeprefix("status/").replace("/", ".")
+        return self.path / "status" / "sums" / place
 
     def _read(self, name: str, block: Block) -> np.ndarray[Any, Any]:
         """A chunk, which reading proves whole: that takes far less than computing it."""
@@ -192,11 +207,16 @@ class ZarrSink:
 
     def put(self, block: Block, arrays: Arrays) -> None:
         """Write a chunk, its status last; also one of fill values alone, which is not one that was lost."""
+        sums = [
+            _sum(np.asarray(arrays[name], self._array(name).dtype)) for name in sorted(self.request.observe)
+        ]
+        with whole(self._sums(block)) as beside:
+            beside.write_text("\n".join(sums), encoding="utf-8")
         with _zarr().config.set({"array.write_empty_chunks": True}):
             for name in sorted(arrays, key=lambda name: name == "status"):
                 values = arrays[name].reshape(*block.shape, *self.request.extra(name))
-                whole = tuple(slice(None) for _ in self.request.extra(name))
-                self._array(name)[(*block.index, *whole)] = values
+                every = tuple(slice(None) for _ in self.request.extra(name))
+                self._array(name)[(*block.index, *every)] = values
 
     def dataset(self) -> xr.Dataset:
         """The store, opened lazily."""
@@ -208,6 +228,10 @@ class ZarrSink:
 
     def _array(self, name: str) -> zarr.Array[Any]:
         return cast("zarr.Array[Any]", self.group[name])
+
+
+def _sum(values: np.ndarray[Any, Any]) -> str:
+    return hashlib.sha256(np.ascontiguousarray(values).tobytes()).hexdigest()
 
 
 def _exists(path: Path) -> bool:
