@@ -77,6 +77,7 @@ class Branch:
     states
         Names of the states.
     multipliers : (n, m) complex
+        Greatest first; nan at the end of a row where a state that has influence elsewhere has none.
     stable : (n,) bool
     stick_time : (n,)
         Time stuck in one period, all stick phases together.
@@ -129,6 +130,14 @@ class Branch:
         special = [f"{one.kind} at {one.value!r}" for one in self.special]
         attrs = {"special": special, "ends": list(self.ends)}
         return xr.Dataset(columns, coords={"state_name": list(self.states)}, attrs=attrs)
+
+
+def _table(rows: list[Complexes]) -> Complexes:
+    """Rows of several lengths as one array, filled up with nan."""
+    table = np.full((len(rows), max(map(len, rows))), np.nan, dtype=np.complex128)
+    for line, row in zip(table, rows, strict=True):
+        line[: len(row)] = row
+    return table
 
 
 def stick_time(cycle: LimitCycle) -> float:
@@ -189,7 +198,7 @@ def branch_of(
         period=np.array([one.period for one in cycles]),
         state=np.array([one.state for one in cycles]),
         states=cycles[0].states,
-        multipliers=np.array([one.multipliers for one in cycles]),
+        multipliers=_table([one.multipliers for one in cycles]),
         stable=np.array([one.stable for one in cycles]),
         stick_time=np.array([stick_time(one) for one in cycles]),
         special=tuple(special),

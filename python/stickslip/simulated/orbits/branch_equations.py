@@ -66,6 +66,12 @@ class Problem:
             residual[1] = arc.start[1] - z[1]
             jacobian[1] = 0.0
             jacobian[1, 1], jacobian[1, d + 1] = -1.0, arc.start_by_parameter[1]
+        fixed = flow.idle(arc.monodromy) & (arc.monodromy == np.eye(d)).all(axis=1)
+        for j in np.flatnonzero(
+            fixed
+        ):  # it stays as it is and closes with any value: it has the one of a start, 0
+            residual[j], jacobian[j] = z[j], 0.0
+            jacobian[j, j] = 1.0
         self._last_row(flow, value, span, z, residual, jacobian)
         return Point(x, residual, jacobian * self.scale, arc, flow, value, self.contact)
 

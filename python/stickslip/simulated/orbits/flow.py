@@ -175,6 +175,15 @@ class Flow:
         rows = [run.hidden_sensitivity[name][:, None] for name in self.hidden]
         return np.concatenate([run.sensitivity, *rows], axis=1)
 
+    def idle(self, monodromy: Floats) -> NDArray[np.bool_]:
+        """Which states (d,) have no influence: hidden ones that are not forgotten, yet nothing else depends on them.
+
+        The time at rest is one where nothing sticks. The derivatives are exact, and so are these zeros.
+        """
+        own = np.diag(monodromy)
+        alone = (monodromy - np.diag(own) == 0).all(axis=0) & (own != 0)
+        return np.asarray(alone & (np.arange(len(own)) >= len(self.model.rig.state_names)))
+
     def seeds(self) -> tuple[str, ...]:
         """Names that ask for the derivatives by the initial state."""
         return tuple(f"initial.{name}" for name in self.states)
@@ -207,8 +216,8 @@ class Flow:
 
 
 def wiped_out(flow: Flow, sticks: bool) -> int:
-    """How many directions a motion forgets: in stick the block's speed and the memory of it, in slip the time stuck."""
-    return int(sticks) + int(sticks and "w" in flow.hidden) + int("dwell" in flow.hidden)
+    """How many directions a motion that sticks forgets: the block's speed, the memory of it, the time stuck."""
+    return int(sticks) * (1 + int("w" in flow.hidden) + int("dwell" in flow.hidden))
 
 
 def forcing_period(model: Model, belt_speed: float) -> float | None:

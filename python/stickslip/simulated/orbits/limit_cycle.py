@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained, whole_number
 from stickslip.declared.model import Model
@@ -48,7 +48,8 @@ class LimitCycle:
         d state one period later / d state.
     multipliers : (d - 1,) complex
         Floquet multipliers of the return map, greatest modulus first; (d,) for a rig moved from outside. The
-        multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0.
+        multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0. A hidden state
+        without influence on this cycle, as the time at rest where nothing sticks, has none.
     residual
         Greatest difference between the state and that one period later, in the model's own scale (see `limit_cycle`).
     iterations
@@ -77,13 +78,23 @@ class LimitCycle:
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.states, self.state, strict=True))
-        sort = ("stable" if self.stable else "unstable") + (", sticks" if self.sticks else "")
+        sort = "stable" if self.stable else "neutral" if self.neutral else "unstable"
+        sort += ", sticks" if self.sticks else ""
         return f"<LimitCycle: period {self.period:.9g}, {sort}; {state}>"
 
     @property
     def stable(self) -> bool:
         """Does the motion return to it after a small disturbance?"""
-        return bool(np.all(np.abs(self.multipliers) < 1))
+        return bool(np.all(np.abs(self.multipliers) < 1)) and not self.neutral
+
+    @property
+    def neutral(self) -> bool:
+        """Does a small disturbance neither grow nor die out, to first order?
+
+        The greatest multiplier has modulus 1, as near as it is known: a double one is off by the root of the error.
+        """
+        greatest = float(np.abs(self.multipliers).max(initial=0.0))
+        return abs(greatest - 1) <= float(np.sqrt(Flow.tolerance))
 
     @property
     def sticks(self) -> bool:
@@ -249,7 +260,7 @@ def cycle_of(flow: Flow, arc: Arc, steps: int, turns: int, contact: Contact) -> 
         transitions=cut,
         kinks=arc.run.kinks[arc.run.kinks <= arc.span],
         monodromy=arc.monodromy,
-        multipliers=floquet(arc, flow.forcing_period is not None, lost),
+        multipliers=floquet(arc, flow.forcing_period is not None, lost, flow.idle(arc.monodromy)),
         residual=_apart(flow, arc),
         iterations=steps,
         turns=turns,
@@ -259,16 +270,17 @@ def cycle_of(flow: Flow, arc: Arc, steps: int, turns: int, contact: Contact) -> 
     )
 
 
-def floquet(arc: Arc, forced: bool, lost: int) -> Complexes:
+def floquet(arc: Arc, forced: bool, lost: int, idle: NDArray[np.bool_]) -> Complexes:
     """Floquet multipliers, greatest first; the `lost` smallest are known to be 0 (directions that stick forgets).
 
     Of an autonomous cycle those of the return map: with n the section's normal, (1 - f n / (n . f)) M on it.
+    States that are `idle` are none.
     """
-    m = arc.monodromy
+    m, keep = arc.monodromy, ~idle
     if not forced:
         projected = m - np.outer(arc.rate / arc.rate[1], m[1])
-        keep = np.arange(len(m)) != 1
-        m = projected[np.ix_(keep, keep)]
+        m, keep = projected, keep & (np.arange(len(m)) != 1)
+    m = m[np.ix_(keep, keep)]
     values = np.linalg.eigvals(m).astype(np.complex128)
     values = values[np.argsort(-np.abs(values), kind="stable")]
     for k in range(len(values) - min(lost, len(values)), len(values)):

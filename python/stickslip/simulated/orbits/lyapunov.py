@@ -11,12 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, number
 from stickslip.simulated.orbits.flow import Contact, Floats, Flow, wiped_out
+
+Flags = NDArray[np.bool_]
 
 ALIGN = 20  # intervals in which the tangent vectors turn into place, not counted
 BATCHES = 20  # for the error of a time average
@@ -34,6 +36,7 @@ class LyapunovSpectrum:
     exponents : (d,)
         Greatest first; -inf for a direction that stick wipes out. An autonomous motion that does not come to
         rest has one exponent 0, along itself. Time is not a state: a rig moved from outside has no such 0.
+        A hidden state that never had influence has none.
     standard_error : (d,)
         Of each exponent as a time average, from the scatter of 20 batch means; nan where it is -inf.
     t : (k,)
@@ -124,7 +127,10 @@ def lyapunov(
     if wait > 0:
         run = flow.run(z, [wait])
         z, contact = flow.full(run)[-1], _contact(int(run.mode[-1]))
-    growth, z = _growth(flow, z, contact, wait, step, count)
+    start, kept = z, np.ones(len(z), dtype=bool)
+    growth, z, idle = _growth(flow, start, contact, wait, step, count, kept)
+    if idle.any():  # followed once more without what has no influence
+        growth, z, idle = _growth(flow, start, contact, wait, step, count, ~idle)
     return _spectrum(flow, growth, step, wait, z)
 
 
@@ -141,27 +147,38 @@ def _contact(mode: int) -> Contact:
 
 
 def _growth(
-    flow: Flow, z: Floats, contact: Contact, begin: float, step: float, count: int
-) -> tuple[Floats, Floats]:
-    """Logarithms (count, d) of the tangent vectors' growth over each interval, and the last state."""
-    d = len(z)
-    q, growth = np.eye(d), np.empty((count, d))
+    flow: Flow, z: Floats, contact: Contact, begin: float, step: float, count: int, kept: Flags
+) -> tuple[Floats, Floats, Flags]:
+    """Logarithms (count, d) of the tangent vectors' growth over each interval, the last state, and what was idle."""
+    d = int(kept.sum())
+    q, growth, idle = np.eye(d), np.empty((count, d)), np.ones(len(z), dtype=bool)
     for k in range(-ALIGN, count):
-        z, contact, q, logs = _stretch(flow, z, contact, q, begin + (k + ALIGN) * step, step)
+        z, contact, q, logs = _stretch(flow, z, contact, q, begin + (k + ALIGN) * step, step, kept, idle)
         if k >= 0:
             growth[k] = logs
-    return growth, z
+    return growth, z, idle
 
 
 def _stretch(
-    flow: Flow, z: Floats, contact: Contact, q: Floats, start: float, step: float, halvings: int = 0
+    flow: Flow,
+    z: Floats,
+    contact: Contact,
+    q: Floats,
+    start: float,
+    step: float,
+    kept: Flags,
+    idle: Flags,
+    halvings: int = 0,
 ) -> tuple[Floats, Contact, Floats, Floats]:
     """State, contact, orthogonal tangent vectors and logarithms (d,) of their growth after `step`.
 
     What a stick wipes out is gone. Whatever else shrinks to rounding only shrinks fast, and is followed by halves.
+    The tangent vectors are of the states `kept`; `idle` loses those that had influence.
     """
     run = flow.run(z, [start + step], seeds=flow.seeds(), contact=contact, start=start)
-    turned, r = np.linalg.qr(flow.jacobian(run)[-1] @ q)
+    jacobian = flow.jacobian(run)[-1]
+    idle &= flow.idle(jacobian)
+    turned, r = np.linalg.qr(jacobian[np.ix_(kept, kept)] @ q)
     sizes = np.abs(np.diag(r))
     most = sizes.max(initial=0.0)
     inside = run.transitions.t <= start + step
@@ -173,7 +190,7 @@ def _stretch(
         logs = np.zeros(len(sizes))
         for half in (0, 1):
             z, contact, q, more = _stretch(
-                flow, z, contact, q, start + half * step / 2, step / 2, halvings + 1
+                flow, z, contact, q, start + half * step / 2, step / 2, kept, idle, halvings + 1
             )
             logs += more
         return z, contact, q, logs

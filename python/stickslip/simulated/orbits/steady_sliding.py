@@ -24,7 +24,8 @@ class SteadySliding:
     Attributes
     ----------
     state : (d,) with x2 = y2 = 0.
-    eigenvalues : (d,) of the linearised motion; stable if all real parts are negative.
+    eigenvalues : of the linearised motion, one for each state that has influence; stable if all real parts are
+        negative.
     """
 
     state: Floats
@@ -86,5 +87,6 @@ def equilibrium(flow: Flow, guess: Floats) -> SteadySliding:
             break
     else:
         raise NoLimitCycleError("neither a cycle nor steady sliding found")
-    values = np.log(np.linalg.eigvals(arc.monodromy).astype(np.complex128)) / span
+    kept = ~flow.idle(arc.monodromy)
+    values = np.log(np.linalg.eigvals(arc.monodromy[np.ix_(kept, kept)]).astype(np.complex128)) / span
     return SteadySliding(z, np.asarray(values[np.argsort(-values.real)], dtype=np.complex128))
