@@ -54,6 +54,14 @@ def test_the_time_at_rest_counts_for_nothing_where_nothing_rests():
     assert aged[1].stable
 
 
+def test_a_branch_goes_on_where_sticks_with_aging_end():
+    """It turned back at the loss of stick, and its Hopf point was never found."""
+    model = ss.Model(ss.BlockOnBelt(damping=0.1), friction=LAW, effects=[AGING])
+    branch = ss.continuation(model, 2.0, parameter="belt_speed", span=(0.5, 3.5), guess=(3.0, 0.0))
+    hopf = [one.value for one in branch.special if one.kind == "hopf"]
+    assert hopf == pytest.approx([(np.sqrt(30) - 1) / 3], abs=1e-6)
+
+
 def test_a_cycle_that_keeps_what_it_is_given_is_neutral():
     """Every amplitude is a cycle of a block without damping under a constant friction: none of them is unstable."""
     model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=1))

@@ -198,6 +198,12 @@ class Walk:
                 break
             following = self.problem.tangent(point, point.x - last.x)
             special += self._between(last, point, tangent, following, len(points))
+            if (
+                point.signature != last.signature
+            ):  # over a corner in which the branch may turn round: away from it
+                corner = special[-1].cycle
+                at = np.concatenate([corner.state, [corner.period, special[-1].value]]) / self.problem.scale
+                following = self.problem.tangent(point, point.x - at)
             if step > 1e-3 * self.step or len(points) < 2:
                 points.append(point)
             else:  # closing in on a corner: one point is enough
