@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import stickslip as ss
 from every_effect import EFFECTS
 from stickslip.simulated.lowering import HIDDEN
+from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = ss.HyperbolicFriction(scale=1, decay=3)
@@ -68,3 +69,25 @@ def test_a_cycle_that_keeps_what_it_is_given_is_neutral():
     cycle = ss.limit_cycle(model, 1.0, guess=(1.5, 0.0), period=2 * np.pi)
     assert cycle.neutral
     assert "neutral" in repr(cycle)
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if name != "friction_drift"])
+def test_a_cycle_goes_back_into_simulate(name):
+    """Its hidden states were taken for others: `simulate` wants all of them, in the order of the core."""
+    model = ss.Model(RIG, friction=ss.PaperFriction(), effects=EFFECTS[name])
+    try:
+        cycle = ss.limit_cycle(model, 0.1)
+    except NoLimitCycleError as no_cycle:
+        pytest.skip(str(no_cycle))
+    run = ss.simulate(
+        model,
+        belt_speed=0.1,
+        initial=cycle.initial,
+        contact=cycle.contact,
+        t_end=cycle.period,
+        t_eval=[cycle.period],
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    hidden = [run.hidden[one][-1] for one in cycle.states[4:]]
+    assert [*run.state[-1], *hidden] == pytest.approx(cycle.state, abs=1e-8)

@@ -101,6 +101,11 @@ class LimitCycle:
         """Has it a stick phase?"""
         return self.contact == "stick" or bool(np.any(self.transitions.after == 0))
 
+    @property
+    def initial(self) -> Floats:
+        """State on the section as `simulate` takes it: all hidden states, also those that the model has not, as 0."""
+        return Flow(self.model, self.belt_speed).initial(self.state)
+
     def trajectory(self, samples: int = 400) -> Trajectory:
         """Simulate one period at `samples` even times, both ends included."""
         samples = whole_number("samples", samples, least=2, most=10**7)
