@@ -91,3 +91,23 @@ def test_a_cycle_goes_back_into_simulate(name):
     )
     hidden = [run.hidden[one][-1] for one in cycle.states[4:]]
     assert [*run.state[-1], *hidden] == pytest.approx(cycle.state, abs=1e-8)
+
+
+@pytest.mark.parametrize("contact", ["auto", "stick"])
+def test_a_rest_that_has_lasted_holds_as_long_as_its_age_says(contact):
+    """It slipped at once: the start was judged as if it had just come to rest. Closed form: until x1 = 2, t = 8."""
+    law, aging = ss.CoulombFriction(static=1, kinetic=0.5), ss.effect("static_aging", dT=1.0, tau=2.0)
+    model = ss.Model(ss.BlockOnBelt(mass=1, stiffness=1), friction=law, effects=[aging])
+    run = ss.simulate(model, belt_speed=0.1, initial=(1.2, 0.1, 0, 0, 0, 0, 50.0), contact=contact, t_end=20)
+    assert run.transitions.t[0] == pytest.approx(8.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e5])
+def test_a_bristle_contact_may_start_riding_the_belt(stiffness):
+    """With its spring relaxed it stopped at t = 0: "transitions accumulate"."""
+    law = ss.CoulombFriction(static=1.2, kinetic=1.2)
+    bristles = ss.effect("contact_compliance", k=stiffness, c=1.0)
+    model = ss.Model(ss.BlockOnBelt(mass=0.5, stiffness=500.0), friction=law, effects=[bristles])
+    runs = [ss.simulate(model, belt_speed=0.02, initial=(0.0, x2), t_end=1.0) for x2 in (0.02, 0.02 - 1e-12)]
+    assert all(run.status.ok for run in runs)
+    assert runs[0].state[-1] == pytest.approx(runs[1].state[-1], abs=1e-9)
