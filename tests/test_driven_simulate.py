@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy
@@ -94,6 +96,65 @@ SMOOTH = {
 # a screw's second and third wave are forces as the first
 SMOOTH |= dict.fromkeys(("position_ripple_2", "position_ripple_3"), SMOOTH["position_ripple"])
 ELSEWHERE = {"drive_lag", "drive_delay", "contact_compliance", "rig_mass"}  # with tests of their own
+
+
+def numbers_of(name: str) -> dict[str, float]:
+    """Numbers of an effect, of a size that shows."""
+    own = {
+        "drive_lag": {"tau": 0.02},
+        "drive_delay": {"delay": 0.01},
+        "contact_compliance": {"k": 2000.0, "c": 4.0},
+        "rig_mass": {"e": 0.2},
+    }
+    return own[name] if name in own else SMOOTH[name][0]
+
+
+LOOP = Loop(truth.GAIN, truth.KP, truth.KV, limit=1e9)
+
+
+def in_the_loop(*effects: ss.Effect) -> np.ndarray:
+    t = np.arange(500) / truth.RATE
+    return closed_loop(model(*effects), LOOP, t, truth.reference(t)).command
+
+
+def ahead(*effects: ss.Effect) -> np.ndarray:
+    t = np.arange(301) / truth.RATE
+    return forecast(model(*effects), t, 25 * np.sin(8 * t), np.array([0]), np.zeros(1), np.array([0.05]), 300)
+
+
+@pytest.mark.parametrize("moved", [in_the_loop, ahead])
+@pytest.mark.parametrize("name", DRIVEN)
+def test_every_number_of_every_effect_acts(name: str, moved: Callable[..., np.ndarray]) -> None:
+    numbers = numbers_of(name)
+    plain, whole = moved(), moved(ss.effect(name, **numbers))
+    least = 1e-5 * np.ptp(plain)
+    assert np.max(np.abs(whole - plain)) > least
+    for key, value in numbers.items():
+        other = moved(ss.effect(name, **{**numbers, key: 1.3 * value + 0.1 * (value == 0)}))
+        assert np.max(np.abs(other - whole)) > least, key
+
+
+def test_a_bristle_s_damping_brakes_as_its_formula_says() -> None:
+    """T = k z + c v: c was read and did nothing."""
+    k, c, drive = 2000.0, 20.0, 25.0
+    mean = 0.5 * (truth.MINUS + truth.PLUS)
+    t = np.arange(301) / truth.RATE
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        _, v, z = state  # z relative to its end, T at large deflection
+        friction = truth.PLUS * z + c * v
+        return [v, (drive - truth.DAMPING * v - friction) / truth.MASS, k / mean * (v - abs(v) * z)]
+
+    theirs = scipy.integrate.solve_ivp(rate, (0, t[-1]), [0, 0.05, 1], rtol=1e-10, atol=1e-12).y[0, -1]
+    soft = model(ss.effect("contact_compliance", k=k, c=c))
+    command, start = np.full(len(t), drive), np.array([0])
+    ours = forecast(soft, t, command, start, np.zeros(1), np.array([0.05]), 300)[-1, 0]
+    assert ours == pytest.approx(theirs, rel=2e-3)
+
+
+def test_a_loop_whose_drive_acts_before_its_command_is_refused() -> None:
+    with pytest.raises(InputError, match=r"drive_delay.delay = -0.01: a loop cannot act before"):
+        in_the_loop(ss.effect("drive_delay", delay=-0.01))
 
 
 def test_every_effect_of_a_driven_slider_has_its_formula_here() -> None:
@@ -192,5 +253,6 @@ def test_the_loop_is_the_published_controller() -> None:
 def test_other_rigs_and_laws_are_refused() -> None:
     with pytest.raises(InputError, match="only a driven slider"):
         Slider(ss.Model(ss.BlockOnBelt(), friction=LAW), 1e-3)
-    with pytest.raises(InputError, match="is coulomb"):
-        Slider(ss.Model(DrivenSlider(mass=1.0), friction=ss.PaperFriction()), 1e-3)
+    for law in (ss.PaperFriction(), ss.HyperbolicFriction()):
+        with pytest.raises(InputError, match="is coulomb"):
+            ss.Model(DrivenSlider(mass=1.0), friction=law)

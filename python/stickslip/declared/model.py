@@ -21,7 +21,7 @@ from stickslip.declared.declaration import (
     rig_table,
 )
 from stickslip.declared.effects import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
-from stickslip.declared.friction import LAWS, FrictionLaw
+from stickslip.declared.friction import LAWS, CoulombFriction, FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.toml_file import read_toml, write_text
 from stickslip.declared.units import DIMENSIONS, Channel
@@ -89,7 +89,7 @@ class Model:
                 if _needs_angle_body(one):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
         elif isinstance(self.rig, DrivenSlider):
-            _check_driven(self.effects)
+            _check_driven(self.friction, self.effects)
         elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
             raise InputError(
                 f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
@@ -289,8 +289,10 @@ def _list(value: object) -> list[Mapping[str, object]]:
     return [_table(one) for one in value] if isinstance(value, list) else []
 
 
-def _check_driven(effects: Iterable[AnyEffect]) -> None:
-    """Refuse effects that a driven slider has no place for."""
+def _check_driven(law: FrictionLaw, effects: Iterable[AnyEffect]) -> None:
+    """Refuse a law and effects that a driven slider has no place for."""
+    if not isinstance(law, CoulombFriction):
+        raise InputError("the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction")
     for one in effects:
         if isinstance(one, Effect) and one.name not in DRIVEN:
             raise InputError(

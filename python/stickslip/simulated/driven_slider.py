@@ -49,22 +49,20 @@ class Slider:
     Raises
     ------
     InputError
-        Another rig or law.
+        Another rig.
     """
 
     def __init__(self, model: Model, dt: float, *, substeps: int = SUBSTEPS) -> None:
         rig, law = model.rig, model.friction
         if not isinstance(rig, DrivenSlider):
             raise InputError("only a driven slider is moved by a drive; use stickslip.simulate", key="rig")
-        if not isinstance(law, CoulombFriction):
-            raise InputError(
-                "the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction"
-            )
+        assert isinstance(law, CoulombFriction)  # a model of a driven slider has no other
         self.h, self.dt, self.substeps = dt / substeps, dt, substeps
         self.p = {one.name: dict(one.parameters) for one in model.effects if isinstance(one, Effect)}
         self.curves = [one for one in model.effects if isinstance(one, Tabulated)]
         self.mass = rig.mass * (1 + self.p.get("rig_mass", {}).get("e", 0.0))
-        self.damping = rig.damping
+        # a bristle T = k z + c v brakes by c v as the rig's own damping does
+        self.damping = rig.damping + self.p.get("contact_compliance", {}).get("c", 0.0)
         self.kinetic, self.static = law.kinetic_limits, law.static_limits
         self.delay = self.p.get("drive_delay", {}).get("delay", 0.0)
 
@@ -258,12 +256,20 @@ def closed_loop(
         Position and velocity at first.
     noise
         Process noise [N] (n, m), held over each interval; None: one lane without.
+
+    Raises
+    ------
+    InputError
+        The model is of another rig, or its drive acts before its command.
     """
     n = len(t)
     w = np.zeros((n, 1)) if noise is None else noise
     lanes = w.shape[1]
     dt = float(np.median(np.diff(t)))
     slider = Slider(model, dt, substeps=substeps)
+    if slider.delay < 0:
+        words = "a loop cannot act before it has read; give a delay of 0 or more"
+        raise InputError(words, key="drive_delay.delay", value=slider.delay)
     ones = np.ones(lanes)
     s = slider.start(start[0] * ones, start[1] * ones, 0.0 * ones)
     x, velocity, acceleration, command = (np.empty((n, lanes)) for _ in range(4))

@@ -29,7 +29,8 @@ from scipy.interpolate import CubicSpline
 
 from stickslip.declared.effects import Tabulated
 from stickslip.declared.model import Model
-from stickslip.declared.rig import Rig
+from stickslip.declared.rig import DrivenSlider, Rig
+from stickslip.errors import InputError
 from stickslip.simulated.reference.friction import Value, branch
 
 Guard = Callable[[Value, Value], Value]  # a switching function S(t, z), negative while the side lasts
@@ -65,6 +66,8 @@ class System:
     """The field, the loads and the switching functions of one model at one belt speed."""
 
     def __init__(self, model: Model, belt_speed: float) -> None:
+        if isinstance(model.rig, DrivenSlider):
+            raise InputError("a driven slider has no belt; closed_loop and forecast move it", key="rig")
         self.model, self.v_b = model, float(belt_speed)
         self.two = isinstance(model.rig, Rig)
         self.e: dict[str, Mapping[str, float]] = {x.name: x.parameters for x in model.effects}
