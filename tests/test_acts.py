@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.declared.effects import CONSTANTS, KINDS
+from stickslip.declared.model import idle
 from stickslip.errors import InputError
 from stickslip.simulated.reference import integrate as reference
 
@@ -20,6 +21,14 @@ LAWS = {
     "hyperbolic": ss.HyperbolicFriction(scale=0.7, decay=3.0, constant=0.3),
 }
 PAIRS = [("two_degree", "paper"), ("block_on_belt", "coulomb"), ("block_on_belt", "hyperbolic")]
+UNEVEN = {  # every number of every law
+    "paper": ss.PaperFriction(),
+    "coulomb": ss.CoulombFriction(static=1, kinetic=0.5, static_plus=1.2, kinetic_plus=0.7),
+    "hyperbolic": ss.HyperbolicFriction(
+        scale=0.7, decay=3, constant=0.3, quadratic=0.1,
+        scale_plus=0.8, decay_plus=2, constant_plus=0.2, quadratic_plus=0.05,
+    ),
+}  # fmt: skip
 # numbers of a size that shows within twelve units of time
 NUMBERS = {
     "c": 0.2, "k": 0.5, "d": 1e-3, "f": 0.1, "a": 0.1, "w": 1.3, "phi": 0.4, "beta2": 0.5, "eta2": 0.3,
@@ -79,8 +88,11 @@ def test_every_effect_acts_or_is_refused(
         with pytest.raises(InputError, match=name):
             ss.Model(RIGS[rig][0], friction=law, effects=[made(name)])
         return
-    if name == "friction_memory" and isinstance(law, ss.CoulombFriction):
-        return  # friction that does not depend on the speed remembers nothing
+    if idle(law, [name]):
+        assert (name, type(law)) == ("friction_memory", ss.CoulombFriction)
+        with pytest.raises(InputError, match=f"'{name}' does nothing"):
+            ss.Model(RIGS[rig][0], friction=law, effects=[made(name)])
+        return
     acts(plain, made(name), KINDS[name].where.endswith("channel"))
 
 
@@ -101,3 +113,89 @@ def test_every_curve_acts_or_is_refused(
             ss.Model(RIGS[rig][0], friction=law, effects=[curve])
         return
     acts(plain, curve, where.endswith("channel"))
+
+
+def moving(name: str, rig: str) -> ss.Model | None:
+    """A model with an effect under the first law that takes it; None where the rig has no such."""
+    for law in reversed(LAWS.values()):  # under the paper's a block on a belt may never stick
+        try:
+            return ss.Model(RIGS[rig][0], friction=law, effects=[made(name)])
+        except InputError as error:
+            if "does nothing" not in str(error):
+                return None
+    return None
+
+
+def motions(model: ss.Model, rig: str) -> np.ndarray:
+    """States on either way of the belt, from two starts."""
+    _, start, v_b = RIGS[rig]
+    t = np.linspace(0, 40, 81)
+    return np.array(
+        [
+            ss.simulate(
+                model,
+                belt_speed=v,
+                initial=tuple(k * x for x in start),
+                t_end=40,
+                t_eval=t,
+                rtol=1e-11,
+                atol=1e-11,
+            ).state
+            for v in (v_b, -v_b)
+            for k in (1, -4)
+        ]
+    )
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("law", UNEVEN)
+def test_every_number_of_rig_and_law_acts(rig: str, law: str) -> None:
+    base = ss.Model(RIGS[rig][0], friction=UNEVEN[law])
+    still = motions(base, rig)
+    for name, value in base.parameters.items():
+        moved = motions(base.replace({name: 1.05 * value + 0.01}), rig)
+        assert np.max(np.abs(moved - still)) > 1e-8, name
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("name", [*ss.CATALOGUE, *CONSTANTS])
+def test_a_sweep_over_any_number_of_an_effect_is_the_simulations(rig: str, name: str) -> None:
+    model = moving(name, rig)
+    if model is None:
+        return
+    _, start, v_b = RIGS[rig]
+    settings = {"belt_speed": v_b, "initial": start, "t_end": 12, "rtol": 1e-12, "atol": 1e-12}
+    for key, value in model.effects[0].parameters.items():
+        full, values = f"{name}.{key}", np.array([value, 1.3 * value + 0.1 * (value == 0)])
+        if name in CONSTANTS or KINDS[name].where.endswith("channel"):
+            with pytest.raises(InputError, match=f"{full}: (acts on the reading|corrects a number)"):
+                ss.sweep(model, over={full: values}, **settings)
+            continue
+        swept = ss.sweep(model, over={full: values}, observe="final_state", **settings).final_state.values
+        each = [ss.simulate(model.replace({full: one}), **settings).state[-1] for one in values]
+        np.testing.assert_allclose(swept[:, : len(start)], each, atol=1e-8)
+        assert np.max(np.abs(swept[1] - swept[0])) > 1e-8, full
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("beside", ["contact_compliance", "stribeck_peak", "friction_memory"])
+@pytest.mark.parametrize("name", ss.CATALOGUE)
+def test_every_effect_acts_beside_another_or_is_refused(rig: str, beside: str, name: str) -> None:
+    """Friction that ages beside bristles, which never stick, and memory of a friction that is constant were accepted
+    and did nothing.
+    """
+    if name == beside or KINDS[name].where.endswith("channel"):
+        return
+    if RIGS[rig][0].state_names == ("x1", "x2") and KINDS[name].two_degree:
+        return
+    for law in LAWS.values():
+        if idle(law, [beside]) and name != "stribeck_peak":
+            continue
+        effects = [made(beside), made(name)]
+        if idle(law, [beside, name]):
+            with pytest.raises(InputError, match="does nothing"):
+                ss.Model(RIGS[rig][0], friction=law, effects=effects)
+            continue
+        both = ss.Model(RIGS[rig][0], friction=law, effects=effects)
+        alone = both.with_effects([] if idle(law, [beside]) else effects[:1])
+        assert np.max(np.abs(motions(both, rig) - motions(alone, rig))) > 1e-8, law

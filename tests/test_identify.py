@@ -345,3 +345,34 @@ def test_a_law_of_which_only_the_kind_is_given_has_no_size_to_hold_readings_agai
         case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"\nstatic = 6.0').undeclared[0] == "kinetic"
     )
     assert case.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"belt_speed": "plateux"}, "belt_speed = 'plateux': must be one of set-point, plateau"),
+        ({"noise": {"x7": 1.0}}, "noise = 'x7': must be one of x1"),
+        ({"noise": {"x1": -1.0}}, "noise.x1 = -1.0: must be at least 0"),
+        ({"scatter": "no"}, "scatter: must be a bool, not str"),
+    ],
+)
+def test_an_option_that_would_be_taken_for_another_is_refused(tmp_path, options, words):
+    """A misspelt belt speed was the set-point, the noise of a channel that is not there nobody's."""
+    case = case_of(rig_of(0.02), tmp_path)
+    with pytest.raises(ss.InputError, match=words):
+        ss.identify(case, **options)
+
+
+def test_a_comparison_refuses_a_misspelt_belt_speed(tmp_path):
+    case = case_of(rig_of(0.02), tmp_path)
+    with pytest.raises(ss.InputError, match="belt_speed = 'plateux': must be one of set-point, plateau"):
+        ss.compare(case.model(), case.validate[0], belt_speed="plateux")
+
+
+def test_a_run_on_another_rig_than_its_case_is_refused(tmp_path):
+    """The other spring of a run was read and not used."""
+    case = case_of(rig_of(0.02), tmp_path)
+    other = dataclasses.replace(case.rig, stiffness=2 * case.rig.stiffness)
+    runs = (dataclasses.replace(case.runs[0], rig=other), *case.runs[1:])
+    with pytest.raises(ss.InputError, match=r"b10: \[\[run\]\] rig: one rig is taken for all runs"):
+        ss.identify(dataclasses.replace(case, runs=runs))

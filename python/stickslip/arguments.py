@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -140,6 +140,13 @@ def whole_number(key: str, value: object, *, least: int = 1, most: int = 10**15)
     if size != int(size):
         raise InputError("must be a whole number", key=key, value=value)
     return int(size)
+
+
+def one_of(key: str, value: object, known: Sequence[str]) -> str:
+    """Return `value`, or raise `InputError` if it is none of the `known` words."""
+    if isinstance(value, str) and value in known:
+        return value
+    raise InputError(f"must be one of {', '.join(known)}", key=key, value=value)
 
 
 def path(key: str, value: object) -> Path:

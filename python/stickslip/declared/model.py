@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
@@ -61,7 +61,8 @@ class Model:
     Raises
     ------
     InputError
-        Something is of the wrong kind, or an effect is there twice or needs an angle body that the rig lacks.
+        Something is of the wrong kind, or an effect is there twice, needs what the rig lacks, or could do nothing under
+        the law or beside another effect.
     """
 
     rig: AnyRig
@@ -82,6 +83,8 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"effect '{name}' is there twice; give it once")
+        if why := idle(self.friction, names):
+            raise InputError(why, key="effects")
         if not isinstance(self.rig, DrivenSlider):
             _check_belt(self.effects)
         if isinstance(self.rig, BlockOnBelt):
@@ -287,6 +290,17 @@ def _table(value: object) -> Mapping[str, object]:
 
 def _list(value: object) -> list[Mapping[str, object]]:
     return [_table(one) for one in value] if isinstance(value, list) else []
+
+
+def idle(law: FrictionLaw, effects: Collection[str]) -> str | None:
+    """Say which of some named effects could not act under a law and beside the others; None if each can."""
+    if "static_aging" in effects and "contact_compliance" in effects:
+        words = "has no rigid stick whose static limits could grow; give one of the two"
+        return f"effect 'static_aging' does nothing beside 'contact_compliance', which {words}"
+    if "friction_memory" in effects and isinstance(law, CoulombFriction) and "stribeck_peak" not in effects:
+        words = "which does not depend on the speed; give another law, or add 'stribeck_peak'"
+        return f"effect 'friction_memory' does nothing to the friction of a CoulombFriction, {words}"
+    return None
 
 
 def _check_driven(law: FrictionLaw, effects: Iterable[AnyEffect]) -> None:

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effects import CATALOGUE, Effect
+from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.model import idle
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes
@@ -67,7 +69,7 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
     Where the misfit is plain, half of the windows show it as well: the trials are then `partial`.
     """
     part = search.half(base) if base.chi2 > PLAIN and not base.partial else base
-    skip = {*base.names, *exclude}
+    skip = {*base.names, *exclude, *_idle(search.model.friction, base.names)}
     search.progress("looking for lines in the residual's spectrum")
     lines = search.submit(_lines, base, tuple(n for n in PERIODIC if n not in skip), search.ripples)
 
@@ -146,6 +148,11 @@ def _little_alone(search: Search) -> frozenset[str]:
     return frozenset(
         one.names[0] for one in search.screened if len(one.names) == 1 and one.mean > LITTLE_ALONE * null.mean
     )
+
+
+def _idle(law: FrictionLaw, beside: Sequence[str]) -> set[str]:
+    """Effects that could do nothing under a law, alone or beside others: no rivals."""
+    return {name for name in CATALOGUE if idle(law, [name]) or idle(law, [*beside, name])}
 
 
 def _promising_first(search: Search) -> list[str]:

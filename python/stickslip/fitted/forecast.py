@@ -62,7 +62,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     Raises
     ------
     InputError
-        A horizon that is not positive or longer than a million samples, a past too short or without y1, a belt speed
+        A model of another kind of rig than the recording's, a horizon that is not positive or longer than a million
+        samples, a past too short or without y1, a belt speed
         of the wrong sign, ten times off the one that the past rides at or 0 where it rides, or, for a block on a belt,
         a curve of the reading in x2.
     StickslipError
@@ -81,6 +82,9 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     if isinstance(model.rig, DrivenSlider):
         words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"
         raise InputError(words, key="model")
+    if type(recording.rig) is not type(model.rig):
+        kinds = [type(one.rig).__name__ for one in (recording, model)]
+        raise InputError("{} was recorded on a {}, and the model is of a {}".format(recording.name, *kinds))
     speed, span = number("belt_speed", belt_speed), number("horizon", horizon, above=0)
     past_run = replace(recording, belt_speed=speed)
     dt = _interval(recording.t)

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from stickslip.arguments import explained, must_be
+from stickslip.arguments import explained, must_be, one_of
 from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
-from stickslip.errors import InputError
+from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
 from stickslip.fitted.identified import BRANCHES, Branch, ForcePoints, Identified, estimate
 from stickslip.fitted.identify_check import checked, explainable, misfit
@@ -65,8 +65,12 @@ def measured(
     Raises
     ------
     InputError
-        If a channel the rig needs is missing or the record is too short.
+        If a channel the rig needs is missing, the record is too short, or noise is given of a channel that is not used.
     """
+    one_of("belt_speed", belt, get_args(BeltSpeed))
+    for name, size in (noise or {}).items():
+        one_of("noise", name, ("x1", "y1")[: len(columns(rig))])
+        number(f"noise.{name}", size, least=0)
     channels: list[Array] = []
     stds: list[float] = []
     known = noise or recording.noise or {}
@@ -165,7 +169,9 @@ def identify(
     if not isinstance(source, Case | Recording):
         for one in source if isinstance(source, (list, tuple)) else [source]:
             must_be("source", one, (Case, Recording), "load_case(path) gives a case")
-    if scatter is None:
+    if scatter is not None:
+        must_be("scatter", scatter, bool)
+    else:
         scatter = friction is None and isinstance(
             source.rig if isinstance(source, Case) else rig, BlockOnBelt
         )

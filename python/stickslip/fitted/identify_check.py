@@ -26,9 +26,9 @@ def checked(case: Case) -> tuple[str, ...]:
     InputError
         As `discover` refuses a wrong unit, sign or column, or a run of another rig.
     """
+    one_rig(case.rig, case.train)
     if not isinstance(case.rig, Rig):
         return ()
-    one_rig(case.rig, case.train)
     runs = [run for run in case.train if run.y1 is not None and len(run.t) >= LONG]
     if not runs:
         return ()

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effects import CONSTANTS
+from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.model import idle
 from stickslip.discovery.slider.candidates import Candidate
 from stickslip.discovery.slider.population import Block, without
 
@@ -121,7 +123,8 @@ def ranked(white: White, tried: Sequence[Candidate], taken: Sequence[Candidate] 
     """Every name at its best beside what is taken, best first; those of the level with the wander estimated again."""
     accepted = columns_of(white, taken)
     names = {one.name for one in taken}
-    found = (weigh(white, one, accepted) for one in tried if one.name not in names)
+    able = (one for one in tried if one.name not in names and not idle(CoulombFriction(), {*names, one.name}))
+    found = (weigh(white, one, accepted) for one in able)
     best = best_of([one for one in found if one is not None])
     return best_of([beside_wander(white, one, taken) for one in best])
 
