@@ -1,4 +1,4 @@
-"""Every effect of the catalogue is used by a forecast and by a comparison: with it they meet the readings, without not."""
+"""Every effect of the catalogue is used by a forecast and a comparison: with it they meet the readings, without not."""
 
 from __future__ import annotations
 
