@@ -27,7 +27,8 @@ def fit_messages(
     `undeclared` names the numbers whose start nobody declared.
     """
     out = [
-        f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(best.reduced), 3)} times the noise"
+        f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(best.reduced), 3)} times the noise "
+        f"(chi-squared {plainly(best.reduced, 3)} per degree of freedom)"
     ]
     if best.reduced > 1.2:
         out.append(
