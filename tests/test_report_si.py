@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from pathlib import Path
 
 import jsonschema
 import pytest
 
 import found_by_hand
+import stickslip as ss
 from found_by_hand import SCHEMA, made
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
+from stickslip.declared.scale import law_scale
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import page
 from stickslip.shown.report.si import EFFECTS, to_si
@@ -83,3 +86,12 @@ def test_a_wrong_number_of_the_rig_has_its_constant_in_si(
     assert [row["before"]["value"] for row in rows] == [getattr(rig, name, rig.alpha1) for name in shares]
     text = page(found, case, report, {})
     assert all(f"{name} = " in text for name in expected)
+
+
+@pytest.mark.parametrize("kind", [ss.PaperFriction, ss.CoulombFriction, ss.HyperbolicFriction])
+def test_every_number_of_every_law_has_si_values_that_agree_with_the_command_lines(kind: type) -> None:
+    rig = found_by_hand.rig(si=True)
+    for name in (one.name for one in fields(kind) if one.name != "kind"):
+        value, unit = to_si(name, 2.0, rig)
+        scale = law_scale(name, rig)
+        assert (value, unit) == (pytest.approx(2.0 * scale.size, rel=1e-12), scale.unit)

@@ -64,16 +64,21 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     return out
 
 
-# exponents of (force, speed) in a law's numbers, by name without its branch
+# exponents of (force, speed) of every law's numbers, by name without its branch: the one table that all read
+_FORCES = ("T_s_minus", "T_min_minus", "T_s", "T_min", "A1", "A2", "static", "kinetic", "scale", "constant")
+_SPEEDS = ("t1", "t2", "v_w_min", "v_w_max")
 _LAW = {
-    "t1": (0, 1),
-    "t2": (0, 1),
-    "v_w_min": (0, 1),
-    "v_w_max": (0, 1),
+    **dict.fromkeys(_FORCES, (1, 0)),
+    **dict.fromkeys(_SPEEDS, (0, 1)),
     "decay": (0, -1),
     "quadratic": (1, -2),
 }
 _UNITS = {(1, 0): "N", (0, 1): "m/s", (0, -1): "s/m", (1, -2): "N s^2/m^2"}
+
+
+def law_dimension(name: str) -> tuple[int, int] | None:
+    """Return the exponents of (force, speed) of a law's number; None for a name that no law has."""
+    return _LAW.get(name.removesuffix("_plus"))
 
 
 def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> Scale:
@@ -81,7 +86,7 @@ def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = N
     known = scales(rig, channels)
     if known["force"].unit == "1":
         return Scale()
-    force, speed = exponents = _LAW.get(name.removesuffix("_plus"), (1, 0))
+    force, speed = exponents = law_dimension(name) or (1, 0)
     velocity = rig.scales.velocity if isinstance(rig, Rig) and rig.scales else 1.0
     return Scale(known["force"].size ** force * velocity**speed, _UNITS[exponents])
 

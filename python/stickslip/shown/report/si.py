@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stickslip.declared.rig import AnyRig, Rig, Scales
+from stickslip.declared.scale import law_dimension
 
 # exponents of (length, omega, k2): value in SI = value * length^a omega^b k2^c
 Dimension = tuple[int, int, int]
@@ -26,6 +27,7 @@ UNITS: Mapping[Dimension, str] = {
     (-2, 0, 1): "N/m^3",
     (0, 1, -1): "m/(N s)",
     (-1, 0, 0): "1/m",
+    (-1, -1, 0): "s/m",
 }
 EFFECTS: Mapping[str, Dimension] = {
     "block_viscous_damping.c": DAMPING,
@@ -66,18 +68,6 @@ EFFECTS: Mapping[str, Dimension] = {
     "rig_stiffness.e": NUMBER,
     "sensor_gain.e": NUMBER,
 }
-LAW: Mapping[str, Dimension] = {
-    "T_s_minus": FORCE,
-    "A1": FORCE,
-    "A2": FORCE,
-    "t1": SPEED,
-    "t2": SPEED,
-    "v_w_min": SPEED,
-    "T_min_minus": FORCE,
-    "T_s_plus": FORCE,
-    "T_min_plus": FORCE,
-    "v_w_max": SPEED,
-}
 VARIABLES: Mapping[str, Dimension] = {
     "x1": LENGTH,
     "y1": LENGTH,
@@ -99,13 +89,22 @@ def factor(dimension: Dimension, scales: Scales) -> float:
     return float(scales.length**a * scales.omega**b * scales.k2**c)
 
 
+def law(name: str) -> Dimension | None:
+    """Return what a number of any friction law measures; None for a name that no law has."""
+    exponents = law_dimension(name)
+    if exponents is None:
+        return None
+    force, speed = exponents
+    return (force + speed, speed, force)
+
+
 def to_si(name: str, value: float, rig: AnyRig) -> tuple[float, str] | None:
     """Value and unit in SI of a parameter named as `Model.parameters` names it.
 
     Returns None for a nondimensional rig, a pure number, a phase, and a name that has no one dimension.
     """
     scales = scales_of(rig)
-    dimension = EFFECTS.get(name, LAW.get(name))
+    dimension = EFFECTS.get(name, law(name))
     if scales is None or dimension is None or dimension == NUMBER:
         return None
     unit = "rad/s" if name.endswith(".w") else UNITS[dimension]
