@@ -19,6 +19,7 @@ from found_by_hand import SCHEMA, made
 from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
+from stickslip.discovery.result import Part
 from stickslip.shown.report import words
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import error, interval, page, percent, span, valued
@@ -218,3 +219,17 @@ def test_a_rig_without_units_has_no_column_of_them(tmp_path: Path, si: bool) -> 
     table = effects_table(found, case)
     assert [column.header for column in table.columns][3:] == (["in SI"] if si else [])
     assert len({len(list(column.cells)) for column in table.columns}) == 1
+
+
+def test_a_channel_above_its_noise_is_not_hidden_by_another_below_it(tmp_path: Path) -> None:
+    """The noise of y1 was taken too large: all readings together looked clean, and x1 was not."""
+    found, _ = made(tmp_path)
+    parts = (Part("channel", "x1", 1.2, 0.02, 5000), Part("channel", "y1", 0.75, 0.02, 5000))
+    after = dataclasses.replace(found.residual_after, chi2=0.98, error=0.015, clean=True, parts=parts)
+    said = words.clean_sentence(dataclasses.replace(found, residual_after=after))
+    assert said.startswith("Not all is noise")
+    assert "channel x1 (1.2)" in said
+    even = dataclasses.replace(after, parts=(dataclasses.replace(parts[0], chi2=1.0), parts[1]))
+    assert words.clean_sentence(dataclasses.replace(found, residual_after=even)).startswith(
+        "What is left is noise"
+    )

@@ -12,6 +12,7 @@ from stickslip.discovery.errors import DRAWS
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
 from stickslip.shown.report.units import Axes, Axis
 
+CHANNEL = 4.0  # standard errors, as for all readings together (`residual.describe`)
 PLAIN: Mapping[str, str] = {
     "block_viscous_damping": "viscous damping of the block",
     "block_quadratic_damping": "damping of the block that grows with the square of its velocity",
@@ -275,6 +276,13 @@ def clean_sentence(found: Found) -> str:
     """Whether anything is left after the cure."""
     before, after = found.residual_before, found.residual_after
     error = f"± {short(after.error, 1)}"
+    above = [p for p in after.parts if p.what == "channel" and p.chi2 > 1 + CHANNEL * p.error]
+    if after.clean and above:  # a noise taken too large in one channel must not hide another
+        names = " and ".join(f"{p.name} ({short(p.chi2)})" for p in above)
+        return (
+            f"Not all is noise: chi-squared per reading is {short(after.chi2)} {error} in all, but more than noise "
+            f"leaves in channel {names}."
+        )
     if after.clean:
         return f"What is left is noise: chi-squared per reading is {short(after.chi2)} {error}."
     if found.effects and after.chi2 > before.chi2 + 2 * math.hypot(before.error, after.error):
