@@ -56,7 +56,7 @@ def estimate(
         np.concatenate([np.ones(k), np.zeros(channels)]),
         method="L-BFGS-B",
         bounds=[(0.0, None)] * k + [(None, None)] * channels,
-        options={"maxiter": policy.most_steps, "gtol": policy.gradient_tolerance},
+        options={"maxiter": policy.most_turns, "gtol": policy.gradient_tolerance},
     )
     sd, noise = at(best.x)
     return Estimate(sd, noise, solve(windows, factor(parts, sd), noise, mean, precision))
