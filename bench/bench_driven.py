@@ -113,7 +113,7 @@ def fitted(path: Path) -> tuple[Case, dict[str, np.ndarray], Model, tuple[Noise,
     link = folder / "DATA_EMPS.mat"
     if not link.exists():
         link.symlink_to(path.resolve())
-    case = ss.load_case(folder)
+    case = ss.load_case(folder, files_from=path.resolve().parent)
     run = case.train[0]
     over = band(run.t, run.x1, run.drive, case.rig.mass)
     search = Search(balance(case.train, over, case.rig.mass), lambda _: None)

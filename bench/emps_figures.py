@@ -39,7 +39,7 @@ def main(path: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "rig.toml").write_text((ROOT / "examples" / "emps" / "rig.toml").read_text())
         (Path(folder) / "DATA_EMPS.mat").symlink_to(path.resolve())
-        found = ss.discover(ss.load_case(folder))
+        found = ss.discover(ss.load_case(folder, files_from=path.resolve().parent))
     assert isinstance(found, DrivenFound)
     for one in found.effects:
         numbers = {k: (f"{v.value:.5g}", f"{v.low:.5g}", f"{v.high:.5g}") for k, v in one.parameters.items()}
