@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.declared.effects import AnyEffect
+from stickslip.declared.effect import AnyEffect
 from stickslip.declared.friction import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig

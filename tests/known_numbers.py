@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig

@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from stickslip.declared.effects import CATALOGUE, effect
+from stickslip.declared.effect import CATALOGUE, effect
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model, idle
 from stickslip.declared.rig import BlockOnBelt, Rig

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.declared.effects import CONSTANTS, KINDS
+from stickslip.declared.effect import CONSTANTS, KINDS
 from stickslip.declared.model import idle
 from stickslip.errors import InputError
 from stickslip.simulated.reference import integrate as reference

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, RIG, make_case
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.discovery.discover import Verdict, discover
 from stickslip.discovery.loop import _ranking

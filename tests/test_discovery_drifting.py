@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from discover_cases import make_case
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.discovery import drifting, loop, trace
 from stickslip.discovery.choice import Choice, _with_drift, choose

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from discover_cases import RIG, make_case
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.friction import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.evidence import evidence

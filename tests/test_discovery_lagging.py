@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from discover_cases import LAW, NOISE, RIG, make_case, recording
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.discovery import lagging, loop, trace
 from stickslip.discovery.choice import choose

@@ -14,7 +14,7 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from discover_cases import NOISE, make_case
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.discovery.cleaning import noise_size
 from stickslip.discovery.discover import Verdict, discover
 from stickslip.errors import InputError

@@ -11,7 +11,7 @@ import pytest
 
 import stickslip as ss
 from discover_cases import RIG, make_case
-from stickslip.declared.effects import tabulated
+from stickslip.declared.effect import tabulated
 from stickslip.declared.model import Model
 from stickslip.discovery import choice, rig_numbers
 from stickslip.discovery.result import Curve, Interval, Verdict

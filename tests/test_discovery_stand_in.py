@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, SPEEDS, make_case
-from stickslip.declared.effects import tabulated
+from stickslip.declared.effect import tabulated
 from stickslip.declared.friction import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import choice as choices

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from discover_cases import RIG, make_case
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.friction import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import trace, workers

@@ -10,7 +10,7 @@ import scipy
 
 import driven_truth as truth
 import stickslip as ss
-from stickslip.declared.effects import DRIVEN
+from stickslip.declared.effect import DRIVEN
 from stickslip.declared.rig import DrivenSlider
 from stickslip.errors import InputError
 from stickslip.simulated.driven_slider import Loop, Slider, closed_loop, forecast

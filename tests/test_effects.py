@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
-from stickslip.declared.effects import Effect, effect, tabulated
+from stickslip.declared.effect import Effect, effect, tabulated
 from stickslip.declared.friction import CoulombFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip.declared.effects import Effect, Tabulated, effect, tabulated
+from stickslip.declared.effect import Effect, Tabulated, effect, tabulated
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stickslip.declared.effects import CATALOGUE, AnyEffect, effect, tabulated
+from stickslip.declared.effect import CATALOGUE, AnyEffect, effect, tabulated
 from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model, idle, load_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig

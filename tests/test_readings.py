@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import signals
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.friction import CoulombFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig

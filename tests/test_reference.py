@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq, root
 
 import known_numbers as known
-from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt

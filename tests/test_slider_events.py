@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slider import coulomb_record
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt

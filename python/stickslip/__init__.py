@@ -7,7 +7,7 @@ from stickslip.simulated.instruction_set import check_instruction_set
 
 if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip._core import build_config
-    from stickslip.declared.effects import CATALOGUE, Effect, Tabulated, effect, tabulated
+    from stickslip.declared.effect import CATALOGUE, Effect, Tabulated, effect, tabulated
     from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
     from stickslip.declared.model import Model, load_model
     from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
@@ -38,14 +38,14 @@ check_instruction_set()  # before anything is computed with another one than was
 _HOME = {  # where each public name lives; imported when it is first used, for a quick start
     "BlockOnBelt": "stickslip.declared.rig",
     "Branch": "stickslip.simulated.orbits.branch",
-    "CATALOGUE": "stickslip.declared.effects",
+    "CATALOGUE": "stickslip.declared.effect",
     "Case": "stickslip.measured.case",
     "Channel": "stickslip.declared.units",
     "Comparison": "stickslip.fitted.compare",
     "CoulombFriction": "stickslip.declared.friction",
     "CycleSensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "DrivenSlider": "stickslip.declared.rig",
-    "Effect": "stickslip.declared.effects",
+    "Effect": "stickslip.declared.effect",
     "Found": "stickslip.discovery.discover",
     "HyperbolicFriction": "stickslip.declared.friction",
     "Identified": "stickslip.fitted.identified",
@@ -63,7 +63,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Status": "stickslip.simulated.simulate",
     "SteadySliding": "stickslip.simulated.orbits.steady_sliding",
     "StickslipError": "stickslip.errors",
-    "Tabulated": "stickslip.declared.effects",
+    "Tabulated": "stickslip.declared.effect",
     "Trajectory": "stickslip.simulated.simulate",
     "Transitions": "stickslip.simulated.simulate",
     "build_config": "stickslip._core",
@@ -71,7 +71,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "continuation": "stickslip.simulated.orbits.continuation",
     "cycle_sensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "discover": "stickslip.discovery.discover",
-    "effect": "stickslip.declared.effects",
+    "effect": "stickslip.declared.effect",
     "forecast": "stickslip.fitted.forecast",
     "identify": "stickslip.fitted.identify",
     "limit_cycle": "stickslip.simulated.orbits.limit_cycle",
@@ -84,7 +84,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "simulate": "stickslip.simulated.simulate",
     "steady_sliding": "stickslip.simulated.orbits.steady_sliding",
     "sweep": "stickslip.simulated.sweep.sweep",
-    "tabulated": "stickslip.declared.effects",
+    "tabulated": "stickslip.declared.effect",
 }
 
 if not TYPE_CHECKING:  # it would let every misspelt name pass

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from bad_input import bad_input
-from stickslip.declared.effects import effect, tabulated
+from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model, load_model
 from stickslip.declared.rig import BlockOnBelt, Rig

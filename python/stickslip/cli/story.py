@@ -16,7 +16,7 @@ from rich.table import Table
 
 from stickslip.cli.discover import say
 from stickslip.declared.catalogue import CATALOGUE
-from stickslip.declared.effects import Effect, effect
+from stickslip.declared.effect import Effect, effect
 from stickslip.declared.friction import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig

@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.effects import AnyEffect, Tabulated, effect, tabulated
+from stickslip.declared.effect import AnyEffect, Tabulated, effect, tabulated
 from stickslip.declared.friction import LAWS, FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.toml_file import Document, Key, Table

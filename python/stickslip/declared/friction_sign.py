@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.declared.effects import Effect, Tabulated
+from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 
 SPEEDS = np.linspace(0.0, 6.0, 601)  # in widths of a Stribeck peak

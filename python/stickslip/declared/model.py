@@ -20,7 +20,7 @@ from stickslip.declared.declaration import (
     read_rig,
     rig_table,
 )
-from stickslip.declared.effects import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
+from stickslip.declared.effect import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
 from stickslip.declared.friction import LAWS, CoulombFriction, FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.toml_file import read_toml, write_text

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.declared.effects import CATALOGUE
+from stickslip.declared.effect import CATALOGUE
 from stickslip.discovery import drifting, unlisted
 from stickslip.discovery import evidence as ev
 from stickslip.discovery.drifting import DROOP, drift_of

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.discovery.result import Curve
 from stickslip.discovery.rivals import BOUNDS, Start, hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial

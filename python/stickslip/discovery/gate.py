@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.discovery.result import Gate
 from stickslip.discovery.search import Search, Trial
 from stickslip.fitted.engine import Engine

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
-from stickslip.declared.effects import CATALOGUE
+from stickslip.declared.effect import CATALOGUE
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig
 from stickslip.discovery import drifting, lagging, rig_numbers, unlisted

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import AnyEffect, Effect, effect, tabulated
+from stickslip.declared.effect import AnyEffect, Effect, effect, tabulated
 from stickslip.discovery.rivals import PERIODIC, Start
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.solve import Fit

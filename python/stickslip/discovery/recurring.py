@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.discovery.hum import humming
 from stickslip.discovery.periodic import HIGHEST, TABLE_KNOTS, Line, strongest_line
 from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from stickslip.declared.effects import Tabulated, tabulated
+from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.discovery.intervals import combined, intervals
 from stickslip.discovery.result import Curve, Interval

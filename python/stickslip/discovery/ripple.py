@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import effect
+from stickslip.declared.effect import effect
 from stickslip.discovery.rivals import Start
 from stickslip.fitted.data import Data, read_again
 from stickslip.fitted.solve import Fit

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.declared.effects import CATALOGUE, AnyEffect, Effect, effect
+from stickslip.declared.effect import CATALOGUE, AnyEffect, Effect, effect
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import Hypothesis, Unknown, law_unknowns

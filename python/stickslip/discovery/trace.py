@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import CATALOGUE, Effect
+from stickslip.declared.effect import CATALOGUE, Effect
 from stickslip.declared.friction import FrictionLaw
 from stickslip.declared.model import idle
 from stickslip.discovery.periodic import periodic_starts

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Tabulated, tabulated
+from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.discovery.promise import rest
 from stickslip.discovery.result import Curve
 from stickslip.discovery.search import CLEAN, Search, Trial, same

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Tabulated, tabulated
+from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.window import STATES
 

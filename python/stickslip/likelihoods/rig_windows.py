@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.declared.effects import tabulated
+from stickslip.declared.effect import tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, read, states_read

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.declaration import read_channel, read_friction, read_rig
-from stickslip.declared.effects import AnyEffect
+from stickslip.declared.effect import AnyEffect
 from stickslip.declared.friction import FrictionLaw, PaperFriction
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig

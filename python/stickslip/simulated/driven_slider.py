@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import POSITION_RIPPLES, Effect, Tabulated
+from stickslip.declared.effect import POSITION_RIPPLES, Effect, Tabulated
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider

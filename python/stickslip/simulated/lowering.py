@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.declared.effects import CATALOGUE, CONSTANTS, Effect, Tabulated
+from stickslip.declared.effect import CATALOGUE, CONSTANTS, Effect, Tabulated
 from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig, on_belt

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip.arguments import explained, must_be, texts, vector, whole_number
-from stickslip.declared.effects import Effect
+from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, ModelWarning, number

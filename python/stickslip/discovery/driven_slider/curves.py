@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Tabulated, tabulated
+from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.discovery.driven_slider.motion import Motion
 from stickslip.discovery.driven_slider.terms import Law, Term
 from stickslip.discovery.result import Curve

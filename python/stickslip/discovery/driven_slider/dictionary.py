@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import POSITION_RIPPLES
+from stickslip.declared.effect import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import Balance, Choice
 from stickslip.discovery.driven_slider.terms import Law, Term

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import DRIVEN, AnyEffect, effect
-from stickslip.declared.effects import POSITION_RIPPLES as RIPPLES
+from stickslip.declared.effect import DRIVEN, AnyEffect, effect
+from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider

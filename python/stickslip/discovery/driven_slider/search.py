@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import POSITION_RIPPLES as RIPPLES
+from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
 from stickslip.discovery.driven_slider.dictionary import Dictionary, Scorer
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit

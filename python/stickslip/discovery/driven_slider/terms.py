@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import POSITION_RIPPLES as RIPPLES
+from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider.motion import Motion, instant
 
 Floats = NDArray[np.float64]

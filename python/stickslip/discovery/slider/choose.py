@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import CONSTANTS
+from stickslip.declared.effect import CONSTANTS
 from stickslip.discovery.slider.candidates import Candidate, Declared, candidates, waves
 from stickslip.discovery.slider.gate import LEAST, Null, null
 from stickslip.discovery.slider.population import Block, blocks

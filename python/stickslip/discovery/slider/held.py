@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect
+from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.fitted.block_events.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions

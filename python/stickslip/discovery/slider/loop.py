@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.effects import CONSTANTS
+from stickslip.declared.effect import CONSTANTS
 from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Rival, Verdict
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import CONSTANTS, Effect, effect
+from stickslip.declared.effect import CONSTANTS, Effect, effect
 from stickslip.declared.friction import CoulombFriction, FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.discovery.result import Interval

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.declared.effects import CONSTANTS
+from stickslip.declared.effect import CONSTANTS
 from stickslip.discovery.result import Alternative, Evidence, Interval
 from stickslip.discovery.slider.choose import TIED, Choice
 from stickslip.discovery.slider.model import parameters

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import CONSTANTS
+from stickslip.declared.effect import CONSTANTS
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import idle
 from stickslip.discovery.slider.candidates import Candidate

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect
+from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.fitted.block_events.cycle import LOG_W2, NUMBERS, RATE, RELEASE, ZETA, K, S, arrest

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect, Tabulated
+from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
 from stickslip.fitted.readings import unbent

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.effects import Effect
+from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.discovery.result import RunView

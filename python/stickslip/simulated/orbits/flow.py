@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import must_be, vector
-from stickslip.declared.effects import Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.rig import on_belt
 from stickslip.errors import InputError, StickslipError

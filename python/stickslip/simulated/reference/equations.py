@@ -27,7 +27,7 @@ from typing import Any, cast
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from stickslip.declared.effects import Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.errors import InputError

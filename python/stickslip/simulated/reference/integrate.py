@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
-from stickslip.declared.effects import Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.simulated.reference.equations import Guard, Side, System
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.arguments import must_be
-from stickslip.declared.effects import CATALOGUE, CONSTANTS
+from stickslip.declared.effect import CATALOGUE, CONSTANTS
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, number
 from stickslip.simulated.lowering import READ_ALONE, Lowered
