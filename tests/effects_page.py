@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, EffectKind
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN
+from stickslip.declared.effect_kind import EffectKind
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 

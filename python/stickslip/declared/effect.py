@@ -18,9 +18,8 @@ from stickslip.declared.catalogue import (
     DRIVEN,
     KINDS,
     POSITION_RIPPLES,
-    EffectKind,
-    ParameterInfo,
 )
+from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 
 __all__ = [

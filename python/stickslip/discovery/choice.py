@@ -17,7 +17,7 @@ from stickslip.discovery.place import place_of, promises
 from stickslip.discovery.recurring import learn_hum, learn_recurring
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rig_numbers import KINDS, freed
-from stickslip.discovery.rivals import BOUNDS, PERIODIC
+from stickslip.discovery.rivals import PERIODIC, sought
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import MARGIN, beside, deepened, explained, settled
 
@@ -280,4 +280,4 @@ def _wide(named: Trial) -> bool:
     """Is it a Stribeck peak at the greatest width that one may have?"""
     if named.names != ("stribeck_peak",):
         return False
-    return named.model.parameters["stribeck_peak.v_s"] > WIDE * BOUNDS["stribeck_peak.v_s"][1]
+    return named.model.parameters["stribeck_peak.v_s"] > WIDE * sought("stribeck_peak.v_s")[1]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import effect
 from stickslip.discovery.result import Curve
-from stickslip.discovery.rivals import BOUNDS, Start, hypothesis
+from stickslip.discovery.rivals import Start, hypothesis, sought
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.unlisted import guess, knots_for
 from stickslip.fitted.readings import Learned
@@ -70,7 +70,7 @@ def told(curve: Curve, after: Trial) -> tuple[str, str]:
 
 def _unloaded(search: Search, droop: Trial) -> Trial | None:
     """The droop without the load, its time constant the longest; None where it then loses what it had gained."""
-    longest = {f"{DROOP}.k": BOUNDS[f"{DROOP}.k"][0], f"{DROOP}.tau": BOUNDS[f"{DROOP}.tau"][1]}
+    longest = {f"{DROOP}.k": sought(f"{DROOP}.k")[0], f"{DROOP}.tau": sought(f"{DROOP}.tau")[1]}
     h = droop.hypothesis
     free = replace(h, model=h.model.replace(longest), unknowns=without(h.unknowns, [DROOP]))
     trial = search.run(free, windows_of=droop, tolerance=1e-3, anyway=True)
@@ -81,7 +81,7 @@ def _unloaded(search: Search, droop: Trial) -> Trial | None:
 
 def _shares(free: Trial) -> tuple[Floats, Floats]:
     """Time and belt speed over the set-point, less 1, in the middle of each window of an unloaded droop."""
-    fit, tau = free.fit, BOUNDS[f"{DROOP}.tau"][1]
+    fit, tau = free.fit, sought(f"{DROOP}.tau")[1]
     at, off = [], []
     for w in fit.windows:
         run = fit.engine.data[w.run]

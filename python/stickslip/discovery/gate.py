@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import effect
 from stickslip.discovery.result import Gate
 from stickslip.discovery.search import Search, Trial
@@ -20,22 +21,9 @@ from stickslip.fitted.unknowns import Hypothesis, Unknown
 Floats = NDArray[np.float64]
 DRAWS = 2000
 LEVEL = 0.01
-LINEAR = (  # at zero strength, with a shape where one is needed
-    ("block_viscous_damping", {"c": 0.0}),
-    ("block_quadratic_damping", {"c": 0.0}),
-    ("spring_cubic_k1", {"k": 0.0}),
-    ("spring_cubic_k2", {"k": 0.0}),
-    ("spring_cubic_k3", {"k": 0.0}),
-    ("normal_force_feedback", {"beta2": 0.0, "eta2": 0.0}),
-    ("stribeck_peak", {"dT": 0.0, "v_s": 0.03}),
-    ("static_aging", {"dT": 0.0, "tau": 1.5}),
-    ("friction_drift", {"r": 0.0}),
-    ("sensor_delay", {"delay": 0.0}),
-    ("sensor_crosstalk", {"c": 0.0}),
-    ("sensor_nonlinearity", {"q": 0.0}),
-    ("sensor_drift", {"r": 0.0}),
+LINEAR = tuple(  # at zero strength, with a shape where one is needed
+    (kind.name, kind.scored_at) for kind in CATALOGUE.values() if kind.scored_at is not None
 )
-STRENGTH = frozenset({"c", "k", "beta2", "eta2", "dT", "r", "delay", "q"})
 
 
 def largest_gain(search: Search, null: Trial) -> float:
@@ -70,7 +58,7 @@ def signatures(null: Fit) -> Floats:
         Unknown(f"{t.name}.{p}", t.parameters[p], False, 0.0, 1.0)
         for t in terms
         for p in t.parameters
-        if p in STRENGTH
+        if t.parameters[p] == 0
     )
     both = Hypothesis(base.with_effects([*base.effects, *terms]), unknowns, null.engine.hypothesis.phases)
     engine = Engine(null.engine.data, both, null.engine.threads, null.engine.learned)

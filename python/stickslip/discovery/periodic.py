@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import AnyEffect, Effect, effect, tabulated
+from stickslip.declared.effect_kind import Wave
 from stickslip.discovery.rivals import PERIODIC, Start
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.solve import Fit
@@ -24,7 +26,6 @@ Floats = NDArray[np.float64]
 TABLE_KNOTS = 8  # a spline through so many a turn is a sine to half a percent
 HIGHEST = 14.0  # angular frequency that a motion still shows
 SMALL = 1e-6  # amplitude at which responses are taken; they are linear in it
-WAVE = {"harmonic_forcing": "w", "belt_speed_ripple": "w", "belt_seam": "L"}
 
 
 @dataclass(frozen=True)
@@ -184,15 +185,22 @@ def _response(
     return out
 
 
+def _wave(name: str) -> Wave:
+    wave = CATALOGUE[name].wave
+    assert wave is not None, name
+    return wave
+
+
 def _small(name: str, w0: float) -> Effect:
-    wave = 2 * np.pi / w0 if name == "belt_seam" else w0
-    return effect(name, a=SMALL, phi=0.0, **{WAVE[name]: float(wave)})
+    wave = _wave(name)
+    number = 2 * np.pi / w0 if wave.along_belt else w0
+    return effect(name, a=SMALL, phi=0.0, **{wave.parameter: float(number)})
 
 
 def _middle(fit: Fit, window: Window, name: str) -> float:
     run = fit.engine.data[window.run]
     part = slice(window.start, window.stop)
-    if name != "belt_seam":
+    if not _wave(name).along_belt:
         return float(np.mean(run.t[part]))
     return float(np.mean(run.belt_speed * run.t[part] - run.readings[part, 0]))
 
@@ -231,6 +239,7 @@ def _fine(base: _Base, line: _Line, w0: float, step: float) -> list[tuple[float,
 def _best(name: str, found: list[tuple[float, float, Floats]], peaks: int, step: float) -> list[Start]:
     starts: list[Start] = []
     used: list[float] = []
+    wave = _wave(name)
     for _, w, amplitudes in sorted(found, key=lambda one: -one[0]):
         if len(starts) == peaks:
             break
@@ -238,8 +247,10 @@ def _best(name: str, found: list[tuple[float, float, Floats]], peaks: int, step:
             continue
         used.append(w)
         size = float(np.median(np.hypot(amplitudes[:, 0], amplitudes[:, 1])))
-        size = min(size, 0.5) if name != "harmonic_forcing" else min(size, 3.0)
+        size = min(size, wave.largest)
         phases = tuple(float(np.arctan2(b, a)) for a, b in amplitudes)
-        wave = 2 * np.pi / w if name == "belt_seam" else w
-        starts.append(Start(effect(name, a=max(size, 1e-4), phi=0.0, **{WAVE[name]: float(wave)}), phases))
+        number = 2 * np.pi / w if wave.along_belt else w
+        starts.append(
+            Start(effect(name, a=max(size, 1e-4), phi=0.0, **{wave.parameter: float(number)}), phases)
+        )
     return starts

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated
 from stickslip.discovery.hum import humming
 from stickslip.discovery.periodic import HIGHEST, TABLE_KNOTS, Line, strongest_line
-from stickslip.discovery.rivals import BOUNDS, LOGARITHMIC, hypothesis
+from stickslip.discovery.rivals import LOGARITHMIC, hypothesis, sought
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.trace import MARGIN, OUTRUN
 from stickslip.discovery.unlisted import SPREAD, Term, repeating
@@ -122,7 +122,7 @@ def _fitted(
         learned = (*learned, Learned(where[:2], "t", at, recurs=True))
     else:
         model = model.with_effects([*model.effects, repeating(term, values)])
-    bounds = (w / OFF, w * OFF) if of_reading else BOUNDS["harmonic_forcing.w"]
+    bounds = (w / OFF, w * OFF) if of_reading else sought("harmonic_forcing.w")
     unknowns = [
         Unknown(f"{term.prefix}.value_{i}", float(values[i]), False, 0.0, SPREAD.get(where, 0.5))
         for i in range(1, len(values) - 1)

@@ -3,55 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.declared.effect import CATALOGUE, AnyEffect, Effect, effect
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.effect import AnyEffect, Effect, effect
+from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import Hypothesis, Unknown, law_unknowns
 
-SPREADS = {  # widths of the weak Gaussians on linear parameters, far beyond what a rig shows
-    "block_viscous_damping.c": 5.0,
-    "block_quadratic_damping.c": 50.0,
-    "spring_cubic_k1.k": 200.0,
-    "spring_cubic_k2.k": 200.0,
-    "spring_cubic_k3.k": 400.0,
-    "constant_load.f": 3.0,
-    "harmonic_forcing.a": 3.0,
-    "normal_force_feedback.beta2": 20.0,
-    "normal_force_feedback.eta2": 20.0,
-    "stribeck_peak.dT": 5.0,
-    "static_aging.dT": 5.0,
-    "friction_drift.r": 0.05,
-    "belt_seam.a": 1.0,
-    "belt_speed_ripple.a": 1.0,
-    "sensor_delay.delay": 1.0,
-    "sensor_crosstalk.c": 1.0,
-    "sensor_nonlinearity.q": 3.0,
-    "sensor_drift.r": 0.05,
-}
 LOGARITHMIC = 1.5  # width on positive ones, in the logarithm
-BOUNDS = {  # of positive numbers: beyond, an effect is another one (or none) and its motion stiff
-    "spring_gap_k3.k": (1e-2, 500.0),
-    "spring_gap_k3.d": (1e-3, 2.0),
-    "pivot_dry_friction.f": (1e-4, 5.0),
-    "pivot_dry_friction.v_c": (2e-5, 0.05),
-    "stribeck_peak.v_s": (3e-3, 0.5),
-    "static_aging.tau": (0.05, 50.0),
-    "friction_memory.tau": (4e-3, 2.0),
-    "contact_compliance.k": (20.0, 4000.0),
-    "contact_compliance.c": (1e-3, 20.0),
-    "belt_load_droop.k": (1e-5, 0.2),
-    "belt_load_droop.tau": (0.03, 20.0),
-    "sensor_lag.tau": (4e-3, 3.0),
-    "harmonic_forcing.w": (0.05, 60.0),
-    "belt_speed_ripple.w": (0.05, 60.0),
-    "belt_seam.L": (0.1, 60.0),
-}
-PERIODIC = ("harmonic_forcing", "belt_speed_ripple", "belt_seam")
+PERIODIC = tuple(  # those in time before those along the belt
+    name
+    for along_belt in (False, True)
+    for name, kind in CATALOGUE.items()
+    if kind.wave and kind.wave.along_belt == along_belt
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +30,14 @@ class Start:
 
     term: Effect
     phases: tuple[float, ...] = ()
+
+
+def sought(name: str) -> tuple[float, float]:
+    """Return the bounds between which a positive number, named as effect.parameter, is sought."""
+    owner, _, key = name.partition(".")
+    bounds = CATALOGUE[owner].parameter(key).sought
+    assert bounds is not None, name  # every positive number of the catalogue has some
+    return bounds
 
 
 def unknowns_of(term: Effect) -> tuple[Unknown, ...]:
@@ -71,10 +49,10 @@ def unknowns_of(term: Effect) -> tuple[Unknown, ...]:
             continue
         if info.per_run:
             out.append(Unknown(name, value, False, value, 30.0, per_run=True))
-        elif name in SPREADS:
-            out.append(Unknown(name, value, False, 0.0, SPREADS[name], bounds=info.bounds))
+        elif info.spread is not None:
+            out.append(Unknown(name, value, False, 0.0, info.spread, bounds=info.bounds))
         else:
-            low, high = BOUNDS[name]
+            low, high = sought(name)
             positive = min(max(value, low), high)
             out.append(Unknown(name, positive, True, math.log(positive), LOGARITHMIC, bounds=(low, high)))
     return tuple(out)
@@ -97,22 +75,16 @@ def hypothesis(model: Model, starts: Sequence[Start], declared: Model | None = N
 
 def shapes(name: str, data: Sequence[Data]) -> list[Start]:
     """Starts of an effect that is not periodic: a grid over the parameters that no linear score reaches."""
-    grids = {
-        "spring_gap_k3": _gap_starts(data),
-        "pivot_dry_friction": [{"f": 0.08}, {"f": 0.08, "v_c": 2e-3}],
-        "stribeck_peak": [{"dT": 0.3, "v_s": v} for v in (0.02, 0.07)],
-        "static_aging": [{"dT": 0.3, "tau": tau} for tau in (0.5, 2.0)],
-        "friction_memory": [{"tau": tau} for tau in (0.03, 0.2)],
-        "contact_compliance": [{"k": k, "c": c} for k, c in ((350.0, 0.5), (1500.0, 1.0))],
-        "belt_load_droop": [{"k": 0.002, "tau": tau} for tau in (0.3, 2.0)],
-        "sensor_lag": [{"tau": 0.05}],
-    }
-    if name in grids:
-        return [Start(effect(name, **one)) for one in grids[name]]
-    zero = {info.name: 0.0 for info in CATALOGUE[name].parameters}
+    kind = CATALOGUE[name]
+    if kind.starts:
+        return [Start(effect(name, **_sized(kind, one, data))) for one in kind.starts]
+    zero = {info.name: 0.0 for info in kind.parameters}
     return [Start(effect(name, **zero))]
 
 
-def _gap_starts(data: Sequence[Data]) -> list[dict[str, float]]:
+def _sized(kind: EffectKind, start: Mapping[str, float], data: Sequence[Data]) -> dict[str, float]:
+    """Return numbers to start from, shares of the size of y1 multiplied by it."""
+    if not any(info.of_size for info in kind.parameters):
+        return dict(start)
     size = float(np.quantile(np.abs(np.concatenate([run.readings[:, 1] for run in data])), 0.99))
-    return [{"k": 3.0, "d": share * size} for share in (0.3, 0.6)]
+    return {key: value * size if kind.parameter(key).of_size else value for key, value in start.items()}

@@ -29,8 +29,9 @@ WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
 HIDDEN = ("w", "z", "b", "m", "dwell")
 PLACES = ("block", "angle_body", "contact")
 VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
-READING_EFFECTS = frozenset({"sensor_delay", "sensor_crosstalk", "sensor_nonlinearity", "sensor_drift"})
-READ_ALONE = READING_EFFECTS | {"sensor_lag"}  # what no motion depends on, though a lag has a state
+# what no motion depends on, though a lag has a state
+READ_ALONE = frozenset(kind.name for kind in CATALOGUE.values() if kind.physics == "reading")
+READING_EFFECTS = frozenset(name for name in READ_ALONE if not CATALOGUE[name].hidden)
 
 
 class _Put(Protocol):
@@ -219,8 +220,8 @@ def _correct(
     term: Effect, parameters: Floats, slots: dict[str, tuple[int, ...]], factors: dict[str, float]
 ) -> None:
     """Put the true constant of the rig in the place of the declared one; a sensor's gain moves nothing."""
-    name = {"rig_mass": "mass", "rig_stiffness": "stiffness"}.get(term.name)
-    if name is None:
+    name = term.kind.corrects
+    if name is None or name == "reading":
         return
     (place,) = slots[f"{term.name}.e"] = slots[name]
     factors[name], factors[f"{term.name}.e"] = 1 + term.parameters["e"], float(parameters[place])

@@ -293,7 +293,7 @@ def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact:
     if contact not in ("slip-", "slip+"):
         return state
     v = state[1] - speed
-    moving = any(term.name in ("belt_speed_ripple", "belt_load_droop") for term in model.effects)
+    moving = any(term.where == "belt" for term in model.effects)
     if not moving and v * _CONTACTS[contact] < -1e-12 * abs(speed):
         raise InputError(
             f"x2 = {state[1]:g} on a belt of {speed:g} slips the other way", key="contact", value=contact

@@ -8,12 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from stickslip._core import build_config
+from stickslip.declared.dimensions import UNITS
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
 from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
-from stickslip.shown.report.si import UNITS, VARIABLES, factor, scales_of, to_si
+from stickslip.shown.report.si import VARIABLES, factor, scales_of, to_si
 from stickslip.shown.report.units import axes_of
 
 FORMAT = 1  # raised when a key of report.json changes its meaning

@@ -10,12 +10,12 @@ from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 from scipy.stats import binned_statistic
 
+from stickslip.declared.dimensions import FORCE, NUMBER, Dimension
 from stickslip.discovery.result import Curve, Found, FoundEffect, RunView, Verdict
 from stickslip.measured.fit_window import Array
 from stickslip.shown.plot.curves import BAND, DOTS, GREY, label
 from stickslip.shown.report.figures import AFTER, BEFORE, DASH, after_name, before_name, sheet, styled
 from stickslip.shown.report.motion import phase_of, residual
-from stickslip.shown.report.si import FORCE, NUMBER, Dimension
 from stickslip.shown.report.units import Axes
 
 CHANNELS = ("x1", "y1")

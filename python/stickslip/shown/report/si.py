@@ -4,69 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.dimensions import LENGTH, NUMBER, RATE, SPEED, TIME, UNITS, Dimension
 from stickslip.declared.rig import AnyRig, Rig, Scales
 from stickslip.declared.scale import law_dimension
 
-# exponents of (length, omega, k2): value in SI = value * length^a omega^b k2^c
-Dimension = tuple[int, int, int]
-NUMBER: Dimension = (0, 0, 0)
-TIME, RATE = (0, -1, 0), (0, 1, 0)
-LENGTH, SPEED = (1, 0, 0), (1, 1, 0)
-FORCE, STIFFNESS, DAMPING = (1, 0, 1), (0, 0, 1), (0, -1, 1)
-
-UNITS: Mapping[Dimension, str] = {
-    NUMBER: "1",
-    TIME: "s",
-    RATE: "1/s",  # of a growth; angular frequencies are in rad/s
-    LENGTH: "m",
-    SPEED: "m/s",
-    FORCE: "N",
-    STIFFNESS: "N/m",
-    DAMPING: "N s/m",
-    (-1, -2, 1): "N s^2/m^2",
-    (-2, 0, 1): "N/m^3",
-    (0, 1, -1): "m/(N s)",
-    (-1, 0, 0): "1/m",
-    (-1, -1, 0): "s/m",
-}
 EFFECTS: Mapping[str, Dimension] = {
-    "block_viscous_damping.c": DAMPING,
-    "block_quadratic_damping.c": (-1, -2, 1),
-    "spring_cubic_k1.k": (-2, 0, 1),
-    "spring_cubic_k2.k": (-2, 0, 1),
-    "spring_cubic_k3.k": (-2, 0, 1),
-    "spring_gap_k3.k": STIFFNESS,
-    "spring_gap_k3.d": LENGTH,
-    "constant_load.f": FORCE,
-    "harmonic_forcing.a": FORCE,
-    "harmonic_forcing.w": RATE,
+    **{f"{kind.name}.{info.name}": info.dimension for kind in KINDS.values() for info in kind.parameters},
     "unlisted.w": RATE,  # of a learned curve that repeats
-    "pivot_dry_friction.f": FORCE,
-    "pivot_dry_friction.v_c": SPEED,
-    "normal_force_feedback.beta2": STIFFNESS,
-    "normal_force_feedback.eta2": DAMPING,
-    "stribeck_peak.dT": FORCE,
-    "stribeck_peak.v_s": SPEED,
-    "static_aging.dT": FORCE,
-    "static_aging.tau": TIME,
-    "friction_memory.tau": TIME,
-    "friction_drift.r": RATE,
-    "belt_seam.a": NUMBER,
-    "belt_seam.L": LENGTH,
-    "contact_compliance.k": STIFFNESS,
-    "contact_compliance.c": DAMPING,
-    "belt_speed_ripple.a": NUMBER,
-    "belt_speed_ripple.w": RATE,
-    "belt_load_droop.k": (0, 1, -1),
-    "belt_load_droop.tau": TIME,
-    "sensor_lag.tau": TIME,
-    "sensor_delay.delay": TIME,
-    "sensor_crosstalk.c": NUMBER,
-    "sensor_nonlinearity.q": (-1, 0, 0),
-    "sensor_drift.r": SPEED,
-    "rig_mass.e": NUMBER,
-    "rig_stiffness.e": NUMBER,
-    "sensor_gain.e": NUMBER,
 }
 VARIABLES: Mapping[str, Dimension] = {
     "x1": LENGTH,

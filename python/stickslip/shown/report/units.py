@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.declared.dimensions import FORCE, SPEED, UNITS
 from stickslip.declared.scale import scales as read_in
 from stickslip.fitted.compare import per_model, speed_unit
 from stickslip.measured.case import Case
-from stickslip.shown.report.si import FORCE, SPEED, UNITS, VARIABLES, factor, scales_of
+from stickslip.shown.report.si import VARIABLES, factor, scales_of
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from stickslip.declared.catalogue import KINDS
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.discovery.errors import DRAWS
@@ -14,46 +15,7 @@ from stickslip.shown.report.units import Axes, Axis
 
 CHANNEL = 4.0  # standard errors, as for all readings together (`residual.describe`)
 PLAIN: Mapping[str, str] = {
-    "block_viscous_damping": "viscous damping of the block",
-    "block_quadratic_damping": "damping of the block that grows with the square of its velocity",
-    "spring_cubic_k1": "a spring k1 that stiffens (or softens) with the cube of its deflection",
-    "spring_cubic_k2": "a spring k2 that stiffens (or softens) with the cube of its deflection",
-    "spring_cubic_k3": "a spring k3 that stiffens (or softens) with the cube of its deflection",
-    "spring_gap_k3": "a stop that the angle body meets beyond a gap",
-    "constant_load": "a constant load on the block",
-    "harmonic_forcing": "a harmonic force on the block, an outside vibration",
-    "pivot_dry_friction": "dry friction in the pivot of the angle body",
-    "normal_force_feedback": "friction that grows and falls with the normal force from the angle body",
-    "stribeck_peak": "a peak of friction at low sliding speed",
-    "static_aging": "static friction that grows with the time at rest",
-    "friction_memory": "friction that lags behind the sliding speed",
-    "friction_drift": "friction that drifts within each run",
-    "belt_seam": "a seam of the belt that comes round: friction varies along the belt",
-    "contact_compliance": "a contact that yields before it slips: no rigid stick",
-    "belt_speed_ripple": "a ripple of the belt speed",
-    "belt_load_droop": "a belt that slows down under load",
-    "sensor_lag": "a lag of the x1 sensor",
-    "sensor_delay": "a delay of the y1 reading against x1",
-    "sensor_crosstalk": "crosstalk: the x1 sensor also reads y1",
-    "sensor_nonlinearity": "a nonlinear x1 sensor",
-    "sensor_drift": "a drift of the x1 sensor within each run",
-    "rig_mass": "a mass other than the declared one",
-    "rig_stiffness": "a spring stiffness other than the declared one",
-    "sensor_gain": "a sensor gain other than the declared one",
-    "viscous_asymmetry": "a viscous damping that differs by direction",
-    "viscous_saturation": "friction that rises at low speed and levels off",
-    "position_load": "a load that grows with the position, like a spring",
-    "position_friction": "friction that grows along the track",
-    "load_drift": "a load that drifts within each run",
-    "position_ripple": "a load that waves along the track",
-    "position_ripple_2": "a second wave of the load along the track",
-    "position_ripple_3": "a third wave of the load along the track",
-    "friction_ripple": "friction that waves along the track",
-    "drive_ripple": "a drive whose gain waves along the track",
-    "drive_gain_drift": "a drive whose gain drifts within each run",
-    "drive_nonlinearity": "a drive whose gain changes with the force",
-    "drive_lag": "a drive that lags behind its command",
-    "drive_delay": "a drive that acts late",
+    **{kind.name: kind.words for kind in KINDS.values()},
     "unlisted": "something that has no name in the catalogue",
 }
 PLACE: Mapping[str, str] = {

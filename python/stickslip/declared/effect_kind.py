@@ -1,0 +1,179 @@
+"""What an effect is made of: one object holds its facts, and whoever needs one asks it.
+
+Every file of `effects/` holds such an object, `EFFECT`; the catalogue is all of them. Forces are in the bracket's
+units of (2.1): block terms are divided by alpha1, angle-body terms by alpha2. v is v_w, u = |v|, R the kinetic
+magnitude; phases `phi` differ from run to run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from stickslip.declared.dimensions import LENGTH, NUMBER, RATE, TIME, Dimension
+from stickslip.errors import InputError, did_you_mean
+
+Place = Literal["block", "angle_body", "both", "contact", "belt", "drive", "x1 channel", "y1 channel"]
+Physics = Literal["dynamics", "reading"]
+
+
+@dataclass(frozen=True)
+class ParameterInfo:
+    """A parameter of an effect.
+
+    Parameters
+    ----------
+    name, meaning
+        As declared, and in words.
+    bounds
+        What may be declared.
+    per_run
+        Every run has its own value.
+    open_below
+        The lower bound itself is excluded.
+    optional
+        0 when left out.
+    dimension
+        What it measures.
+    spread
+        Of a number that acts linearly: width of the weak Gaussian about 0 that a fit holds it by, far beyond what a
+        rig shows.
+    sought
+        Of a positive number: between what bounds a fit seeks it. Beyond, the effect is another one (or none) and its
+        motion stiff.
+    of_size
+        Its values in `EffectKind.starts` are shares of the size of y1.
+    """
+
+    name: str
+    meaning: str
+    bounds: tuple[float, float] = (-math.inf, math.inf)
+    per_run: bool = False
+    open_below: bool = False
+    optional: bool = False
+    dimension: Dimension = NUMBER
+    spread: float | None = None
+    sought: tuple[float, float] | None = None
+    of_size: bool = False
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Which parameter of a periodic effect tells how soon it comes again, and the largest amplitude to start from.
+
+    It is an angular frequency in time, or a wavelength along the belt.
+    """
+
+    parameter: str
+    along_belt: bool
+    largest: float
+
+
+@dataclass(frozen=True)
+class EffectKind:
+    """All facts of an effect.
+
+    Parameters
+    ----------
+    name, where, formula, words
+        As declared; the place it acts; what it adds; what it is in plain words.
+    parameters, depends_on
+        In the order of the core; the variables it adds to the model.
+    hidden
+        States it brings.
+    two_degree
+        It needs the angle body.
+    on_belt, on_slider
+        Its rank among the effects of rigs on a belt, and among those of a driven slider; None where it has no place.
+    corrects
+        The declared constant that it corrects: a number of the rig, or a "reading".
+    starts
+        Numbers that `discover` starts from, where no linear score reaches them all.
+    scored_at
+        Numbers at zero strength at which noise alone is asked how large the effect may look; None: not asked.
+    wave
+        Of a periodic effect.
+    """
+
+    name: str
+    where: Place
+    formula: str
+    words: str
+    parameters: tuple[ParameterInfo, ...]
+    depends_on: tuple[str, ...]
+    hidden: tuple[str, ...] = ()
+    two_degree: bool = False
+    on_belt: int | None = None
+    on_slider: int | None = None
+    corrects: str | None = None
+    starts: tuple[Mapping[str, float], ...] = field(default=(), hash=False)
+    scored_at: Mapping[str, float] | None = field(default=None, hash=False)
+    wave: Wave | None = None
+
+    @property
+    def physics(self) -> Physics:
+        """Say whether the effect acts on the motion or on a sensor's reading alone."""
+        return "reading" if self.where.endswith("channel") else "dynamics"
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in the order of the catalogue."""
+        return tuple(info.name for info in self.parameters)
+
+    def parameter(self, name: str) -> ParameterInfo:
+        """Return the named parameter, or raise `InputError` with the nearest one."""
+        for info in self.parameters:
+            if info.name == name:
+                return info
+        hint = did_you_mean(name, self.parameter_names)
+        raise InputError(f"effect '{self.name}' has no parameter '{name}'; {hint}")
+
+
+def free(name: str, meaning: str, dimension: Dimension, spread: float | None = None) -> ParameterInfo:
+    """A number of either sign."""
+    return ParameterInfo(name, meaning, dimension=dimension, spread=spread)
+
+
+def positive(
+    name: str, meaning: str, dimension: Dimension, sought: tuple[float, float] | None = None, **more: bool
+) -> ParameterInfo:
+    """A number above 0."""
+    bounds = (0.0, math.inf)
+    return ParameterInfo(name, meaning, bounds, open_below=True, dimension=dimension, sought=sought, **more)
+
+
+def not_negative(
+    name: str, meaning: str, dimension: Dimension, sought: tuple[float, float] | None = None, **more: bool
+) -> ParameterInfo:
+    """A number that may be 0."""
+    return ParameterInfo(name, meaning, (0.0, math.inf), dimension=dimension, sought=sought, **more)
+
+
+def amplitude(spread: float | None = None) -> ParameterInfo:
+    """A relative amplitude."""
+    return ParameterInfo("a", "relative amplitude", (-1.0, 1.0), spread=spread)
+
+
+def time_constant(sought: tuple[float, float] | None = None) -> ParameterInfo:
+    """A time constant tau."""
+    return positive("tau", "time constant", TIME, sought)
+
+
+def frequency() -> ParameterInfo:
+    """An angular frequency w."""
+    return positive("w", "angular frequency", RATE, (0.05, 60.0))
+
+
+def wavelength() -> ParameterInfo:
+    """A wavelength L along the track."""
+    return positive("L", "wavelength of the position", LENGTH)
+
+
+def relative_error() -> ParameterInfo:
+    """How far a declared number is off."""
+    return ParameterInfo("e", "relative error", (-1.0, math.inf), open_below=True)
+
+
+PHASE = ParameterInfo("phi", "phase at the start of the run", per_run=True)

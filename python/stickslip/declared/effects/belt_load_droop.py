@@ -1,0 +1,19 @@
+"""A belt that slows down under load."""
+
+from stickslip.declared.dimensions import SPEED_BY_FORCE
+from stickslip.declared.effect_kind import EffectKind, not_negative, time_constant
+
+EFFECT = EffectKind(
+    "belt_load_droop",
+    "belt",
+    "belt speed v_b + b, tau b' = -k F - b, F the belt's force on the block",
+    words="a belt that slows down under load",
+    parameters=(
+        not_negative("k", "droop by force", SPEED_BY_FORCE, (1e-05, 0.2)),
+        time_constant((0.03, 20.0)),
+    ),
+    depends_on=("memory",),
+    hidden=("b",),
+    on_belt=180,
+    starts=({"k": 0.002, "tau": 0.3}, {"k": 0.002, "tau": 2.0}),
+)

@@ -1,0 +1,14 @@
+"""A constant load on the block."""
+
+from stickslip.declared.dimensions import FORCE
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "constant_load",
+    "block",
+    "+f",
+    words="a constant load on the block",
+    parameters=(free("f", "force", FORCE, 3.0),),
+    depends_on=(),
+    on_belt=70,
+)

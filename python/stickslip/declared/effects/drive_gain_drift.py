@@ -1,0 +1,14 @@
+"""A drive whose gain drifts within each run."""
+
+from stickslip.declared.dimensions import RATE
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "drive_gain_drift",
+    "drive",
+    "drive times 1 + r t",
+    words="a drive whose gain drifts within each run",
+    parameters=(free("r", "relative rate per unit of time", RATE),),
+    depends_on=("t",),
+    on_slider=160,
+)

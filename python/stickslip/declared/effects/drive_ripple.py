@@ -1,0 +1,17 @@
+"""A drive whose gain waves along the track."""
+
+from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
+
+EFFECT = EffectKind(
+    "drive_ripple",
+    "drive",
+    "drive times 1 + a sin(2 pi x1/L + phi)",
+    words="a drive whose gain waves along the track",
+    parameters=(
+        amplitude(),
+        wavelength(),
+        PHASE,
+    ),
+    depends_on=("x1",),
+    on_slider=150,
+)

@@ -1,0 +1,17 @@
+"""Friction that waves along the track."""
+
+from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
+
+EFFECT = EffectKind(
+    "friction_ripple",
+    "contact",
+    "friction times 1 + a sin(2 pi x1/L + phi)",
+    words="friction that waves along the track",
+    parameters=(
+        amplitude(),
+        wavelength(),
+        PHASE,
+    ),
+    depends_on=("x1",),
+    on_slider=130,
+)

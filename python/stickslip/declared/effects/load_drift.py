@@ -1,0 +1,14 @@
+"""A load that drifts within each run."""
+
+from stickslip.declared.dimensions import FORCE_RATE
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "load_drift",
+    "block",
+    "+r t",
+    words="a load that drifts within each run",
+    parameters=(free("r", "rate", FORCE_RATE),),
+    depends_on=("t",),
+    on_slider=90,
+)

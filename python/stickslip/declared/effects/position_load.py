@@ -1,0 +1,14 @@
+"""A load that grows with the position, like a spring."""
+
+from stickslip.declared.dimensions import STIFFNESS
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "position_load",
+    "block",
+    "-k x1",
+    words="a load that grows with the position, like a spring",
+    parameters=(free("k", "stiffness", STIFFNESS),),
+    depends_on=("x1",),
+    on_slider=60,
+)

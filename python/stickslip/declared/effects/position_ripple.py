@@ -1,0 +1,20 @@
+"""A load that waves along the track."""
+
+from stickslip.declared.dimensions import FORCE
+from stickslip.declared.effect_kind import PHASE, EffectKind, free, wavelength
+
+NAMES = ("position_ripple", "position_ripple_2", "position_ripple_3")  # one after the other
+
+EFFECT = EffectKind(
+    "position_ripple",
+    "block",
+    "+a sin(2 pi x1/L + phi)",
+    words="a load that waves along the track",
+    parameters=(
+        free("a", "amplitude", FORCE),
+        wavelength(),
+        PHASE,
+    ),
+    depends_on=("x1",),
+    on_slider=100,
+)

@@ -1,0 +1,14 @@
+"""A spring stiffness other than the declared one."""
+
+from stickslip.declared.effect_kind import EffectKind, relative_error
+
+EFFECT = EffectKind(
+    "rig_stiffness",
+    "block",
+    "the spring is (1 + e) times as stiff as declared",
+    words="a spring stiffness other than the declared one",
+    parameters=(relative_error(),),
+    depends_on=(),
+    on_belt=250,
+    corrects="stiffness",
+)

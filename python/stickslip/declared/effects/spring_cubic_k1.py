@@ -1,0 +1,15 @@
+"""A spring k1 that stiffens (or softens) with the cube of its deflection."""
+
+from stickslip.declared.dimensions import CUBIC_STIFFNESS
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "spring_cubic_k1",
+    "block",
+    "-k x1^3",
+    words="a spring k1 that stiffens (or softens) with the cube of its deflection",
+    parameters=(free("k", "cubic stiffness", CUBIC_STIFFNESS, 200.0),),
+    depends_on=("x1",),
+    on_belt=30,
+    scored_at={"k": 0.0},
+)

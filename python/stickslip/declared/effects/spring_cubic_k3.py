@@ -1,0 +1,16 @@
+"""A spring k3 that stiffens (or softens) with the cube of its deflection."""
+
+from stickslip.declared.dimensions import CUBIC_STIFFNESS
+from stickslip.declared.effect_kind import EffectKind, free
+
+EFFECT = EffectKind(
+    "spring_cubic_k3",
+    "angle_body",
+    "-k y1^3",
+    words="a spring k3 that stiffens (or softens) with the cube of its deflection",
+    parameters=(free("k", "cubic stiffness", CUBIC_STIFFNESS, 400.0),),
+    depends_on=("y1",),
+    two_degree=True,
+    on_belt=50,
+    scored_at={"k": 0.0},
+)

@@ -1,0 +1,63 @@
+"""An effect is one object: every fact that somebody asks for is there, for every file of `declared/effects/`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from stickslip import _core
+from stickslip.declared import effects
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
+from stickslip.declared.dimensions import UNITS
+from stickslip.declared.effect_kind import EffectKind
+from stickslip.discovery.rivals import PERIODIC
+
+FILES = sorted(path.stem for path in Path(effects.__path__[0]).glob("*.py") if path.stem != "__init__")
+
+
+def test_the_catalogue_is_the_folder() -> None:
+    assert sorted(KINDS) == FILES
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_named_after_its_effect_which_has_a_place_on_some_rig(name: str) -> None:
+    kind = import_module(f"{effects.__name__}.{name}").EFFECT
+    assert kind.name == name
+    assert kind.on_belt is not None or kind.on_slider is not None
+
+
+def test_no_two_effects_have_one_rank() -> None:
+    on_belt = [kind.on_belt for kind in KINDS.values() if kind.on_belt is not None]
+    on_slider = [kind.on_slider for kind in KINDS.values() if kind.on_slider is not None]
+    assert len(set(on_belt)) == len(on_belt) == len(CATALOGUE) + len(CONSTANTS)
+    assert len(set(on_slider)) == len(on_slider) == len(DRIVEN)
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_an_effect_has_words_and_units(kind: EffectKind) -> None:
+    assert kind.words
+    assert kind.words[0].islower()
+    assert all(info.dimension in UNITS and info.meaning for info in kind.parameters)
+
+
+@pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.name)
+def test_discover_knows_how_to_seek_every_number(kind: EffectKind) -> None:
+    for info in kind.parameters:
+        if not info.per_run:
+            assert (info.spread is None) != (info.sought is None), info.name
+    for start in kind.starts:
+        for key in start:
+            low, high = kind.parameter(key).bounds
+            assert low <= start[key] <= high
+    reached = kind.starts or kind.name in PERIODIC
+    assert reached or all(info.spread is not None for info in kind.parameters)
+
+
+@pytest.mark.parametrize("kind", [*CATALOGUE.values(), *CONSTANTS.values()], ids=lambda kind: kind.name)
+def test_the_core_has_the_states_of_every_effect_and_the_numbers_of_those_that_move(kind: EffectKind) -> None:
+    assert set(kind.hidden) <= set(_core.STATES[4:])
+    if kind.physics == "dynamics" and kind.corrects is None:
+        assert kind.name in _core.EFFECTS
+        assert {f"{kind.name}.{info.name}" for info in kind.parameters} <= set(_core.PARAMETERS)
