@@ -98,6 +98,30 @@ SMOOTH |= dict.fromkeys(("position_ripple_2", "position_ripple_3"), SMOOTH["posi
 ELSEWHERE = {"drive_lag", "drive_delay", "contact_compliance", "rig_mass"}  # with tests of their own
 
 
+@pytest.mark.parametrize("name", [name for name in SMOOTH if DRIVEN[name].adds.block])
+def test_a_force_on_the_slider_is_its_formula_whichever_way_it_moves(name: str) -> None:
+    """An asymmetry of the damping that read v for |v| passed: all formulas were tried at v > 0."""
+    numbers, formula = SMOOTH[name]
+    x, v, t = (one.ravel() for one in np.meshgrid([-0.02, 0.013], [-0.3, -0.01, 0.0, 0.2], [0.0, 1.7]))
+    ours = Slider(model(ss.effect(name, **numbers)), 1 / truth.RATE).block(x, v, t)
+    np.testing.assert_allclose(ours, formula(x, v, t, 0.0), rtol=1e-13, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in SMOOTH if DRIVEN[name].adds.friction or DRIVEN[name].adds.peak]
+)
+def test_a_change_of_friction_is_its_formula_against_either_way(name: str) -> None:
+    numbers, formula = SMOOTH[name]
+    x, v, t = (one.ravel() for one in np.meshgrid([-0.02, 0.013], [0.01, 0.2], [0.0, 1.7]))
+    more = -formula(x, v, t, 0.0)  # of friction at v > 0
+    share = bool(DRIVEN[name].adds.friction)
+    for way in (1, -1):
+        low, high = Slider(model(ss.effect(name, **numbers)), 1 / truth.RATE).limits(x, way * v, t)
+        np.testing.assert_allclose(high, truth.PLUS + more, rtol=1e-13)
+        scaled = more * truth.MINUS / truth.PLUS if share else more
+        np.testing.assert_allclose(low, truth.MINUS + scaled, rtol=1e-13)
+
+
 def numbers_of(name: str) -> dict[str, float]:
     """Numbers of an effect, of a size that shows."""
     own = {

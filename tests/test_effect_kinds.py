@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from stickslip.declared import effects
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.dimensions import UNITS
 from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.effect_terms import Adds
 from stickslip.discovery.rivals import PERIODIC
 
 FILES = sorted(path.stem for path in Path(effects.__path__[0]).glob("*.py") if path.stem != "__init__")
@@ -61,3 +63,32 @@ def test_the_core_has_the_states_of_every_effect_and_the_numbers_of_those_that_m
     if kind.physics == "dynamics" and kind.corrects is None:
         assert kind.name in _core.EFFECTS
         assert {f"{kind.name}.{info.name}" for info in kind.parameters} <= set(_core.PARAMETERS)
+
+
+# their equations are not sums: they change what the contact, the pivot, the belt or the command is
+OWN_EQUATIONS = {
+    "pivot_dry_friction",
+    "friction_memory",
+    "contact_compliance",
+    "belt_load_droop",
+    "drive_lag",
+    "drive_delay",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_an_effect_that_moves_the_rig_has_its_formula(kind: EffectKind) -> None:
+    has = any(getattr(kind.adds, one.name) is not None for one in fields(Adds))
+    moves = kind.physics == "dynamics" and kind.corrects is None
+    assert has == (moves and kind.name not in OWN_EQUATIONS)
+
+
+@pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.name)
+def test_a_hidden_state_has_a_start_for_fits(kind: EffectKind) -> None:
+    starts = kind.behaves.hidden_start is not None
+    assert starts == bool(set(kind.hidden) - {"dwell"})  # a rest is known from the mode a window starts in
+
+
+@pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.name)
+def test_what_moves_with_time_says_when_it_repeats(kind: EffectKind) -> None:
+    assert (kind.behaves.period is not None) == ("t" in kind.depends_on and kind.physics == "dynamics")

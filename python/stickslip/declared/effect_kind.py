@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from stickslip.declared.dimensions import LENGTH, NUMBER, RATE, TIME, Dimension
+from stickslip.declared.effect_terms import Adds, Behaves
 from stickslip.errors import InputError, did_you_mean
 
 Place = Literal["block", "angle_body", "both", "contact", "belt", "drive", "x1 channel", "y1 channel"]
@@ -95,6 +96,8 @@ class EffectKind:
         Numbers at zero strength at which noise alone is asked how large the effect may look; None: not asked.
     wave
         Of a periodic effect.
+    adds, behaves
+        Its formulas, and what else one may ask of it.
     """
 
     name: str
@@ -111,6 +114,8 @@ class EffectKind:
     starts: tuple[Mapping[str, float], ...] = field(default=(), hash=False)
     scored_at: Mapping[str, float] | None = field(default=None, hash=False)
     wave: Wave | None = None
+    adds: Adds = field(default_factory=Adds)
+    behaves: Behaves = field(default_factory=Behaves)
 
     @property
     def physics(self) -> Physics:

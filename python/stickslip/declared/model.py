@@ -11,6 +11,7 @@ from typing import Self
 
 from stickslip.arguments import explained, listed, must_be
 from stickslip.arguments import path as as_path
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.declaration import (
     effect_table,
     friction_table,
@@ -20,7 +21,7 @@ from stickslip.declared.declaration import (
     read_rig,
     rig_table,
 )
-from stickslip.declared.effect import CATALOGUE, CONSTANTS, DRIVEN, AnyEffect, Effect, Tabulated
+from stickslip.declared.effect import AnyEffect, Effect, Tabulated
 from stickslip.declared.friction import LAWS, CoulombFriction, FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.toml_file import read_toml, write_text
@@ -294,12 +295,10 @@ def _list(value: object) -> list[Mapping[str, object]]:
 
 def idle(law: FrictionLaw, effects: Collection[str]) -> str | None:
     """Say which of some named effects could not act under a law and beside the others; None if each can."""
-    if "static_aging" in effects and "contact_compliance" in effects:
-        words = "has no rigid stick whose static limits could grow; give one of the two"
-        return f"effect 'static_aging' does nothing beside 'contact_compliance', which {words}"
-    if "friction_memory" in effects and isinstance(law, CoulombFriction) and "stribeck_peak" not in effects:
-        words = "which does not depend on the speed; give another law, or add 'stribeck_peak'"
-        return f"effect 'friction_memory' does nothing to the friction of a CoulombFriction, {words}"
+    for name, kind in KINDS.items():
+        why = kind.behaves.idle if name in effects else None
+        if why and (words := why(law, effects)):
+            return words
     return None
 
 

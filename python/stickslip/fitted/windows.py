@@ -8,10 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import _core
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.effect_terms import Before
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Y1_LAG, Learned, curves_of, unbent
-from stickslip.fitted.window import AUTO, BELT, DWELL, LAGGED, SLIPPING, STATES, STICK, W, Window, Z
+from stickslip.fitted.window import AUTO, DWELL, SLIPPING, STATES, STICK, Window
 
 Floats = NDArray[np.float64]
 VISIBLE = (0, 1, 2, 3)
@@ -88,25 +91,13 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
     spread = np.full(STATES, np.inf)
     free = [k for k in window.free if k < 4]
     v = float(state[1]) - run.belt_speed
-    if "friction_memory" in names:
-        state[W], spread[W] = v, max(abs(v), abs(run.belt_speed))
-        free.append(W)
-    if "contact_compliance" in names:
-        k = names["contact_compliance"].parameters["k"]
-        state[Z] = float(model.friction.force(v)) / k
-        spread[Z] = 3.0 / k
-        free.append(Z)
-    if "belt_load_droop" in names:
-        k = names["belt_load_droop"].parameters["k"]
-        state[BELT] = float(model.friction.force(v)) * k
-        spread[BELT] = 5 * k + 0.2 * abs(run.belt_speed)
-        free.append(BELT)
-    if "sensor_lag" in names:
-        tau = names["sensor_lag"].parameters["tau"]
-        c = names["sensor_crosstalk"].parameters["c"] if "sensor_crosstalk" in names else 0.0
-        state[LAGGED] = state[0] + c * state[2] - tau * (state[1] + c * state[3])
-        spread[LAGGED] = 0.05 + tau * abs(v)
-        free.append(LAGGED)
+    c = names["sensor_crosstalk"].parameters["c"] if "sensor_crosstalk" in names else 0.0
+    before = Before(v, run.belt_speed, model.friction, state[0] + c * state[2], state[1] + c * state[3])
+    for name, kind in CATALOGUE.items():
+        if name in names and (start := kind.behaves.hidden_start):
+            at = _core.STATES.index(kind.hidden[0])
+            state[at], spread[at] = start(names[name].parameters, before)
+            free.append(at)
     contact = window.contact
     # how long the block has stuck before the record is not recorded
     slow = abs(v) < SLOW * abs(run.belt_speed) and window.contact != SLIPPING

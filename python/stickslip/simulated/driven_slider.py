@@ -8,12 +8,13 @@ of the substep. Many lanes move at once: arrays (m,).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import POSITION_RIPPLES, Effect, Tabulated
+from stickslip.declared.effect import DRIVEN, Effect, Tabulated
+from stickslip.declared.effect_terms import At
 from stickslip.declared.friction import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
@@ -60,6 +61,14 @@ class Slider:
         self.h, self.dt, self.substeps = dt / substeps, dt, substeps
         self.p = {one.name: dict(one.parameters) for one in model.effects if isinstance(one, Effect)}
         self.curves = [one for one in model.effects if isinstance(one, Tabulated)]
+        ranks = {name: i for i, name in enumerate(DRIVEN)}
+        own = [(DRIVEN[name].adds, self.p[name]) for name in sorted(self.p, key=ranks.__getitem__)]
+        # formulas by what they add to, sorted once: a substep takes as long as a few of them
+        self.forces = [(adds.block, p) for adds, p in own if adds.block]
+        self.gains = [(adds.drive, p) for adds, p in own if adds.drive]
+        self.shares = [(adds.friction, p) for adds, p in own if adds.friction]
+        self.peaks = [(adds.peak, p) for adds, p in own if adds.peak]
+        self.sided = {name: (s, p) for name, p in self.p.items() if (s := DRIVEN[name].adds.sides)}
         self.mass = rig.mass * (1 + self.p.get("rig_mass", {}).get("e", 0.0))
         # a bristle T = k z + c v brakes by c v as the rig's own damping does
         self.damping = rig.damping + self.p.get("contact_compliance", {}).get("c", 0.0)
@@ -109,34 +118,22 @@ class Slider:
             s.v = v_new
 
     def _gain(self, x: Floats, f: Floats, t: float | Floats) -> Floats | float:
-        p = self.p
         gain: Floats | float = 1.0
-        if "drive_ripple" in p:
-            gain = gain + _sine(p["drive_ripple"], x)
-        if "drive_gain_drift" in p:
-            gain = gain + p["drive_gain_drift"]["r"] * t
-        if "drive_nonlinearity" in p:
-            gain = gain + p["drive_nonlinearity"]["q"] * np.abs(f)
+        if self.gains:
+            at = At(t=t, x1=x, drive=f)
+            for share, p in self.gains:
+                gain = gain + share(p, at)
         return gain
 
     def block(self, x: Floats, v: Floats, t: float | Floats) -> Floats | float:
         """Force on the slider (m,) of effects that are neither friction nor drive."""
-        p = self.p
         force: Floats | float = 0.0
-        if "viscous_asymmetry" in p:
-            force = force - p["viscous_asymmetry"]["c"] * np.abs(v)
-        if "block_quadratic_damping" in p:
-            force = force - p["block_quadratic_damping"]["c"] * v * np.abs(v)
-        if "position_load" in p:
-            force = force - p["position_load"]["k"] * x
-        if "load_drift" in p:
-            force = force + p["load_drift"]["r"] * t
-        for name in POSITION_RIPPLES:
-            if name in p:
-                force = force + _sine(p[name], x)
-        if "harmonic_forcing" in p:
-            own = p["harmonic_forcing"]
-            force = force + own["a"] * np.sin(own["w"] * t + own["phi"])
+        if self.forces:
+            at = At(t=t, x1=x, x2=v)
+            if self.sided:
+                at = replace(at, sides={name: sides.start(p, at) for name, (sides, p) in self.sided.items()})
+            for add, p in self.forces:
+                force = force + add(p, at)
         for one in self.curves:
             if one.where == "block":
                 force = force + one.curve(self._variable(one, x, v, t))
@@ -147,35 +144,27 @@ class Slider:
 
     def limits(self, x: Floats, v: Floats, t: float | Floats) -> tuple[Floats, Floats]:
         """Magnitudes of friction against either direction; the static ones for a lane at rest."""
-        p, u = self.p, np.abs(v)
+        u = np.abs(v)
         rest = v == 0
         low = np.where(rest, self.static[0], self.kinetic[0])
         high = np.where(rest, self.static[1], self.kinetic[1])
         scale: Floats | float = 1.0
-        if "position_friction" in p:
-            scale = scale + p["position_friction"]["r"] * x
-        if "friction_drift" in p:
-            scale = scale + p["friction_drift"]["r"] * t
-        if "friction_ripple" in p:
-            scale = scale + _sine(p["friction_ripple"], x)
+        more: Floats | float = 0.0
+        if self.shares:
+            at = At(t=t, x1=x, x2=v)
+            for share, p in self.shares:
+                scale = scale + share(p, at)
+        for peak, p in self.peaks:
+            more = more + peak(p, u)
         for one in self.curves:
             if one.where == "contact":
                 scale = scale + one.curve(self._variable(one, x, v, t))
-        more: Floats | float = 0.0
-        if "stribeck_peak" in p:
-            more = more + p["stribeck_peak"]["dT"] * np.exp(-((u / p["stribeck_peak"]["v_s"]) ** 2))
-        if "viscous_saturation" in p:
-            more = more - p["viscous_saturation"]["dT"] * np.expm1(-u / p["viscous_saturation"]["v_s"])
         return np.maximum(low * scale + more, 0.0), np.maximum(high * scale + more, 0.0)
 
     def _bristle(self, s: State, v: Floats) -> None:
         d = 0.5 * sum(self.kinetic) / self.p["contact_compliance"]["k"]
         sign = np.sign(v)
         s.z = sign + (s.z - sign) * np.exp(-np.abs(v) * self.h / d)
-
-
-def _sine(p: dict[str, float], x: Floats) -> Floats:
-    return np.asarray(p["a"] * np.sin(2 * np.pi * x / p["L"] + p["phi"]), dtype=np.float64)
 
 
 def forecast(

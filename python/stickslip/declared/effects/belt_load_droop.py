@@ -2,6 +2,14 @@
 
 from stickslip.declared.dimensions import SPEED_BY_FORCE
 from stickslip.declared.effect_kind import EffectKind, not_negative, time_constant
+from stickslip.declared.effect_terms import Before, Behaves, Numbers
+
+
+def hidden_start(p: Numbers, before: Before) -> tuple[float, float]:
+    """The belt starts as slow as friction makes it."""
+    k = p["k"]
+    return float(before.law.force(before.v)) * k, 5 * k + 0.2 * abs(before.belt_speed)
+
 
 EFFECT = EffectKind(
     "belt_load_droop",
@@ -16,4 +24,5 @@ EFFECT = EffectKind(
     hidden=("b",),
     on_belt=180,
     starts=({"k": 0.002, "tau": 0.3}, {"k": 0.002, "tau": 2.0}),
+    behaves=Behaves(hidden_start=hidden_start),
 )

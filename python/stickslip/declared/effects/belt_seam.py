@@ -1,7 +1,22 @@
 """A seam of the belt that comes round: friction varies along the belt."""
 
+import numpy as np
+
 from stickslip.declared.dimensions import LENGTH
 from stickslip.declared.effect_kind import PHASE, EffectKind, Wave, amplitude, positive
+from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
+
+
+def share(p: Numbers, at: At) -> Value:
+    """Share of friction."""
+    travel = 2 * np.pi * (at.belt_speed * at.t - at.x1) / p["L"]
+    return p["a"] * np.sin(travel + p["phi"])
+
+
+def period(p: Numbers, belt_speed: float) -> float | None:
+    """One turn of the belt."""
+    return p["L"] / abs(belt_speed) if p["a"] != 0 and belt_speed != 0 else None
+
 
 EFFECT = EffectKind(
     "belt_seam",
@@ -16,4 +31,6 @@ EFFECT = EffectKind(
     depends_on=("x1", "t"),
     on_belt=150,
     wave=Wave("L", along_belt=True, largest=0.5),
+    adds=Adds(friction=share),
+    behaves=Behaves(period=period),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import DAMPING
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the block."""
+    return -p["c"] * at.x2
+
 
 EFFECT = EffectKind(
     "block_viscous_damping",
@@ -12,4 +19,5 @@ EFFECT = EffectKind(
     depends_on=("x2",),
     on_belt=10,
     scored_at={"c": 0.0},
+    adds=Adds(block=force),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, _: At) -> Value:
+    """Force on the block."""
+    return p["f"]
+
 
 EFFECT = EffectKind(
     "constant_load",
@@ -11,4 +18,5 @@ EFFECT = EffectKind(
     parameters=(free("f", "force", FORCE, 3.0),),
     depends_on=(),
     on_belt=70,
+    adds=Adds(block=force),
 )

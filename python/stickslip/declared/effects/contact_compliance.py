@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import DAMPING, STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, not_negative, positive
+from stickslip.declared.effect_terms import Before, Behaves, Numbers
+
+
+def hidden_start(p: Numbers, before: Before) -> tuple[float, float]:
+    """The bristle starts at what friction bends it to."""
+    return float(before.law.force(before.v)) / p["k"], 3.0 / p["k"]
+
 
 EFFECT = EffectKind(
     "contact_compliance",
@@ -17,4 +24,5 @@ EFFECT = EffectKind(
     on_belt=160,
     on_slider=40,
     starts=({"k": 350.0, "c": 0.5}, {"k": 1500.0, "c": 1.0}),
+    behaves=Behaves(hidden_start=hidden_start),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def share(p: Numbers, at: At) -> Value:
+    """Share of the drive."""
+    return p["r"] * at.t
+
 
 EFFECT = EffectKind(
     "drive_gain_drift",
@@ -11,4 +18,5 @@ EFFECT = EffectKind(
     parameters=(free("r", "relative rate per unit of time", RATE),),
     depends_on=("t",),
     on_slider=160,
+    adds=Adds(drive=share),
 )

@@ -1,6 +1,7 @@
 """A drive whose gain waves along the track."""
 
 from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
+from stickslip.declared.effect_terms import Adds, wave_of_position
 
 EFFECT = EffectKind(
     "drive_ripple",
@@ -14,4 +15,5 @@ EFFECT = EffectKind(
     ),
     depends_on=("x1",),
     on_slider=150,
+    adds=Adds(drive=wave_of_position),
 )

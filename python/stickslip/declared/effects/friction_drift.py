@@ -2,6 +2,33 @@
 
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
+from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.lacking_friction import DRIVES
+from stickslip.errors import InputError
+
+
+def share(p: Numbers, at: At) -> Value:
+    """Share of friction."""
+    return p["r"] * at.t
+
+
+def period(p: Numbers, _: float) -> float | None:
+    """Return None for no drift; no motion repeats with one."""
+    if p["r"] != 0:
+        words = "friction that drifts with time repeats no motion; leave it out"
+        raise InputError(words, key="friction_drift")
+    return None
+
+
+def drives(p: Numbers, _: FrictionLaw, start: float, end: float) -> str | None:
+    """There is a time beyond which nothing is left."""
+    r = p["r"]
+    if min(1 + r * start, 1 + r * end) >= 0:
+        return None
+    until = "from" if r < 0 else "until"
+    return f"friction_drift.r = {r:g}: 1 + r t is below 0 {until} t = {-1 / r:.4g}; {DRIVES}"
+
 
 EFFECT = EffectKind(
     "friction_drift",
@@ -13,4 +40,6 @@ EFFECT = EffectKind(
     on_belt=140,
     on_slider=80,
     scored_at={"r": 0.0},
+    adds=Adds(friction=share),
+    behaves=Behaves(period=period, drives=drives),
 )

@@ -1,6 +1,7 @@
 """Friction that waves along the track."""
 
 from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
+from stickslip.declared.effect_terms import Adds, wave_of_position
 
 EFFECT = EffectKind(
     "friction_ripple",
@@ -14,4 +15,5 @@ EFFECT = EffectKind(
     ),
     depends_on=("x1",),
     on_slider=130,
+    adds=Adds(friction=wave_of_position),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import FORCE_RATE
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the slider."""
+    return p["r"] * at.t
+
 
 EFFECT = EffectKind(
     "load_drift",
@@ -11,4 +18,5 @@ EFFECT = EffectKind(
     parameters=(free("r", "rate", FORCE_RATE),),
     depends_on=("t",),
     on_slider=90,
+    adds=Adds(block=force),
 )

@@ -1,7 +1,31 @@
 """Friction that grows and falls with the normal force from the angle body."""
 
+from collections.abc import Callable
+
 from stickslip.declared.dimensions import DAMPING, STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Sides, Value
+
+
+def rise(p: Numbers, at: At) -> Value:
+    """How much more the contact is pressed than at rest, as a share."""
+    return (p["beta2"] * at.y1 + p["eta2"] * at.y2) / at.static_minus
+
+
+def share(p: Numbers, at: At) -> Value:
+    """Share of friction; a contact that is lifted has none."""
+    return rise(p, at) if at.sides["normal_force_feedback"] else -1.0
+
+
+def touching(p: Numbers, at: At) -> Value:
+    """1 while the normal force is positive, else 0."""
+    return 1 + rise(p, at) > 0
+
+
+def ends(p: Numbers, side: int) -> dict[str, tuple[Callable[[At], Value], int]]:
+    """The contact lifts, or touches again."""
+    return {"normal": (lambda at: -(1 + rise(p, at)) if side else 1 + rise(p, at), 1 - side)}
+
 
 EFFECT = EffectKind(
     "normal_force_feedback",
@@ -16,4 +40,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=100,
     scored_at={"beta2": 0.0, "eta2": 0.0},
+    adds=Adds(friction=share, sides=Sides(touching, ends)),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import PER_LENGTH
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def share(p: Numbers, at: At) -> Value:
+    """Share of friction."""
+    return p["r"] * at.x1
+
 
 EFFECT = EffectKind(
     "position_friction",
@@ -11,4 +18,5 @@ EFFECT = EffectKind(
     parameters=(free("r", "relative rate per unit of x1", PER_LENGTH),),
     depends_on=("x1",),
     on_slider=70,
+    adds=Adds(friction=share),
 )

@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the slider."""
+    return -p["k"] * at.x1
+
 
 EFFECT = EffectKind(
     "position_load",
@@ -11,4 +18,5 @@ EFFECT = EffectKind(
     parameters=(free("k", "stiffness", STIFFNESS),),
     depends_on=("x1",),
     on_slider=60,
+    adds=Adds(block=force),
 )

@@ -2,6 +2,7 @@
 
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import PHASE, EffectKind, free, wavelength
+from stickslip.declared.effect_terms import Adds, wave_of_position
 
 NAMES = ("position_ripple", "position_ripple_2", "position_ripple_3")  # one after the other
 
@@ -17,4 +18,5 @@ EFFECT = EffectKind(
     ),
     depends_on=("x1",),
     on_slider=100,
+    adds=Adds(block=wave_of_position),
 )

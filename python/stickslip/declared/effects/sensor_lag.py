@@ -1,6 +1,13 @@
 """A lag of the x1 sensor."""
 
 from stickslip.declared.effect_kind import EffectKind, time_constant
+from stickslip.declared.effect_terms import Before, Behaves, Numbers
+
+
+def hidden_start(p: Numbers, before: Before) -> tuple[float, float]:
+    """The lagged deflection starts as far behind as a steady motion leaves it."""
+    return before.read - p["tau"] * before.read_rate, 0.05 + p["tau"] * abs(before.v)
+
 
 EFFECT = EffectKind(
     "sensor_lag",
@@ -12,4 +19,5 @@ EFFECT = EffectKind(
     hidden=("m",),
     on_belt=190,
     starts=({"tau": 0.05},),
+    behaves=Behaves(hidden_start=hidden_start),
 )

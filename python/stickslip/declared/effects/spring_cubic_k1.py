@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import CUBIC_STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the block."""
+    return -p["k"] * at.x1**3
+
 
 EFFECT = EffectKind(
     "spring_cubic_k1",
@@ -12,4 +19,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_belt=30,
     scored_at={"k": 0.0},
+    adds=Adds(block=force),
 )

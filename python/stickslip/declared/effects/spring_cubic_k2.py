@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import CUBIC_STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the block, and on the angle body."""
+    return -p["k"] * (at.x1 + at.y1) ** 3
+
 
 EFFECT = EffectKind(
     "spring_cubic_k2",
@@ -13,4 +20,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=40,
     scored_at={"k": 0.0},
+    adds=Adds(block=force, angle_body=force),
 )

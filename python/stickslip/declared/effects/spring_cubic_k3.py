@@ -2,6 +2,13 @@
 
 from stickslip.declared.dimensions import CUBIC_STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the angle body."""
+    return -p["k"] * at.y1**3
+
 
 EFFECT = EffectKind(
     "spring_cubic_k3",
@@ -13,4 +20,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=50,
     scored_at={"k": 0.0},
+    adds=Adds(angle_body=force),
 )

@@ -1,7 +1,16 @@
 """A viscous damping that differs by direction."""
 
+import numpy as np
+
 from stickslip.declared.dimensions import DAMPING
 from stickslip.declared.effect_kind import EffectKind, free
+from stickslip.declared.effect_terms import Adds, At, Numbers, Value
+
+
+def force(p: Numbers, at: At) -> Value:
+    """Force on the slider."""
+    return -p["c"] * np.abs(at.x2)
+
 
 EFFECT = EffectKind(
     "viscous_asymmetry",
@@ -11,4 +20,5 @@ EFFECT = EffectKind(
     parameters=(free("c", "half the difference of the dampings", DAMPING),),
     depends_on=("x2",),
     on_slider=10,
+    adds=Adds(block=force),
 )

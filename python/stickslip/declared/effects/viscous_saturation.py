@@ -1,7 +1,16 @@
 """Friction that rises at low speed and levels off."""
 
+import numpy as np
+
 from stickslip.declared.dimensions import FORCE, SPEED
 from stickslip.declared.effect_kind import EffectKind, free, positive
+from stickslip.declared.effect_terms import Adds, Numbers, Value
+
+
+def peak(p: Numbers, u: Value) -> Value:
+    """What R(u) has more."""
+    return -p["dT"] * np.expm1(-u / p["v_s"])
+
 
 EFFECT = EffectKind(
     "viscous_saturation",
@@ -14,4 +23,5 @@ EFFECT = EffectKind(
     ),
     depends_on=("v_w",),
     on_slider=50,
+    adds=Adds(peak=peak),
 )

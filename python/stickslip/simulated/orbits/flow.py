@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
 from typing import Literal, Self
 
 import numpy as np
@@ -236,23 +235,14 @@ def forcing_period(model: Model, belt_speed: float) -> float | None:
                     raise InputError("changes with time without a period; no motion repeats", key=one.name)
                 found[one.name] = one.period
             continue
-        period = _period_of(one.name, one.parameters, belt_speed)
+        repeats = one.kind.behaves.period
+        period = repeats(one.parameters, belt_speed) if repeats else None
         if period is not None:
             found[one.name] = period
     common: float | None = None
     for name, period in found.items():
         common = period if common is None else _common_multiple(common, period, name)
     return common
-
-
-def _period_of(name: str, p: Mapping[str, float], belt_speed: float) -> float | None:
-    if name == "friction_drift" and p["r"] != 0:
-        raise InputError("friction that drifts with time repeats no motion; leave it out", key=name)
-    if name in ("harmonic_forcing", "belt_speed_ripple") and p["a"] != 0 and p["w"] != 0:
-        return 2 * pi / abs(p["w"])
-    if name == "belt_seam" and p["a"] != 0 and belt_speed != 0:
-        return p["L"] / abs(belt_speed)
-    return None
 
 
 def _common_multiple(first: float, second: float, name: str) -> float:

@@ -21,13 +21,15 @@ derivatives by a complex step) and arrays of them (for a look at many instants a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from stickslip.declared.effect import Tabulated
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.effect import Effect, Tabulated
+from stickslip.declared.effect_terms import At
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.errors import InputError
@@ -46,12 +48,10 @@ class Side:
     since: float = 0.0  # time of the last arrival on the belt (static_aging)
     clamped: bool = False  # beyond the fitted range of the branch
     memory: int = 1  # sign of w (friction_memory)
-    gap: int = 0  # spring_gap_k3: -1, 0, 1
-    quadratic: int = 1  # sign of x2 (block_quadratic_damping)
     pivot: int = 0  # sign of y2, 0 stuck (pivot_dry_friction)
-    touching: bool = True  # the normal force is positive (normal_force_feedback)
     cell: int = 0  # tabulated term: 0 before the first knot, i after knot i, counted from 1
     cycle: int = 0  # periods behind (tabulated in t)
+    of: Mapping[str, int] = field(default_factory=dict)  # of effects that are laws in pieces, by name
 
 
 def _cells(curve: Tabulated) -> list[tuple[float, Value]]:
@@ -72,9 +72,15 @@ class System:
         self.two = isinstance(model.rig, Rig)
         self.e: dict[str, Mapping[str, float]] = {x.name: x.parameters for x in model.effects}
         self.rig = cast(Any, model.rig)  # either of the two, told apart by `two`
-        for effect, number in (("rig_mass", "mass"), ("rig_stiffness", "stiffness")):
-            if p := self.e.get(effect):  # the true number is (1 + e) times the declared one
-                self.rig = replace(self.rig, **{number: getattr(self.rig, number) * (1 + p["e"])})
+        ranks = {name: i for i, name in enumerate(KINDS)}
+        own = sorted((x for x in model.effects if isinstance(x, Effect)), key=lambda x: ranks[x.name])
+        for one in own:
+            number = one.kind.corrects
+            if number and number != "reading":  # the true number is (1 + e) times the declared one
+                true = getattr(self.rig, number) * (1 + one.parameters["e"])
+                self.rig = replace(self.rig, **{number: true})
+        self.adds = [(one.kind.adds, one.parameters) for one in own]
+        self.sided = {one.name: (s, one.parameters) for one in own if (s := one.kind.adds.sides)}
         self.branches = {s: branch(model.friction, s) for s in (-1, 1)}
         names = list(self.rig.state_names)
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
@@ -94,45 +100,41 @@ class System:
         """Component `name` of z, zero where the system has none."""
         return z[self.names.index(name)] if name in self.names else 0.0 * z[0]
 
+    def at(self, t: Value, z: Value, x2: Value, side: Side) -> At:
+        """Where the effects' formulas are read."""
+        y1, y2 = self.get(z, "y1"), self.get(z, "y2")
+        return At(t, z[0], x2, y1, y2, self.v_b, self.branches[-1].static, sides=side.of)
+
     def belt(self, t: Value, z: Value) -> tuple[Value, Value]:
         """V and the ripple's part of V'."""
-        p = self.e.get("belt_speed_ripple", {"a": 0.0, "w": 0.0, "phi": 0.0})
-        angle = p["w"] * t + p.get("phi", 0.0)
-        speed = self.v_b * (1 + p["a"] * np.sin(angle)) + self.get(z, "b")
-        return speed, self.v_b * p["a"] * p["w"] * np.cos(angle)
+        at, share, rate = At(t=t, belt_speed=self.v_b), 0.0 * t, 0.0 * t
+        for adds, p in self.adds:
+            if adds.belt_share and adds.belt_rate:
+                share, rate = share + adds.belt_share(p, at), rate + adds.belt_rate(p, at)
+        return self.v_b * (1 + share) + self.get(z, "b"), rate
 
     def block_load(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
         """Q: what the belt would have to balance, accelerations apart."""
-        e, rig, x1, y1, y2 = self.e, self.rig, z[0], self.get(z, "y1"), self.get(z, "y2")
+        rig, x1, y1, y2 = self.rig, z[0], self.get(z, "y1"), self.get(z, "y2")
         if self.two:
             coupling = 1.0 if rig.coupling == "reciprocal" else -1.0
             load = rig.alpha1 * x1 + rig.eta1 * (x2 + y2) + coupling * y1
         else:
             load = rig.stiffness * x1 + rig.damping * x2
-        if p := e.get("block_viscous_damping"):
-            load = load + p["c"] * x2
-        if p := e.get("block_quadratic_damping"):
-            load = load + p["c"] * side.quadratic * x2 * x2
-        if p := e.get("spring_cubic_k1"):
-            load = load + p["k"] * x1**3
-        if p := e.get("spring_cubic_k2"):
-            load = load + p["k"] * (x1 + y1) ** 3
-        if p := e.get("constant_load"):
-            load = load - p["f"]
-        if p := e.get("harmonic_forcing"):
-            load = load - p["a"] * np.sin(p["w"] * t + p.get("phi", 0.0))
+        at = self.at(t, z, x2, side)
+        for adds, p in self.adds:
+            if adds.block:
+                load = load - adds.block(p, at)
         return load - self.tabulated("block", t, z, x2, side)
 
     def angle_force(self, t: Value, z: Value, side: Side) -> Value:
         """alpha2 y2' without the pivot's dry friction."""
-        e, rig, (x1, x2, y1, y2) = self.e, self.rig, z[:4]
+        rig, (x1, x2, y1, y2) = self.rig, z[:4]
         force = -rig.beta3 * y1 - rig.eta12 * y2 - x1 - rig.eta1 * x2
-        if p := e.get("spring_cubic_k2"):
-            force = force - p["k"] * (x1 + y1) ** 3
-        if p := e.get("spring_cubic_k3"):
-            force = force - p["k"] * y1**3
-        if (p := e.get("spring_gap_k3")) and side.gap:
-            force = force - p["k"] * (y1 - side.gap * p["d"])
+        at = self.at(t, z, x2, side)
+        for adds, p in self.adds:
+            if adds.angle_body:
+                force = force + adds.angle_body(p, at)
         return force + self.tabulated("angle_body", t, z, x2, side)
 
     def table_variable(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
@@ -152,20 +154,11 @@ class System:
 
     def normal(self, t: Value, z: Value, side: Side) -> Value:
         """N: what friction is multiplied by."""
-        e, factor = self.e, 1.0 + 0.0 * z[0] + self.tabulated("contact", t, z, z[1], side)
-        if "normal_force_feedback" in e:
-            factor = factor * (self.pressure(z) if side.touching else 0.0)
-        if p := e.get("friction_drift"):
-            factor = factor * (1 + p["r"] * t)
-        if p := e.get("belt_seam"):
-            travel = 2 * np.pi * (self.v_b * t - z[0]) / p["L"]
-            factor = factor * (1 + p["a"] * np.sin(travel + p.get("phi", 0.0)))
+        factor, at = 1.0 + 0.0 * z[0] + self.tabulated("contact", t, z, z[1], side), self.at(t, z, z[1], side)
+        for adds, p in self.adds:
+            if adds.friction:
+                factor = factor * (1 + adds.friction(p, at))
         return factor
-
-    def pressure(self, z: Value) -> Value:
-        """1 + (beta2 y1 + eta2 y2)/T_s, T_s the declared static limit of T_-."""
-        p = self.e["normal_force_feedback"]
-        return 1 + (p["beta2"] * z[2] + p["eta2"] * z[3]) / self.branches[-1].static
 
     def slip_speed(self, t: Value, z: Value, side: Side) -> Value:
         """Return the u of R(u): |v|, or |w| with friction_memory."""
@@ -177,17 +170,19 @@ class System:
         """N R(u) on the frozen branch."""
         law, u = self.branches[side.contact], self.slip_speed(t, z, side)
         magnitude = law.above + 0 * u if side.clamped else law.below(u)
-        if p := self.e.get("stribeck_peak"):
-            magnitude = magnitude + p["dT"] * np.exp(-((u / p["v_s"]) ** 2))
+        for adds, p in self.adds:
+            if adds.peak:
+                magnitude = magnitude + adds.peak(p, u)
         return self.normal(t, z, side) * magnitude
 
     def limit(self, direction: int, t: Value, z: Value, side: Side) -> Value:
         """Return the static limit L against slip with the sign `direction`."""
         magnitude = self.branches[direction].static
-        if p := self.e.get("stribeck_peak"):
-            magnitude = magnitude + p["dT"]
-        if p := self.e.get("static_aging"):
-            magnitude = magnitude + p["dT"] * (1 - np.exp(-(t - side.since) / p["tau"]))
+        for adds, p in self.adds:
+            if adds.peak:
+                magnitude = magnitude + adds.peak(p, 0.0)
+            if adds.aging:
+                magnitude = magnitude + adds.aging(p, t - side.since)
         return self.normal(t, z, side) * magnitude
 
     def demand(self, t: Value, z: Value, side: Side) -> Value:
@@ -244,19 +239,16 @@ class System:
         else:
             out["slip-"] = lambda t, z: self.demand(t, z, side) - self.limit(-1, t, z, side)
             out["slip+"] = lambda t, z: -self.limit(1, t, z, side) - self.demand(t, z, side)
-        if "block_quadratic_damping" in e:
-            out["drag"] = lambda _, z: -side.quadratic * z[1]
-        if "normal_force_feedback" in e:
-            out["normal"] = lambda _, z: -self.pressure(z) if side.touching else self.pressure(z)
-        return out | self._gap_guards(side) | self._pivot_guards(side) | self._knot_guards(side)
+        return out | self._effect_guards(side) | self._pivot_guards(side) | self._knot_guards(side)
 
-    def _gap_guards(self, side: Side) -> dict[str, Guard]:
-        if "spring_gap_k3" not in self.e:
-            return {}
-        d = self.e["spring_gap_k3"]["d"]
-        if side.gap:
-            return {"gap": lambda _, z: d - side.gap * z[2]}
-        return {"gap+": lambda _, z: z[2] - d, "gap-": lambda _, z: -z[2] - d}
+    def _effect_guards(self, side: Side) -> dict[str, Guard]:
+        """Return what ends the sides of effects, each by its formula."""
+
+        def read(end: Callable[[At], Value]) -> Guard:
+            return lambda t, z: end(self.at(t, z, z[1], side))
+
+        sided = [(sides.ends(p, side.of[name])) for name, (sides, p) in self.sided.items()]
+        return {key: read(end) for ends in sided for key, (end, _) in ends.items()}
 
     def _pivot_guards(self, side: Side) -> dict[str, Guard]:
         if "pivot_dry_friction" not in self.e or self.e["pivot_dry_friction"]["v_c"] > 0:
@@ -294,14 +286,12 @@ class System:
             return z, replace(side, pivot=self.pivot(t, z, side))
         if name == "knot+" and self.curve and self.curve.period and side.cell == len(self.curve.knots) - 1:
             return z, replace(side, cell=1, cycle=side.cycle + 1)
+        for owner, (sides, p) in self.sided.items():
+            if name in (ends := sides.ends(p, side.of[owner])):
+                return z, replace(side, of={**side.of, owner: ends[name][1]})
         changes: dict[str, dict[str, Any]] = {
             "clamp": {"clamped": not side.clamped},
             "memory": {"memory": -side.memory},
-            "drag": {"quadratic": -side.quadratic},
-            "normal": {"touching": not side.touching},
-            "gap": {"gap": 0},
-            "gap+": {"gap": 1},
-            "gap-": {"gap": -1},
             "knot+": {"cell": side.cell + 1},
             "knot-": {"cell": side.cell - 1},
         }
@@ -333,11 +323,9 @@ class System:
     def start(self, z: Value, dwell: float = 0.0) -> tuple[Value, Side]:
         """State and sides at t = 0; within `REST` of V is at rest on the belt, since `dwell` if it sticks."""
         z, t = z.copy(), 0.0
-        side = Side(contact=0, quadratic=-1 if z[1] < 0 else 1)
-        if p := self.e.get("spring_gap_k3"):
-            side = replace(side, gap=int(np.sign(z[2])) if abs(z[2]) > p["d"] else 0)
-        if "normal_force_feedback" in self.e:
-            side = replace(side, touching=bool(self.pressure(z) > 0))
+        side = Side(contact=0)
+        at = self.at(t, z, z[1], side)
+        side = replace(side, of={name: int(sides.start(p, at)) for name, (sides, p) in self.sided.items()})
         v = z[1] - self.belt(t, z)[0]
         if self.curve:
             if self.curve.period:
