@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.declared.effect import AnyEffect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.units import Channel

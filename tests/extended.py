@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.rig import Rig
 
 LD = np.longdouble

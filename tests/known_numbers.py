@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.measured.case import Case, load_case

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from stickslip.declared.effect import CATALOGUE, effect
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model, idle
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.simulated.reference import integrate as reference

@@ -7,7 +7,7 @@ import pytest
 
 from discover_cases import LAW, RIG, make_case
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.intervals import intervals
 from stickslip.discovery.periodic import periodic_starts

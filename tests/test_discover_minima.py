@@ -13,7 +13,7 @@ from scipy.signal import savgol_filter
 from discover_cases import LAW, RIG, make_case
 from stickslip import _core
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import unlisted
 from stickslip.discovery.rivals import Start, hypothesis

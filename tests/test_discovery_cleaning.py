@@ -10,7 +10,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.loop import _cleaned, _cleaned_of_what_shows, _masked, discover
 from stickslip.discovery.messages import remarks

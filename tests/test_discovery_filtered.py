@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from discover_cases import NOISE, RIG, make_case
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.filtered import filtered, thinned, told
 from stickslip.discovery.loop import _cleaned

@@ -8,7 +8,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.evidence import evidence
 from stickslip.discovery.search import CLEAN, Search

@@ -9,7 +9,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.declared.effect import tabulated
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import longer, loop
 from stickslip.discovery.longer import LEAST, looked_at_longer

@@ -10,7 +10,7 @@ import pytest
 
 from discover_cases import RIG, SPEEDS, make_case
 from stickslip.declared.effect import tabulated
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import choice as choices
 from stickslip.discovery.choice import stood_in_for, weighed

@@ -17,7 +17,7 @@ import pytest
 
 from discover_cases import RIG, make_case
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery import trace, workers
 from stickslip.discovery.loop import discover

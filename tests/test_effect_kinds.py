@@ -6,14 +6,18 @@ from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stickslip import _core
-from stickslip.declared import effects
+from stickslip.declared import effects, friction
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.dimensions import UNITS
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.effect_terms import Adds
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.laws import LAWS
+from stickslip.declared.scale import law_dimension
 from stickslip.discovery.rivals import PERIODIC
 
 FILES = sorted(path.stem for path in Path(effects.__path__[0]).glob("*.py") if path.stem != "__init__")
@@ -92,3 +96,32 @@ def test_a_hidden_state_has_a_start_for_fits(kind: EffectKind) -> None:
 @pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.name)
 def test_what_moves_with_time_says_when_it_repeats(kind: EffectKind) -> None:
     assert (kind.behaves.period is not None) == ("t" in kind.depends_on and kind.physics == "dynamics")
+
+
+LAW_FILES = sorted(path.stem for path in Path(friction.__path__[0]).glob("*.py") if path.stem != "__init__")
+
+
+def test_the_laws_are_the_folder_and_the_core_s() -> None:
+    assert sorted(LAWS) == LAW_FILES
+    assert set(LAWS) == set(_core.LawKind.__members__)
+    assert len({law.rank for law in LAWS.values()}) == len(LAWS)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.kind)
+def test_every_number_of_a_law_is_lowered_and_has_a_dimension(law: type[FrictionLaw]) -> None:
+    numbers = {one.name for one in fields(law)}
+    assert numbers == {*law.single, *law.each_way, *(f"{name}_plus" for name in law.each_way)}
+    slots = {*law.single, *(f"{name}_{side}" for name in law.each_way for side in ("minus", "plus"))}
+    assert slots <= set(_core.PARAMETERS)
+    assert all(law_dimension(name) is not None for name in numbers)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.kind)
+@pytest.mark.parametrize("direction", [-1, 1])
+def test_the_branch_of_the_reference_is_the_law(law: type[FrictionLaw], direction: int) -> None:
+    made = law()
+    branch, u = made.branch(direction), np.linspace(1e-3, 0.6, 200)
+    held = u > (np.inf if branch.kink is None else branch.kink)
+    magnitude = np.where(held, branch.above, branch.below(np.minimum(u, branch.kink or np.inf)))
+    np.testing.assert_allclose(magnitude, made.magnitude(direction * u), rtol=1e-12)
+    assert branch.static == made.static_limits[direction > 0]

@@ -7,7 +7,8 @@ import pytest
 
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
 from stickslip.declared.effect import Effect, effect, tabulated
-from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import InputError

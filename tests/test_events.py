@@ -9,7 +9,9 @@ import pytest
 
 pytest.importorskip("stickslip._core")
 from stickslip.declared.effect import effect, tabulated
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.simulated.reference import integrate as reference

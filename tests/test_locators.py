@@ -10,7 +10,9 @@ import pytest
 
 pytest.importorskip("stickslip._core")
 from stickslip.declared.effect import Effect, Tabulated, effect, tabulated
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.simulated.simulate import Trajectory, simulate

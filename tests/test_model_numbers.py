@@ -11,7 +11,8 @@ from scipy.optimize import brentq, root
 
 pytest.importorskip("stickslip._core")
 import known_numbers as known
-from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.simulated.simulate import simulate

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("stickslip._core")
-from stickslip.declared.friction import HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.simulated.simulate import Trajectory, simulate

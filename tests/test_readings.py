@@ -7,7 +7,8 @@ import pytest
 
 from stickslip import signals
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.simulated.reference import integrate as reference

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from stickslip.data import example, examples
-from stickslip.declared.friction import CoulombFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import load_model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import InputError

@@ -12,7 +12,7 @@ from scipy.optimize import brentq, root
 
 import known_numbers as known
 from stickslip.declared.effect import effect, tabulated
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.simulated.reference import integrate as reference

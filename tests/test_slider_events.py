@@ -8,7 +8,8 @@ import pytest
 
 from slider import coulomb_record
 from stickslip.declared.effect import effect
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.discovery.slider.held import constants_of, held

@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.declared.effect import Effect, effect
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead

@@ -8,7 +8,9 @@ from stickslip.simulated.instruction_set import check_instruction_set
 if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip._core import build_config
     from stickslip.declared.effect import CATALOGUE, Effect, Tabulated, effect, tabulated
-    from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+    from stickslip.declared.friction.coulomb import CoulombFriction
+    from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+    from stickslip.declared.friction.paper import PaperFriction
     from stickslip.declared.model import Model, load_model
     from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
     from stickslip.declared.units import Channel
@@ -42,12 +44,12 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Case": "stickslip.measured.case",
     "Channel": "stickslip.declared.units",
     "Comparison": "stickslip.fitted.compare",
-    "CoulombFriction": "stickslip.declared.friction",
+    "CoulombFriction": "stickslip.declared.friction.coulomb",
     "CycleSensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "DrivenSlider": "stickslip.declared.rig",
     "Effect": "stickslip.declared.effect",
     "Found": "stickslip.discovery.discover",
-    "HyperbolicFriction": "stickslip.declared.friction",
+    "HyperbolicFriction": "stickslip.declared.friction.hyperbolic",
     "Identified": "stickslip.fitted.identified",
     "InputError": "stickslip.errors",
     "LimitCycle": "stickslip.simulated.orbits.limit_cycle",
@@ -55,7 +57,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Model": "stickslip.declared.model",
     "ModelWarning": "stickslip.errors",
     "NoLimitCycleError": "stickslip.simulated.orbits.steady_sliding",
-    "PaperFriction": "stickslip.declared.friction",
+    "PaperFriction": "stickslip.declared.friction.paper",
     "Recording": "stickslip.measured.recording",
     "Rig": "stickslip.declared.rig",
     "Scales": "stickslip.declared.rig",

@@ -4,7 +4,9 @@ from pathlib import Path
 
 from bad_input import bad_input
 from stickslip.declared.effect import effect, tabulated
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model, load_model
 from stickslip.declared.rig import BlockOnBelt, Rig
 

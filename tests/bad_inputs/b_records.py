@@ -7,7 +7,7 @@ import numpy as np
 from scipy.io import savemat
 
 from bad_input import bad_input
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.declared.units import Channel

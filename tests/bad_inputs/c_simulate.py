@@ -8,7 +8,7 @@ import numpy as np
 import stickslip as ss
 from bad_input import bad_input
 from stickslip import signals
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.simulated.simulate import simulate

@@ -17,7 +17,7 @@ from rich.table import Table
 from stickslip.cli.discover import say
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import Effect, effect
-from stickslip.declared.friction import PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.toml_file import write_text

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import AnyEffect, Tabulated, effect, tabulated
-from stickslip.declared.friction import LAWS, FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.laws import LAWS
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.toml_file import Document, Key, Table
 from stickslip.declared.units import Channel

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.friction_law import Value as Value  # what formulas take, for the files of effects
 
-Value = Any  # a float or complex number, or an array of either
 Numbers = Mapping[str, float]  # the effect's parameters
 
 

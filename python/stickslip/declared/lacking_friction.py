@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 
 DRIVES = "friction is negative then and drives the block"
 

@@ -22,7 +22,9 @@ from stickslip.declared.declaration import (
     rig_table,
 )
 from stickslip.declared.effect import AnyEffect, Effect, Tabulated
-from stickslip.declared.friction import LAWS, CoulombFriction, FrictionLaw
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.laws import LAWS
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.toml_file import read_toml, write_text
 from stickslip.declared.units import DIMENSIONS, Channel

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from stickslip.declared.laws import LAWS
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
 from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle, with_unit
 from stickslip.errors import InputError, number
@@ -64,15 +65,7 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     return out
 
 
-# exponents of (force, speed) of every law's numbers, by name without its branch: the one table that all read
-_FORCES = ("T_s_minus", "T_min_minus", "T_s", "T_min", "A1", "A2", "static", "kinetic", "scale", "constant")
-_SPEEDS = ("t1", "t2", "v_w_min", "v_w_max")
-_LAW = {
-    **dict.fromkeys(_FORCES, (1, 0)),
-    **dict.fromkeys(_SPEEDS, (0, 1)),
-    "decay": (0, -1),
-    "quadratic": (1, -2),
-}
+_LAW = {name: exponents for law in LAWS.values() for name, exponents in law.dimensions.items()}
 _UNITS = {(1, 0): "N", (0, 1): "m/s", (0, -1): "s/m", (1, -2): "N s^2/m^2"}
 
 

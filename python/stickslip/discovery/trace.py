@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import CATALOGUE, Effect
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import idle
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip.declared.friction import HyperbolicFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.errors import StickslipError

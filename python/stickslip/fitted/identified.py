@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits

@@ -15,7 +15,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from stickslip.arguments import explained, must_be, one_of
-from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, number

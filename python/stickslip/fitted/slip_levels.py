@@ -14,7 +14,9 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.declared.friction import CoulombFriction, FrictionLaw, HyperbolicFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.errors import InputError, StickslipError

@@ -14,7 +14,8 @@ from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.declaration import read_channel, read_friction, read_rig
 from stickslip.declared.effect import AnyEffect
-from stickslip.declared.friction import FrictionLaw, PaperFriction
+from stickslip.declared.friction.paper import PaperFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.toml_file import Document, read_toml

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import explained, must_be
 from stickslip.arguments import path as as_path
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.scale import scales
 from stickslip.declared.units import Channel, default_speed_unit, factor, is_electric, speed

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import DRIVEN, Effect, Tabulated
 from stickslip.declared.effect_terms import At
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.errors import InputError

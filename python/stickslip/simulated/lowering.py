@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.declared.effect import CATALOGUE, CONSTANTS, Effect, Tabulated
-from stickslip.declared.friction import CoulombFriction, HyperbolicFriction, PaperFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, unknown
@@ -32,6 +32,9 @@ VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
 # what no motion depends on, though a lag has a state
 READ_ALONE = frozenset(kind.name for kind in CATALOGUE.values() if kind.physics == "reading")
 READING_EFFECTS = frozenset(name for name in READ_ALONE if not CATALOGUE[name].hidden)
+
+
+_LAW_KINDS: Mapping[str, _core.LawKind] = _core.LawKind.__members__
 
 
 class _Put(Protocol):
@@ -183,37 +186,17 @@ def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.R
     return _core.RigKind.two_degree
 
 
-def _lower_law(law: PaperFriction | CoulombFriction | HyperbolicFriction, put: _Put) -> _core.LawKind:
-    if isinstance(law, PaperFriction):
-        names: tuple[str, ...] = (
-            "T_s_minus",
-            "A1",
-            "A2",
-            "t1",
-            "t2",
-            "v_w_min",
-            "T_min_minus",
-            "T_s_plus",
-            "T_min_plus",
-            "v_w_max",
-        )
-        for name in names:
-            put(name, getattr(law, name))
-        return _core.LawKind.paper
-    kind = _core.LawKind.coulomb if isinstance(law, CoulombFriction) else _core.LawKind.hyperbolic
-    names = (
-        ("static", "kinetic")
-        if isinstance(law, CoulombFriction)
-        else ("scale", "decay", "constant", "quadratic")
-    )
-    for name in names:
+def _lower_law(law: FrictionLaw, put: _Put) -> _core.LawKind:
+    for name in law.single:
+        put(name, getattr(law, name))
+    for name in law.each_way:
         value, other = getattr(law, name), getattr(law, f"{name}_plus")
         if other is None:
             put(name, value, f"{name}_minus", f"{name}_plus")
         else:
             put(name, value, f"{name}_minus")
             put(f"{name}_plus", other)
-    return kind
+    return _LAW_KINDS[law.kind]
 
 
 def _correct(

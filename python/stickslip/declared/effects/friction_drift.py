@@ -3,7 +3,7 @@
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.lacking_friction import DRIVES
 from stickslip.errors import InputError
 

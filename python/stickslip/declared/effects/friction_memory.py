@@ -4,7 +4,8 @@ from collections.abc import Collection
 
 from stickslip.declared.effect_kind import EffectKind, time_constant
 from stickslip.declared.effect_terms import Before, Behaves, Numbers
-from stickslip.declared.friction import CoulombFriction, FrictionLaw
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction_law import FrictionLaw
 
 
 def hidden_start(_: Numbers, before: Before) -> tuple[float, float]:

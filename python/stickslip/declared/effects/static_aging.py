@@ -7,7 +7,7 @@ import numpy as np
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import EffectKind, free, time_constant
 from stickslip.declared.effect_terms import Adds, Behaves, Numbers, Value
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.lacking_friction import takes_too_much
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from stickslip.declared.dimensions import FORCE, SPEED
 from stickslip.declared.effect_kind import EffectKind, free, positive
 from stickslip.declared.effect_terms import Adds, Behaves, Numbers, Value
-from stickslip.declared.friction import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.lacking_friction import takes_too_much
 
 SPEEDS = np.linspace(0.0, 6.0, 601)  # in widths of the peak

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import DRIVEN, AnyEffect, effect
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
-from stickslip.declared.friction import CoulombFriction
+from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import percent, plainly

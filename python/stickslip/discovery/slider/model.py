@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import CONSTANTS, Effect, effect
-from stickslip.declared.friction import CoulombFriction, FrictionLaw
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.discovery.result import Interval
 from stickslip.discovery.slider.choose import Choice

@@ -29,11 +29,10 @@ from scipy.interpolate import CubicSpline
 
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import Effect, Tabulated
-from stickslip.declared.effect_terms import At
+from stickslip.declared.effect_terms import At, Value
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.errors import InputError
-from stickslip.simulated.reference.friction import Value, branch
 
 Guard = Callable[[Value, Value], Value]  # a switching function S(t, z), negative while the side lasts
 
@@ -81,7 +80,7 @@ class System:
                 self.rig = replace(self.rig, **{number: true})
         self.adds = [(one.kind.adds, one.parameters) for one in own]
         self.sided = {one.name: (s, one.parameters) for one in own if (s := one.kind.adds.sides)}
-        self.branches = {s: branch(model.friction, s) for s in (-1, 1)}
+        self.branches = {s: model.friction.branch(s) for s in (-1, 1)}
         names = list(self.rig.state_names)
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
         self.names = names + [h for h, effect in hidden if effect in self.e]

@@ -1,0 +1,1 @@
+"""The friction laws: one file a law, numbers and bounds beside formula."""

@@ -1,0 +1,81 @@
+"""Coulomb friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+
+from stickslip.arguments import explained
+from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
+from stickslip.errors import InputError
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class CoulombFriction(FrictionLaw):
+    """Coulomb friction: one kinetic magnitude below a static limit.
+
+    Parameters
+    ----------
+    static, kinetic
+        0 <= kinetic <= static; for both directions, or for v_w < 0 where v_w > 0 has a value of its own.
+    static_plus, kinetic_plus
+        For v_w > 0; None: the same as for v_w < 0.
+
+    Raises
+    ------
+    InputError
+        A number is not finite or negative, or kinetic exceeds static.
+    """
+
+    kind: ClassVar[str] = "coulomb"
+    rank: ClassVar[int] = 20
+    each_way: ClassVar[tuple[str, ...]] = ("static", "kinetic")
+    dimensions: ClassVar[Mapping[str, tuple[int, int]]] = {"static": (1, 0), "kinetic": (1, 0)}
+
+    static: float = 1.0
+    kinetic: float = 0.5
+    static_plus: float | None = None
+    kinetic_plus: float | None = None
+
+    def __post_init__(self) -> None:
+        check_numbers(self, {field.name: {"least": 0} for field in fields(self)})
+        limits, kinetic = self.static_limits, self.kinetic_limits
+        for side, (limit, force) in enumerate(zip(limits, kinetic, strict=True)):
+            if force > limit:
+                key = "kinetic_plus" if side and self.kinetic_plus is not None else "kinetic"
+                words = f"above the static limit {limit:g}; kinetic friction must not exceed static friction"
+                raise InputError(words, key=key, value=force)
+
+    @property
+    def static_limits(self) -> tuple[float, float]:
+        """Static limits (minus, plus)."""
+        return self.static, self.static if self.static_plus is None else self.static_plus
+
+    @property
+    def kinetic_limits(self) -> tuple[float, float]:
+        """Kinetic magnitudes (minus, plus)."""
+        return self.kinetic, self.kinetic if self.kinetic_plus is None else self.kinetic_plus
+
+    @property
+    def kinks(self) -> tuple[None, None]:
+        """None: the branches are constant."""
+        return None, None
+
+    def _minus(self, u: Floats) -> Floats:
+        return np.full_like(u, self.kinetic_limits[0])
+
+    def _plus(self, u: Floats) -> Floats:
+        return np.full_like(u, self.kinetic_limits[1])
+
+    def branch(self, direction: Direction) -> Branch:
+        """Return the constant branch for slip with the sign `direction`."""
+        side = int(direction > 0)
+        kinetic = self.kinetic_limits[side]
+        return Branch(self.static_limits[side], lambda u: kinetic + 0 * u)
+
+
+LAW = CoulombFriction

@@ -1,0 +1,101 @@
+"""What a friction law is made of: magnitudes R(u) of the two branches over u = |v_w|, and the static limits.
+
+Every file of `friction/` holds such a law, `LAW`.
+
+"minus" is slip with v_w < 0 (a block that breaks away from a belt with v_b > 0), "plus" slip with v_w > 0.
+The force in (2.1) is T = sgn(v_w) R(|v_w|), so that T v_w >= 0 always; to a block it carries the belt can
+supply -static_plus to static_minus.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import number
+
+Floats = NDArray[np.float64]
+Value = Any  # a float or complex number, or an array of either
+Direction = int  # the sign of v_w: -1 or 1
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One direction of a friction law: static limit, R(u) below the kink, constant R beyond it."""
+
+    static: float
+    below: Callable[[Value], Value]
+    above: float = 0.0
+    kink: float | None = None
+
+
+@dataclass(frozen=True)
+class FrictionLaw:
+    """What the laws share: the branch is chosen by the sign of v_w.
+
+    `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those
+    of one branch, `each_way` those that have a twin `..._plus` for v_w > 0, which is None where both are the same.
+    `dimensions` has the exponents of (force, speed) of every number, twins aside.
+    """
+
+    kind: ClassVar[str]
+    rank: ClassVar[int]
+    single: ClassVar[tuple[str, ...]] = ()
+    each_way: ClassVar[tuple[str, ...]] = ()
+    dimensions: ClassVar[Mapping[str, tuple[int, int]]]
+
+    @property
+    def static_limits(self) -> tuple[float, float]:
+        """Static limits (minus, plus)."""
+        raise NotImplementedError
+
+    @property
+    def kinks(self) -> tuple[float | None, float | None]:
+        """Speeds u (minus, plus) from which a branch is constant; None where it never is by itself."""
+        raise NotImplementedError
+
+    def branch(self, direction: Direction) -> Branch:
+        """Return what `reference` integrates for slip with the sign `direction`."""
+        raise NotImplementedError
+
+    def _minus(self, u: Floats) -> Floats:
+        raise NotImplementedError
+
+    def _plus(self, u: Floats) -> Floats:
+        raise NotImplementedError
+
+    def magnitude(self, v_w: ArrayLike) -> Floats:
+        """Kinetic magnitude R(|v_w|) of the branch that the sign of v_w chooses.
+
+        Parameters
+        ----------
+        v_w
+            Sliding velocity, any shape. At exactly 0 the branch is T_minus, that of a forward belt.
+
+        Returns
+        -------
+        R, the shape of `v_w`.
+        """
+        v = np.asarray(v_w, dtype=np.float64)
+        u = np.abs(v)
+        return np.where(v > 0, self._plus(u), self._minus(u))
+
+    def force(self, v_w: ArrayLike) -> Floats:
+        """T = sgn(v_w) R(|v_w|), (4.3) with the sign counted once; 0 at v_w = 0, where T is a set."""
+        v = np.asarray(v_w, dtype=np.float64)
+        return np.sign(v) * self.magnitude(v)
+
+
+def check_numbers(law: FrictionLaw, bounds: dict[str, dict[str, float]]) -> None:
+    """Turn every number given to a frozen law into a float within its bounds."""
+    for field in fields(law):
+        value = getattr(law, field.name)
+        if value is None and field.default is None:
+            continue
+        limits = bounds[field.name]
+        checked = number(field.name, value, **limits)  # type: ignore[arg-type]
+        object.__setattr__(law, field.name, checked)
