@@ -7,7 +7,6 @@ import os
 import signal
 import time
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,7 @@ import stickslip as ss
 from stickslip.cli.commands import main
 from stickslip.cli.discover import folded
 from stickslip.discovery.result import Found
-from stickslip.shown.progress import telling
+from stickslip.progress import stages
 
 
 def invoke(*arguments: object) -> Result:
@@ -40,8 +39,7 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
             progress("scoring a curve: block against x2")
             return found_by_hand.found(case, verdict=verdict)
 
-        module = import_module("stickslip.discovery.discover")  # the package has a function of that name
-        monkeypatch.setattr(module, "discover", search)
+        monkeypatch.setattr(ss, "discover", search)
         monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
 
     return use
@@ -75,12 +73,9 @@ def test_no_threads_and_a_negative_seed_are_refused(tmp_path: Path, given: tuple
     assert not (tmp_path / "out").exists()
 
 
-def test_a_log_hears_what_is_tried_while_a_stage_lasts(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_log_hears_what_is_tried_while_a_stage_lasts(capsys: pytest.CaptureFixture[str]) -> None:
     """Minutes without a line looked like a search that hangs."""
-    monkeypatch.setattr("stickslip.shown.progress.EVERY", 0.2)
-    with telling("discovering", effects=23) as tell:
+    with stages("discovering", effects=23, every=0.2) as tell:
         tell("fitting the declared law")
         time.sleep(0.5)  # no word from the search
         for what in ("sensor_lag", "belt_seam", "belt_seam", "cubic_spring"):
@@ -123,7 +118,7 @@ def test_an_ended_search_leaves_no_hidden_folder(
         os.kill(os.getpid(), number)
         time.sleep(10)
 
-    monkeypatch.setattr(import_module("stickslip.discovery.discover"), "discover", search)
+    monkeypatch.setattr(ss, "discover", search)
     before = signal.signal(number, signal.SIG_DFL)
     try:
         result = invoke("discover", found_by_hand.write_case(tmp_path), "--out", tmp_path / "out")

@@ -19,7 +19,7 @@ from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared, explained
 from stickslip.fitted.data import prepare
 from stickslip.measured.case import Case
-from stickslip.shown.progress import stage
+from stickslip.progress import stage
 from stickslip.shown.report.page import numbers
 from stickslip.shown.report.words import headline, kind, sureness
 

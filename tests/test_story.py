@@ -12,7 +12,7 @@ from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
-from stickslip.cli import story
+from stickslip.cli import rotated_portrait as story
 from stickslip.discovery.result import Found
 
 
@@ -60,7 +60,7 @@ def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         hand = ss.load_case(found_by_hand.write_case(tmp_path, si=True))
         return found_by_hand.found(hand)
 
-    monkeypatch.setattr(story, "discover", search)
+    monkeypatch.setattr(ss, "discover", search)
     monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
     out = StringIO()
     told = story.story(tmp_path / "demo", Console(file=out, width=100))

@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 
 import stickslip as ss
-from stickslip.cli.story import story as tell
+from stickslip.cli.rotated_portrait import story as tell
 from stickslip.shown.plot import sweep as plot_sweep
 from stickslip.shown.plot.branch import plot_branch
 from stickslip.shown.plot.curves import save_figure

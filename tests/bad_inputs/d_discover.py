@@ -9,6 +9,7 @@ import found_by_hand
 import stickslip as ss
 from bad_input import bad_input
 from stickslip.cli import discover as cli_discover
+from stickslip.cli import forecast as cli_forecast
 from stickslip.declared.model import Model
 from stickslip.files import folder as report_folder
 
@@ -110,7 +111,7 @@ def forecast(
     out = ["--out", str(folder / "next.csv")]
     arguments = [model or own_model, run or own_run, "--belt-speed", speed, "--horizon", horizon, *out]
     try:
-        cli_discover.forecast.main(arguments, standalone_mode=False)
+        cli_forecast.forecast.main(arguments, standalone_mode=False)
     finally:
         assert not (folder / "next.csv").exists()
 

@@ -11,7 +11,8 @@ import click
 import numpy as np
 from rich.console import Console
 
-from stickslip.cli.path_type import Named
+from stickslip.cli.options import Named
+from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
@@ -22,7 +23,6 @@ from stickslip.measured.fit_window import Array
 from stickslip.simulated.simulate import Trajectory
 from stickslip.simulated.simulate import simulate as run_model
 
-console = Console(highlight=False)
 MOST = 50_000_000  # samples
 FEW = 5  # rows a transition, below which the CSV does not show the motion
 DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
@@ -87,8 +87,7 @@ def simulate(
                 t_eval=np.union1d(times, drawn),
             )
     said = [str(doubt.message) for doubt in doubts]
-    for one in [*said, *_sparse(run, times, units["t"])]:
-        console.print(f"- {one}", markup=False, soft_wrap=True)
+    say_lines([*said, *_sparse(run, times, units["t"])])
     written = [out]
     kept = _at(run, times)
     _write(loaded, units, kept, out)
@@ -102,9 +101,7 @@ def simulate(
     console.print(
         f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
     )
-    console.print("written:")
-    for path in written:
-        console.print(f"  {path}", soft_wrap=True, markup=False)
+    say_written(written)
     if not run.status.ok:
         sys.exit(1)
 

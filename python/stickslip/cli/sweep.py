@@ -12,9 +12,9 @@ from typing import Annotated
 import click
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
-from rich.console import Console
 
-from stickslip.cli.path_type import Named
+from stickslip.cli.options import Named
+from stickslip.cli.printed import console, say_written
 from stickslip.declared.declaration import read_effect, read_friction, read_rig
 from stickslip.declared.model import Model, load_model
 from stickslip.declared.toml_file import Document, read_toml
@@ -22,7 +22,6 @@ from stickslip.errors import InputError, ModelWarning, nearest
 from stickslip.simulated.sweep.observables import DEFAULT
 from stickslip.simulated.sweep.sweep import sweep as run_sweep
 
-console = Console(highlight=False)
 INTERRUPTED = 130  # what a shell reports of a program that Ctrl-C ended
 
 
@@ -151,7 +150,7 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
         console.print(f"stopped; the same command goes on with {out}", markup=False)
         sys.exit(INTERRUPTED)
     _say(ds["status"].values, ds["status"].attrs)
-    console.print(f"written:\n  {out}", soft_wrap=True, markup=False)
+    say_written([out])
 
 
 @contextmanager

@@ -1,1 +1,1 @@
-"""What a person sees: figures, reports, progress."""
+"""What a person sees: figures and reports."""

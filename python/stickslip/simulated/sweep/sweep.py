@@ -17,6 +17,7 @@ from stickslip.arguments import path as as_path
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, ModelWarning, number
+from stickslip.progress import counts
 from stickslip.simulated.lowering import lower
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
@@ -24,7 +25,7 @@ from stickslip.simulated.sweep.grid import Grid, make_grid
 from stickslip.simulated.sweep.observables import DEFAULT, TAKEN, Arrays, chosen
 from stickslip.simulated.sweep.request import Block, Request
 from stickslip.simulated.sweep.store import MemorySink, Sink, ZarrSink
-from stickslip.simulated.sweep.threads import run_local, telling
+from stickslip.simulated.sweep.threads import run_local
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,7 +159,7 @@ def _driving(request: Request) -> list[str]:
 
 def _compute(request: Request, sink: Sink, threads: int, progress: bool, client: Client | None) -> None:
     computed, there = 0, 0
-    with telling(request.grid.members, progress) as tell:
+    with counts("sweep", request.grid.members, progress) as tell:
 
         def deliver(block: Block, arrays: Arrays) -> None:
             nonlocal computed

@@ -1,21 +1,10 @@
-"""The chunks of a sweep computed by threads of this machine; with a progress bar."""
+"""The chunks of a sweep computed by threads of this machine."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
-
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from stickslip.simulated.sweep.observables import Arrays
 from stickslip.simulated.sweep.request import Block, Request, joined
@@ -53,22 +42,3 @@ def run_local(request: Request, blocks: Iterable[Block], threads: int, deliver: 
             finish()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-
-
-@contextmanager
-def telling(members: int, shown: bool) -> Iterator[Callable[[int], None]]:
-    """A progress bar over members on standard error, where it is wanted."""
-    if not shown:
-        yield lambda _: None
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("sweep", total=members)
-        yield lambda done: bar.advance(task, done)

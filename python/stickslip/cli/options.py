@@ -1,4 +1,4 @@
-"""The type of the command line's paths."""
+"""What the commands share of their options: paths with a name, folders for results, the belt's speed."""
 
 from __future__ import annotations
 
@@ -38,3 +38,14 @@ files_from_option = click.option(
     default=None,
     help="Folder that CASE may read recordings from, and below; its own, if absent.",
 )
+
+belt_option = click.option(
+    "--belt-speed-from",
+    "belt",
+    type=click.Choice(["set-point", "plateau"]),
+    default="set-point",
+    show_default=True,
+    help="Take v_b as set, or as the block rides in its sticks.",
+)
+
+out_option = click.option("--out", type=Named(file_okay=False), required=True, help="Folder for the results.")

@@ -14,6 +14,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+import stickslip
 from stickslip.cli.discover import say
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import Effect, effect
@@ -21,12 +22,11 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.toml_file import write_text
-from stickslip.discovery.loop import discover
 from stickslip.discovery.result import Found
 from stickslip.files import folder, whole
 from stickslip.measured.case import load_case
 from stickslip.measured.fit_window import Array
-from stickslip.shown.progress import telling
+from stickslip.progress import stages
 from stickslip.shown.report.write import NAMES, fill, written
 from stickslip.simulated.simulate import simulate
 
@@ -92,8 +92,8 @@ def story(out: Path, console: Console) -> Told:
         "declared model, Table 1 as a start, and the readings.\n"
     )
     case = load_case(path)
-    with folder(place / "found", NAMES) as temporary, telling("discovering", len(CATALOGUE)) as tell:
-        found = discover(case, progress=tell, budget=BUDGET)
+    with folder(place / "found", NAMES) as temporary, stages("discovering", len(CATALOGUE)) as tell:
+        found = stickslip.discover(case, progress=tell, budget=BUDGET)
         tell("drawing the report")
         fill(temporary, found, case)
     say(found, case, console)

@@ -1,4 +1,8 @@
-"""What a long search is doing, said while it runs: a line that changes on a terminal, a line now and then in a log."""
+"""What a long computation is doing, said on standard error while it runs.
+
+A share done and a count have a bar on a terminal. A search has stages: a line that changes on a terminal, a line now
+and then in a log.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +12,47 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 EVERY = 10.0  # seconds after which a log hears of a stage that lasts
 
 
 @contextmanager
-def telling(title: str, effects: int = 0) -> Iterator[Callable[[str], None]]:
+def shares(title: str) -> Iterator[Callable[[str, float], None]]:
+    """Yield what is to be told what is being done and the share done; a bar on a terminal, nothing elsewhere."""
+    to = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    # without a terminal it would leave an empty line before an error
+    with Progress(*columns, console=to, transient=True, disable=not to.is_terminal) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda what, share: bar.update(task, description=f"{title}: {what}", completed=share)
+
+
+@contextmanager
+def counts(title: str, most: int, shown: bool) -> Iterator[Callable[[int], None]]:
+    """Yield what is to be told how many more are done of `most`; a bar where it is wanted."""
+    left = (TextColumn("left"), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        *left,
+    )
+    with Progress(*columns, console=Console(stderr=True), disable=not shown) as bar:
+        task = bar.add_task(title, total=most)
+        yield lambda done: bar.advance(task, done)
+
+
+@contextmanager
+def stages(title: str, effects: int = 0, *, every: float = EVERY) -> Iterator[Callable[[str], None]]:
     """Say what is being tried.
 
     Parameters
@@ -22,6 +61,8 @@ def telling(title: str, effects: int = 0) -> Iterator[Callable[[str], None]]:
         Of the line on a terminal.
     effects : int
         How many effects are tried at most, one after the other; 0 if that is not known.
+    every : float
+        Seconds after which a log hears of a stage that lasts.
 
     Yields
     ------
@@ -30,7 +71,7 @@ def telling(title: str, effects: int = 0) -> Iterator[Callable[[str], None]]:
     """
     err = Console(stderr=True, highlight=False)
     if not err.is_terminal:
-        with _Log(err, effects).beating() as log:
+        with _Log(err, effects, every).beating() as log:
             yield log.tell
         return
     began = time.monotonic()
@@ -50,10 +91,10 @@ def stage(what: str) -> str:
 
 
 class _Log:
-    """Lines for a log: one for each stage, and one every `EVERY` seconds of a stage that lasts."""
+    """Lines for a log: one for each stage, and one every so many seconds of a stage that lasts."""
 
-    def __init__(self, to: Console, effects: int) -> None:
-        self.to, self.effects = to, effects
+    def __init__(self, to: Console, effects: int, every: float) -> None:
+        self.to, self.effects, self.every = to, effects, every
         self.began = self.said = time.monotonic()
         self.stage, self.now = "", ""
         self.seen: list[str] = []  # what was begun in the stage, the present one last
@@ -82,9 +123,9 @@ class _Log:
             thread.join()
 
     def _beat(self) -> None:
-        while not self.over.wait(max(0.0, self.said + EVERY - time.monotonic())):
+        while not self.over.wait(max(0.0, self.said + self.every - time.monotonic())):
             with self.lock:
-                if time.monotonic() - self.said >= EVERY:
+                if time.monotonic() - self.said >= self.every:
                     self._say(self._meanwhile())
 
     def _meanwhile(self) -> str:

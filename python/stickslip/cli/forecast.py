@@ -1,0 +1,107 @@
+"""The command `stickslip forecast`: the readings that follow a recording."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import click
+import numpy as np
+
+from stickslip.cli.options import Named
+from stickslip.cli.printed import console, say_lines, say_written
+from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.rig import Rig
+from stickslip.declared.scale import read_quantity, scales
+from stickslip.declared.units import Channel
+from stickslip.errors import InputError, ModelWarning, Place
+from stickslip.files import apart, time_digits, write_csv
+from stickslip.fitted.forecast import MOST
+from stickslip.fitted.forecast import forecast as run_forecast
+from stickslip.measured.readers.tables import column_names
+from stickslip.measured.recording import Recording, load_recording
+
+
+@click.command(short_help="The readings that follow a recording.")
+@click.argument("model", type=Named())
+@click.argument("run", type=Named())
+@click.option(
+    "--belt-speed",
+    required=True,
+    help="v_b of RUN and of what follows it, in the belt channel's unit, or with one: '12 mm/s'.",
+)
+@click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
+@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
+@click.option("--figure", is_flag=True, help="Also draw the forecast after the end of the run, beside OUT.")
+def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, figure: bool) -> None:
+    """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
+
+    Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
+
+    \b
+    Example:
+      stickslip forecast found/model_after.toml CASE/run_07.csv --belt-speed 0.0140 --horizon 20 --out next.csv
+    """
+    apart(out, figure, {"MODEL": model_file(model), "RUN": run})
+    loaded = load_model(model)
+    if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
+        words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"
+        raise InputError(words, place=Place(str(model)))
+    units = scales(loaded.rig, loaded.channels)
+    v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
+    ahead = read_quantity(horizon, "t", units["t"], loaded.rig, "--horizon")
+    if ahead <= 0:
+        raise InputError("must be a finite number above 0", key="--horizon", value=horizon)
+    channels, noise = _recorded(loaded, run)
+    set_point = f"{v_b * units['belt'].size!r} {units['belt'].unit}"  # a belt left out takes its unit along
+    past = load_recording(run, loaded.rig, channels=channels, belt_speed=set_point, noise=noise)
+    step = float(np.median(np.diff(past.t)))
+    if ahead < step * (1 - 1e-9):
+        words = f"shorter than the run's sampling interval {units['t'].of(step)}"
+        raise InputError(words, key="--horizon", value=horizon)
+    if ahead > MOST * step:
+        words = (
+            f"{ahead / step:.3g} samples; {MOST} are the most, {units['t'].of(MOST * step, 4)} of this run"
+        )
+        raise InputError(words, key="--horizon", value=horizon)
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", ModelWarning)
+        frame = run_forecast(loaded, past, belt_speed=v_b, horizon=ahead)
+    write_csv(frame, out, 10)
+    written = [out]
+    if figure:
+        from stickslip.shown.plot import curves as plot
+
+        written += plot.save_figure(plot.forecast(past, frame), out.with_suffix(""))
+    say_lines(str(doubt.message) for doubt in doubts)
+    t, own = units["t"].unit, "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+    digits = time_digits(frame["t"], 6, finer=1.0)
+    first, last = (f"{x:.{digits}g}" for x in (frame["t"].iloc[0], frame["t"].iloc[-1]))
+    console.print(
+        f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {first} to {last}"
+        f"{'' if t == '1' else f' {t}'}; "
+        + ", ".join(_column(past, str(name)) for name in frame if name != "t"),
+        markup=False,
+        soft_wrap=True,
+    )
+    say_written(written)
+
+
+def _column(past: Recording, name: str) -> str:
+    """A column and its unit; where the column is a multiple of it, what 1 in it is."""
+    channel = past.channels[name]
+    if channel.scale != 1:
+        return f"{name} [{channel.scale:.4g} {channel.unit}]"
+    return name if channel.unit == "1" else f"{name} [{channel.unit}]"
+
+
+def _recorded(model: Model, run: Path) -> tuple[dict[str, Channel] | None, dict[str, float]]:
+    """The model's channels and noise, without those of a belt that this run did not record."""
+    channels = None if model.channels is None else dict(model.channels)
+    noise = dict(model.noise or {})
+    column = channels["belt"].column if channels and "belt" in channels else "belt"
+    if not any(head == column or head.startswith(f"{column} [") for head in column_names(run)):
+        noise.pop("belt", None)
+        if channels is not None:
+            channels.pop("belt", None)
+    return channels, noise

@@ -1,0 +1,71 @@
+"""The command `stickslip identify`: the friction law, from the recordings of a case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from rich.box import SIMPLE
+from rich.table import Table
+
+from stickslip.cli.options import Named, belt_option, files_from_option, force_option, out_option
+from stickslip.cli.printed import console, say_findings, say_written
+from stickslip.files import folder
+from stickslip.fitted.identified import IDENTIFIED, Identified
+from stickslip.fitted.identify import identify as run
+from stickslip.measured.case import load_case
+from stickslip.progress import shares
+
+if TYPE_CHECKING:
+    from stickslip.fitted.identify import BeltSpeed
+
+WRITTEN = (*IDENTIFIED, "friction_characteristic.svg", "friction_characteristic.png")
+
+
+@click.command(short_help="The friction law, from the recordings of a case.")
+@click.argument("case", type=Named())
+@out_option
+@belt_option
+@files_from_option
+@force_option
+def identify(case: Path, out: Path, belt: BeltSpeed, files_from: Path | None, force: bool) -> None:
+    """Identify the friction law from the train runs of CASE (rig.toml or its folder).
+
+    Writes model.toml, identified.json and the friction characteristic as SVG and PNG.
+
+    \b
+    Example:
+      stickslip identify CASE/rig.toml --out identified
+    """
+    loaded = load_case(case, files_from=files_from)
+    say_findings(loaded.findings)
+    with folder(out, WRITTEN, force=force, inputs=loaded.files) as temporary:
+        with shares("identifying") as tell:
+            found = run(loaded, belt_speed=belt, progress=tell)
+        fill_identified(found, temporary)
+    console.print(estimates_table(found))
+    for message in found.messages:
+        console.print(f"- {message}", markup=False)
+    say_written([out / name for name in WRITTEN])
+
+
+def estimates_table(found: Identified) -> Table:
+    """The identified law."""
+    table = Table(title=f"identified law: {found.law.kind}", box=SIMPLE, pad_edge=False)
+    rows = found.table()
+    for name in rows[0]:
+        table.add_column(
+            name, justify="left" if name in ("parameter", "unit", "status") else "right", no_wrap=True
+        )
+    for row in rows:
+        table.add_row(*row.values())
+    return table
+
+
+def fill_identified(found: Identified, into: Path) -> None:
+    """Write the files of an identification."""
+    from stickslip.shown.plot import curves as plot
+
+    found.fill(into)
+    plot.save_figure(plot.friction_characteristic(found), into / "friction_characteristic")
