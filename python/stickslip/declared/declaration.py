@@ -12,7 +12,7 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import AnyEffect, Tabulated, effect, tabulated
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.laws import LAWS
-from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
+from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.toml_file import Document, Key, Table
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
@@ -20,7 +20,6 @@ from stickslip.errors import InputError, did_you_mean
 T = TypeVar("T")
 
 RIG_KINDS = ("two_degree", "block_on_belt", "driven_slider")
-NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")
 SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
 
 
@@ -31,8 +30,7 @@ def read_rig(document: Document, *keys: Key, table: Table) -> AnyRig:
     if kind not in RIG_KINDS:
         raise document.error(did_you_mean(str(kind), RIG_KINDS), *keys, "kind", value=kind)
     if kind == "block_on_belt":
-        short = {"m": "mass", "k": "stiffness", "c": "damping"}
-        if given.keys() & short.keys():
+        if given.keys() & LONG.keys():
             return _made(document, keys, _block_on_belt, given)
         return _made(document, keys, BlockOnBelt, given, required=("mass", "stiffness"))
     if kind == "driven_slider":
@@ -116,19 +114,20 @@ def effect_table(one: AnyEffect) -> dict[str, object]:
 
 def _block_on_belt(*, m: float, k: float, c: float = 0.0) -> BlockOnBelt:
     """Make the block m x1'' = -k x1 - c x1' - T, its numbers in SI."""
-    with _short({"mass": "m", "stiffness": "k", "damping": "c"}):
+    with _short():
         return BlockOnBelt(mass=m, stiffness=k, damping=c)
 
 
 def _driven_slider(*, m: float, c: float = 0.0) -> DrivenSlider:
     """Make the slider m x1'' = drive - c x1' - T, its numbers in SI."""
-    with _short({"mass": "m", "damping": "c"}):
+    with _short():
         return DrivenSlider(mass=m, damping=c)
 
 
 @contextmanager
-def _short(names: Mapping[str, str]) -> Iterator[None]:
+def _short() -> Iterator[None]:
     """Say of an error under which short key the number was declared."""
+    names = {long: short for short, long in LONG.items()}
     try:
         yield
     except InputError as error:

@@ -10,6 +10,8 @@ from stickslip.arguments import explained
 from stickslip.errors import InputError, did_you_mean, number
 
 Coupling = Literal["reciprocal", "as_printed"]
+NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")  # the numbers of (2.1)
+LONG = {"m": "mass", "k": "stiffness", "c": "damping"}  # of what a file may call shortly, a rig's own name
 
 
 @explained

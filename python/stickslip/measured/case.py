@@ -19,6 +19,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.toml_file import Document, read_toml
+from stickslip.declared.uncertainty import Uncertainty
 from stickslip.declared.units import Channel, default_speed_unit, speed
 from stickslip.errors import InputError, Place, did_you_mean, nearest, number
 from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
@@ -51,6 +52,7 @@ class _Case(_Strict):
     rig: dict[str, object]
     friction: dict[str, object] = {}
     noise: dict[str, object] = {}
+    uncertainty: dict[str, object] = {}
     run: Annotated[list[_Run], Field(min_length=1)]
     channels: dict[str, dict[str, object]]
 
@@ -80,6 +82,8 @@ class Case:
         The file rig.toml.
     undeclared
         Numbers of `friction` that the file does not give: they are where a fit starts, and nobody's word.
+    known
+        How well the constants and the gains are known, as [uncertainty] says; None: nothing is said of it.
     """
 
     title: str
@@ -90,6 +94,7 @@ class Case:
     channels: Mapping[str, Channel]
     path: Path
     undeclared: tuple[str, ...] = ()
+    known: Uncertainty | None = None
 
     def __repr__(self) -> str:
         roles = ", ".join(
@@ -131,6 +136,12 @@ class Case:
         numbers = {one.name for one in fields(self.friction)}
         silent = isinstance(self.friction, PaperFriction) and numbers <= set(self.undeclared)
         return None if silent else self.friction
+
+    @property
+    def uncertainty(self) -> Uncertainty:
+        """How well the declared constants and the gains of the sensors are known."""
+        known = self.known or Uncertainty.usual(self.rig, channels=self.channels)
+        return known.of(self.rig)
 
     def model(self, *, friction: FrictionLaw | None = None, effects: tuple[AnyEffect, ...] = ()) -> Model:
         """Return the declared model, or one with another law and effects; it knows columns and noise."""
@@ -190,6 +201,9 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     with document.at("noise"):
         noise = {name: number(name, value) for name, value in declared.noise.items()}  # type: ignore[arg-type]
         noise_in_model(noise, channels, rig)
+    with document.at("uncertainty"):
+        usual = Uncertainty.usual(rig, declared.rig, channels)
+        known = usual.with_table(declared.uncertainty)
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
     _check_runs(document, declared.run, allowed)
     runs = tuple(
@@ -197,7 +211,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     )
     title = declared.title or document.path.resolve().parent.name
     undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
-    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared)
+    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared, known)
 
 
 def _case_file(path: Path) -> Path:
