@@ -12,12 +12,12 @@ import pytest
 from stickslip import _core
 from stickslip.declared import effects, friction
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
-from stickslip.declared.dimensions import UNITS
+from stickslip.declared.dimensions import Dimension
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.effect_terms import Adds
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.laws import LAWS
-from stickslip.declared.scale import law_dimension
+from stickslip.declared.si import dimension
 from stickslip.discovery.rivals import PERIODIC
 
 FILES = sorted(path.stem for path in Path(effects.__path__[0]).glob("*.py") if path.stem != "__init__")
@@ -45,7 +45,7 @@ def test_no_two_effects_have_one_rank() -> None:
 def test_an_effect_has_words_and_units(kind: EffectKind) -> None:
     assert kind.words
     assert kind.words[0].islower()
-    assert all(info.dimension in UNITS and info.meaning for info in kind.parameters)
+    assert all(isinstance(info.dimension, Dimension) and info.meaning for info in kind.parameters)
 
 
 @pytest.mark.parametrize("kind", CATALOGUE.values(), ids=lambda kind: kind.name)
@@ -113,7 +113,7 @@ def test_every_number_of_a_law_is_lowered_and_has_a_dimension(law: type[Friction
     assert numbers == {*law.single, *law.each_way, *(f"{name}_plus" for name in law.each_way)}
     slots = {*law.single, *(f"{name}_{side}" for name in law.each_way for side in ("minus", "plus"))}
     assert slots <= set(_core.PARAMETERS)
-    assert all(law_dimension(name) is not None for name in numbers)
+    assert all(dimension(name) is not None for name in numbers)
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.kind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -12,11 +12,14 @@ import pytest
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
-from stickslip.declared.scale import law_scale
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN
+from stickslip.declared.dimensions import NUMBER
+from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.laws import LAWS
+from stickslip.declared.si import OF_EFFECTS, si_of
+from stickslip.discovery.result import Interval
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import page
-from stickslip.shown.report.si import EFFECTS, to_si
 
 OMEGA = ((6243.0 + 362.1) / 42.3) ** 0.5
 
@@ -32,7 +35,7 @@ def test_si_values_are_the_scaled_ones(tmp_path: Path) -> None:
 def test_every_parameter_of_the_catalogue_has_its_dimension() -> None:
     scaled = {**CATALOGUE, **CONSTANTS}  # a driven slider is in the numbers of its readings
     names = {f"{k.name}.{p.name}" for k in scaled.values() for p in k.parameters if p.name != "phi"}
-    assert names <= set(EFFECTS)
+    assert names <= set(OF_EFFECTS)
 
 
 @pytest.mark.parametrize(
@@ -48,9 +51,10 @@ def test_every_parameter_of_the_catalogue_has_its_dimension() -> None:
     ],
 )
 def test_si_by_the_rigs_own_numbers(name: str, value: float, expected: float, unit: str) -> None:
-    got = to_si(name, value, found_by_hand.rig(si=True))
-    assert got == (pytest.approx(expected, rel=2e-4), unit)
-    assert to_si(name, value, found_by_hand.rig(si=False)) is None
+    got = si_of(name, found_by_hand.rig(si=True))
+    assert got is not None
+    assert (got.of(value), got.unit) == (pytest.approx(expected, rel=2e-4), unit)
+    assert si_of(name, found_by_hand.rig(si=False)) is None
 
 
 RIG_FOUND = [  # numbers found, and the constants that they make of the declared ones
@@ -88,10 +92,87 @@ def test_a_wrong_number_of_the_rig_has_its_constant_in_si(
     assert all(f"{name} = " in text for name in expected)
 
 
-@pytest.mark.parametrize("kind", [ss.PaperFriction, ss.CoulombFriction, ss.HyperbolicFriction])
-def test_every_number_of_every_law_has_si_values_that_agree_with_the_command_lines(kind: type) -> None:
-    rig = found_by_hand.rig(si=True)
-    for name in (one.name for one in fields(kind) if one.name != "kind"):
-        value, unit = to_si(name, 2.0, rig)
-        scale = law_scale(name, rig)
-        assert (value, unit) == (pytest.approx(2.0 * scale.size, rel=1e-12), scale.unit)
+BLOCK = """
+[rig]
+kind = "block_on_belt"
+m = 0.037
+k = 168.0
+[[run]]
+file = "run.csv"
+role = "train"
+belt_speed = 0.001
+[channels]
+t = { column = "t", unit = "UNIT" }
+x1 = { column = "x1", unit = "LENGTH" }
+"""
+SLIDER = (
+    BLOCK.replace("block_on_belt", "driven_slider")
+    .replace("k = 168.0\n", "")
+    .replace("belt_speed = 0.001\n", "")
+)
+SLIDER += 'drive = { column = "F", unit = "FORCE" }\n'
+
+
+def other(folder: Path, text: str, *, si: bool = True) -> ss.Case:
+    rows = "".join(f"{0.1 * i:.1f},{0.001 * (i % 7)},{0.3 * (i % 5)}\n" for i in range(80))
+    (folder / "run.csv").write_text(f"t,x1,F\n{rows}")
+    for word, unit in (("UNIT", "s"), ("LENGTH", "mm"), ("FORCE", "N")):
+        text = text.replace(word, unit if si else "1")
+    (folder / "rig.toml").write_text(text)
+    return ss.load_case(folder / "rig.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "kinds"), [(BLOCK, {**CATALOGUE, **CONSTANTS}), (SLIDER, DRIVEN)], ids=["block", "slider"]
+)
+def test_other_rigs_have_every_law_and_every_effect_in_si(
+    tmp_path: Path, text: str, kinds: dict[str, EffectKind]
+) -> None:
+    """A block on a belt and a driven slider in SI: their numbers are SI values, and have their units in the report."""
+    whole, _ = made(tmp_path)
+    case = other(tmp_path, text)
+    for law in LAWS.values():
+        numbers = {name: Interval(2.0, 1.0, 3.0) for name in law.dimensions}
+        report = contents(replace(whole, law=numbers, law_before=numbers), case)
+        for rows in (report["law"], report["law_before"]):
+            for name, one in rows.items():  # type: ignore[union-attr]
+                assert (one["value_si"], one["low_si"], one["unit"]) == (2.0, 1.0, law.dimensions[name].unit)  # type: ignore[index, call-overload]
+    for kind in (one for one in kinds.values() if not one.two_degree):
+        numbers = {p.name: Interval(0.5, 0.4, 0.6) for p in kind.parameters}
+        effect = replace(whole.effects[0], name=kind.name, parameters=numbers, curve=None)
+        given = contents(replace(whole, effects=(effect,)), case)["effects"][0]["parameters"]  # type: ignore[index, call-overload]
+        for p in kind.parameters:
+            one = given[p.name]
+            if kind.corrects in ("mass", "stiffness"):
+                declared = getattr(case.rig, kind.corrects)
+                assert (one["si_name"], one["value_si"]) == (kind.corrects, pytest.approx(1.5 * declared))
+            elif p.dimension == NUMBER:
+                assert "value_si" not in one
+            else:
+                assert (one["value_si"], one["high_si"], one["unit"]) == (0.5, 0.6, p.dimension.unit)
+    bare = other(tmp_path, text, si=False)
+    assert "value_si" not in contents(whole, bare)["law"]["T_s_minus"]  # type: ignore[index, call-overload, operator]
+
+
+def test_a_learned_curve_has_its_values_in_si(tmp_path: Path) -> None:
+    found, case = made(tmp_path, verdict="unlisted_effect")
+    report = json.loads(json.dumps(contents(found, case)))
+    jsonschema.validate(report, SCHEMA)
+    curve = report["effects"][0]["curve"]
+    assert (curve["unit"], curve["x_unit"]) == ("N", "m")
+    scale = 362.1 * 0.0089
+    for side in ("value", "low", "high"):
+        assert curve[f"{side}_si"] == pytest.approx([scale * one for one in curve[side]])
+
+
+def test_the_page_of_a_block_on_a_belt_has_units(tmp_path: Path) -> None:
+    whole, _ = made(tmp_path)
+    case = other(tmp_path, BLOCK)
+    numbers = {"static": Interval(0.11, 0.1, 0.12)}
+    aging = {"dT": Interval(0.02, 0.01, 0.03), "tau": Interval(4.0, None, None)}
+    effect = replace(whole.effects[0], name="static_aging", parameters=aging)
+    found = replace(whole, effects=(effect,), law=numbers, law_before=numbers)
+    text = page(found, case, contents(found, case), {})
+    assert "0.11 N" in text
+    assert "0.02 N" in text
+    assert "4 s" in text

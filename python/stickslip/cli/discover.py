@@ -15,6 +15,7 @@ from stickslip.cli.options import Named, files_from_option, force_option
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.rig import Rig
+from stickslip.declared.si import scales_of
 from stickslip.discovery.result import Found
 from stickslip.files import folder
 from stickslip.measured.case import Case, load_case
@@ -107,14 +108,14 @@ def effects_table(found: Found, case: Case) -> Table:
     wrong = any(effect.of_rig for effect in found.effects)
     table = Table(title="wrong in the declared rig" if wrong else "what the declared model lacks")
     table.add_column("number", no_wrap=True)
-    si = case.rig.scales is not None if isinstance(case.rig, Rig) else True
+    si = scales_of(case.rig, case.channels) is not None
     for name in ("value", "95 % interval", *(("in SI",) if si else ())):
         table.add_column(name, justify="right", no_wrap=True)
     for effect in found.effects:
         if not effect.of_rig:
             table.add_row(f"[bold]{effect.name}[/bold]")
         for parameter, one in effect.parameters.items():
-            own = (si_text(effect, parameter, case.rig),) if si else ()
+            own = (si_text(effect, parameter, case),) if si else ()
             table.add_row(f"  {parameter}", *words.spanned(one), *own)
         if effect.curve is not None:
             table.add_row("  a curve", effect.curve.guess or "-")

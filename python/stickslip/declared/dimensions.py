@@ -1,33 +1,53 @@
-"""What a number of the model measures: exponents of the rig's scales, and the SI units that they make."""
+"""What a number measures: exponents of a rig's scales, and the SI unit that they make. The one table of dimensions.
+
+A number of an effect, of a law or of a rig names its dimension beside itself; its value in SI follows from the scales.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
 
-# exponents of (length, omega, k2): value in SI = value * length^a omega^b k2^c
-Dimension = tuple[int, int, int]
-NUMBER: Dimension = (0, 0, 0)
-TIME, RATE = (0, -1, 0), (0, 1, 0)
-LENGTH, SPEED = (1, 0, 0), (1, 1, 0)
-FORCE, STIFFNESS, DAMPING = (1, 0, 1), (0, 0, 1), (0, -1, 1)
-QUADRATIC_DAMPING, CUBIC_STIFFNESS = (-1, -2, 1), (-2, 0, 1)
-PER_LENGTH, PER_FORCE, PER_SPEED = (-1, 0, 0), (-1, 0, -1), (-1, -1, 0)
-FORCE_RATE, SPEED_BY_FORCE = (1, 1, 1), (0, 1, -1)
 
-UNITS: Mapping[Dimension, str] = {
-    NUMBER: "1",
-    TIME: "s",
-    RATE: "1/s",  # of a growth; angular frequencies are in rad/s
-    LENGTH: "m",
-    SPEED: "m/s",
-    FORCE: "N",
-    STIFFNESS: "N/m",
-    DAMPING: "N s/m",
-    QUADRATIC_DAMPING: "N s^2/m^2",
-    CUBIC_STIFFNESS: "N/m^3",
-    SPEED_BY_FORCE: "m/(N s)",
-    PER_LENGTH: "1/m",
-    PER_FORCE: "1/N",
-    PER_SPEED: "s/m",
-    FORCE_RATE: "N/s",
-}
+class _Scales(Protocol):
+    """What is 1 in the model, in SI: see `stickslip.declared.rig.Scales`."""
+
+    @property
+    def length(self) -> float: ...
+    @property
+    def omega(self) -> float: ...
+    @property
+    def k2(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """Value in SI = value * length^a omega^b k2^c, in `unit`."""
+
+    a: int
+    b: int
+    c: int
+    unit: str
+
+    def size(self, scales: _Scales) -> float:
+        """SI value of 1 in the model's numbers."""
+        return float(scales.length**self.a * scales.omega**self.b * scales.k2**self.c)
+
+
+NUMBER = Dimension(0, 0, 0, "1")
+TIME, RATE = Dimension(0, -1, 0, "s"), Dimension(0, 1, 0, "1/s")
+ANGULAR_FREQUENCY = Dimension(0, 1, 0, "rad/s")
+LENGTH, SPEED = Dimension(1, 0, 0, "m"), Dimension(1, 1, 0, "m/s")
+MASS, INERTIA = Dimension(0, -2, 1, "kg"), Dimension(2, -2, 1, "kg m^2")
+FORCE, STIFFNESS, DAMPING = (
+    Dimension(1, 0, 1, "N"),
+    Dimension(0, 0, 1, "N/m"),
+    Dimension(0, -1, 1, "N s/m"),
+)
+QUADRATIC_DAMPING, CUBIC_STIFFNESS = Dimension(-1, -2, 1, "N s^2/m^2"), Dimension(-2, 0, 1, "N/m^3")
+PER_LENGTH, PER_FORCE, PER_SPEED = (
+    Dimension(-1, 0, 0, "1/m"),
+    Dimension(-1, 0, -1, "1/N"),
+    Dimension(-1, -1, 0, "s/m"),
+)
+FORCE_RATE, SPEED_BY_FORCE = Dimension(1, 1, 1, "N/s"), Dimension(0, 1, -1, "m/(N s)")

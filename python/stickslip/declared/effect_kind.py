@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from stickslip.declared.dimensions import LENGTH, NUMBER, RATE, TIME, Dimension
+from stickslip.declared.dimensions import ANGULAR_FREQUENCY, LENGTH, NUMBER, TIME, Dimension
 from stickslip.declared.effect_terms import Adds, Behaves
 from stickslip.errors import InputError, did_you_mean
 
@@ -168,7 +168,7 @@ def time_constant(sought: tuple[float, float] | None = None) -> ParameterInfo:
 
 def frequency() -> ParameterInfo:
     """An angular frequency w."""
-    return positive("w", "angular frequency", RATE, (0.05, 60.0))
+    return positive("w", "angular frequency", ANGULAR_FREQUENCY, (0.05, 60.0))
 
 
 def wavelength() -> ParameterInfo:

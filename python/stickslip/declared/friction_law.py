@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.declared.dimensions import Dimension
 from stickslip.errors import number
 
 Floats = NDArray[np.float64]
@@ -39,14 +40,14 @@ class FrictionLaw:
 
     `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those
     of one branch, `each_way` those that have a twin `..._plus` for v_w > 0, which is None where both are the same.
-    `dimensions` has the exponents of (force, speed) of every number, twins aside.
+    `dimensions` has what every number measures, twins aside.
     """
 
     kind: ClassVar[str]
     rank: ClassVar[int]
     single: ClassVar[tuple[str, ...]] = ()
     each_way: ClassVar[tuple[str, ...]] = ()
-    dimensions: ClassVar[Mapping[str, tuple[int, int]]]
+    dimensions: ClassVar[Mapping[str, Dimension]]
 
     @property
     def static_limits(self) -> tuple[float, float]:

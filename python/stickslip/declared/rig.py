@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, Self, get_args
 
 from stickslip.arguments import explained
+from stickslip.declared.dimensions import (
+    DAMPING,
+    INERTIA,
+    LENGTH,
+    MASS,
+    NUMBER,
+    STIFFNESS,
+    Dimension,
+)
 from stickslip.errors import InputError, did_you_mean, number
 
 Coupling = Literal["reciprocal", "as_printed"]
@@ -87,6 +97,15 @@ class Rig:
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2", "y1", "y2")
+    dimensions: ClassVar[Mapping[str, Dimension]] = {
+        **dict.fromkeys(NONDIMENSIONAL, NUMBER),
+        "m": MASS,
+        "J": INERTIA,
+        "r": LENGTH,
+        "length": LENGTH,
+        **dict.fromkeys(("k1", "k2", "k3"), STIFFNESS),
+        **dict.fromkeys(("c1", "c2"), DAMPING),
+    }
 
     alpha1: float
     alpha2: float
@@ -215,6 +234,11 @@ class BlockOnBelt:
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
+    dimensions: ClassVar[Mapping[str, Dimension]] = {
+        **dict.fromkeys(("mass", "m"), MASS),
+        **dict.fromkeys(("stiffness", "k"), STIFFNESS),
+        **dict.fromkeys(("damping", "c"), DAMPING),
+    }
 
     mass: float = 1.0
     stiffness: float = 1.0
@@ -247,6 +271,10 @@ class DrivenSlider:
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
+    dimensions: ClassVar[Mapping[str, Dimension]] = {
+        **dict.fromkeys(("mass", "m"), MASS),
+        **dict.fromkeys(("damping", "c"), DAMPING),
+    }
 
     mass: float
     damping: float = 0.0

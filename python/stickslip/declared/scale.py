@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
-from stickslip.declared.laws import LAWS
-from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.declared.dimensions import FORCE
+from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.si import si_of
 from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle, with_unit
 from stickslip.errors import InputError, number
 
@@ -37,22 +38,16 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
     Parameters
     ----------
     rig
-        One with scales, or a `BlockOnBelt` with channels in units, is read in units; another in bare numbers.
+        One with scales, or a rig of another kind with channels in units, is read in units; another in bare numbers.
     channels
         Units of the readings, each its own, "1" too; velocities follow from them. SI where there are none.
     """
-    units = {name: one.unit for name, one in (channels or {}).items()}
-    if isinstance(rig, BlockOnBelt):
-        if not units or "1" in units.values():
-            return {name: Scale() for name in ("t", "x1", "x2", "belt", "force")}
-        units = {"x1": "mm", **units}
-        force = 1.0
-    else:
-        if not isinstance(rig, Rig) or rig.scales is None:
-            return {name: Scale() for name in ("t", "x1", "x2", "y1", "y2", "belt", "force")}
-        units = {"x1": "m", "y1": "m", **units}
-        force = rig.scales.force
-    units = {"t": "s", "belt": default_speed_unit(rig), **units}
+    force = si_of(FORCE, rig, channels)
+    if force is None:
+        return {name: Scale() for name in get_args(Quantity)}
+    usual = {"x1": "m", "y1": "m"} if isinstance(rig, Rig) else {"x1": "mm"}
+    units = {"t": "s", "belt": default_speed_unit(rig), **usual}
+    units |= {name: one.unit for name, one in (channels or {}).items()}
     out: dict[Quantity, Scale] = {"t": Scale(1 / factor("t", units["t"], rig), units["t"])}
     places: tuple[tuple[Quantity, Quantity], ...] = (("x1", "x2"), ("y1", "y2"))
     for place, velocity in places:
@@ -61,27 +56,14 @@ def scales(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> dict[Q
             per = "1" if units[place] == units["t"] == "1" else f"{units[place]}/{units['t']}"
             out[velocity] = Scale(out[place].size / out["t"].size, per)
     out["belt"] = Scale(1 / factor("belt", units["belt"], rig), units["belt"])
-    out["force"] = Scale(force, "N")
+    out["force"] = Scale(force.size, force.unit)
     return out
-
-
-_LAW = {name: exponents for law in LAWS.values() for name, exponents in law.dimensions.items()}
-_UNITS = {(1, 0): "N", (0, 1): "m/s", (0, -1): "s/m", (1, -2): "N s^2/m^2"}
-
-
-def law_dimension(name: str) -> tuple[int, int] | None:
-    """Return the exponents of (force, speed) of a law's number; None for a name that no law has."""
-    return _LAW.get(name.removesuffix("_plus"))
 
 
 def law_scale(name: str, rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> Scale:
     """Return how a number of a friction law is read: in SI, or bare where the rig is."""
-    known = scales(rig, channels)
-    if known["force"].unit == "1":
-        return Scale()
-    force, speed = exponents = law_dimension(name) or (1, 0)
-    velocity = rig.scales.velocity if isinstance(rig, Rig) and rig.scales else 1.0
-    return Scale(known["force"].size ** force * velocity**speed, _UNITS[exponents])
+    known = si_of(name, rig, channels)
+    return Scale() if known is None else Scale(known.size, known.unit)
 
 
 def plainly(value: float, digits: int = 2) -> str:

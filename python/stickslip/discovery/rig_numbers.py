@@ -161,12 +161,16 @@ def declared(rig: Rig, name: str) -> float:
 
 @dataclass(frozen=True)
 class Constant:
-    """The SI constant behind a number of the rig, everything else as declared: (number - least) size, in `unit`."""
+    """The SI constant behind a number of the rig, everything else as declared: (number - least) size."""
 
     name: str
-    unit: str
     size: float
     least: float = 0.0
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return Rig.dimensions[self.name].unit
 
     def of(self, value: float) -> float:
         """Its value for one of the number."""
@@ -184,12 +188,12 @@ def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> Constant 
     omega, k2, r = rig.scales.omega, rig.scales.k2, rig.scales.r
     eta1 = found["eta1"].value if "eta1" in found else rig.eta1
     known = {
-        "alpha2": Constant("J", "kg m^2", r * r * k2 / omega**2),
-        "beta3": Constant("k3", "N/m", k2, 1.0),
-        "eta1": Constant("c1", "N s/m", k2 / omega),
-        "eta12": Constant("c2", "N s/m", k2 / omega, eta1),
-        "inertia": Constant("m", "kg", k2 / omega**2),
-        "stiffness": Constant("k1", "N/m", k2, 1.0),
+        "alpha2": Constant("J", r * r * k2 / omega**2),
+        "beta3": Constant("k3", k2, 1.0),
+        "eta1": Constant("c1", k2 / omega),
+        "eta12": Constant("c2", k2 / omega, eta1),
+        "inertia": Constant("m", k2 / omega**2),
+        "stiffness": Constant("k1", k2, 1.0),
     }
     return known.get(name)
 

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from stickslip.arguments import explained
+from stickslip.declared.dimensions import FORCE, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
 from stickslip.errors import InputError
 
@@ -34,7 +35,7 @@ class CoulombFriction(FrictionLaw):
     kind: ClassVar[str] = "coulomb"
     rank: ClassVar[int] = 20
     each_way: ClassVar[tuple[str, ...]] = ("static", "kinetic")
-    dimensions: ClassVar[Mapping[str, tuple[int, int]]] = {"static": (1, 0), "kinetic": (1, 0)}
+    dimensions: ClassVar[Mapping[str, Dimension]] = {"static": FORCE, "kinetic": FORCE}
 
     static: float = 1.0
     kinetic: float = 0.5

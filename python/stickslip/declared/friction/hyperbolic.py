@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from stickslip.arguments import explained
+from stickslip.declared.dimensions import FORCE, PER_SPEED, QUADRATIC_DAMPING, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
 from stickslip.errors import InputError
 
@@ -37,11 +38,11 @@ class HyperbolicFriction(FrictionLaw):
     kind: ClassVar[str] = "hyperbolic"
     rank: ClassVar[int] = 30
     each_way: ClassVar[tuple[str, ...]] = ("scale", "decay", "constant", "quadratic")
-    dimensions: ClassVar[Mapping[str, tuple[int, int]]] = {
-        "scale": (1, 0),
-        "decay": (0, -1),
-        "constant": (1, 0),
-        "quadratic": (1, -2),
+    dimensions: ClassVar[Mapping[str, Dimension]] = {
+        "scale": FORCE,
+        "decay": PER_SPEED,
+        "constant": FORCE,
+        "quadratic": QUADRATIC_DAMPING,
     }
 
     scale: float = 1.0

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from stickslip.arguments import explained
+from stickslip.declared.dimensions import FORCE, SPEED, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, Value, check_numbers
 from stickslip.errors import InputError
 
@@ -54,9 +55,9 @@ class PaperFriction(FrictionLaw):
         "T_min_plus",
         "v_w_max",
     )
-    dimensions: ClassVar[Mapping[str, tuple[int, int]]] = {
-        **dict.fromkeys(("T_s_minus", "T_min_minus", "T_s", "T_min", "A1", "A2"), (1, 0)),
-        **dict.fromkeys(("t1", "t2", "v_w_min", "v_w_max"), (0, 1)),
+    dimensions: ClassVar[Mapping[str, Dimension]] = {
+        **dict.fromkeys(("T_s_minus", "T_min_minus", "T_s_plus", "T_min_plus", "A1", "A2"), FORCE),
+        **dict.fromkeys(("t1", "t2", "v_w_min", "v_w_max"), SPEED),
     }
 
     T_s_minus: float = 5.94

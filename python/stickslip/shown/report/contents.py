@@ -8,13 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from stickslip._core import build_config
-from stickslip.declared.dimensions import UNITS
-from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
-from stickslip.discovery.result import Found, FoundEffect, Interval, Json, plain
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.rig import DrivenSlider, Rig
+from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension, scales_of, si_of
+from stickslip.discovery.result import Curve, Found, FoundEffect, Interval, Json, plain
 from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
-from stickslip.shown.report.si import VARIABLES, factor, scales_of, to_si
 from stickslip.shown.report.units import axes_of
 
 FORMAT = 1  # raised when a key of report.json changes its meaning
@@ -32,7 +32,7 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     Returns
     -------
     dict
-        `Found.report` with, for a rig declared in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
+        `Found.report` with, for a case in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
         parameter that has a dimension (`si_name` too where it is a number of the rig), and with `summary`, `caveats`,
         `parameters` and `provenance`.
     """
@@ -41,42 +41,54 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
     axes = None if isinstance(case.rig, DrivenSlider) else axes_of(case)
     out["caveats"] = list(words.caveats(found, axes))
-    out["effects"] = [_effect(one, case.rig) for one in found.effects]
+    out["effects"] = [_effect(one, case) for one in found.effects]
+    for which, law in (("law", found.law), ("law_before", found.law_before)):
+        out[which] = {name: {**_table(plain(one)), **_si(name, one, case)} for name, one in law.items()}
     out["parameters"] = [*parameter_table(found, case)]
     out["provenance"] = provenance(case, found.seconds)
     first = ("format", "title", "verdict", "summary", "effects", "error")
     return {key: out[key] for key in (*first, *(key for key in out if key not in first))}
 
 
-def _effect(one: FoundEffect, rig: AnyRig) -> dict[str, Json]:
+def _effect(one: FoundEffect, case: Case) -> dict[str, Json]:
     out = plain(one)
     assert isinstance(out, dict)
     out["parameters"] = {
-        name: {**_table(plain(number)), **in_si(one, name, rig)} for name, number in one.parameters.items()
+        name: {**_table(plain(number)), **in_si(one, name, case)} for name, number in one.parameters.items()
     }
     out["alternatives"] = [
-        {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, rig)} for a in one.alternatives
+        {**_table(plain(a)), "parameters": _parameters(a.name, a.parameters, case)} for a in one.alternatives
     ]
     out["words"] = words.kind(one)
-    scales = scales_of(rig)
-    if one.curve is not None and scales is not None and one.curve.variable in VARIABLES:
-        dimension = VARIABLES[one.curve.variable]
-        si: dict[str, Json] = {
-            "x_si": plain(one.curve.x * factor(dimension, scales)),
-            "x_unit": UNITS[dimension],
-        }
-        out["curve"] = {**_table(out["curve"]), **si}
+    if one.curve is not None:
+        out["curve"] = {**_table(out["curve"]), **_curve(one.curve, case)}
     return out
 
 
-def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
+def _curve(curve: Curve, case: Case) -> dict[str, Json]:
+    """A learned curve in SI: its variable and its values, where they have a unit."""
+    out: dict[str, Json] = {}
+    x = si_of(OF_VARIABLES[curve.variable], case.rig, case.channels)
+    value = si_of(curve_dimension(curve.where), case.rig, case.channels)
+    if x is not None:
+        out |= {"x_si": plain(curve.x * x.size), "x_unit": x.unit}
+    if value is not None:
+        sides = {"value": curve.value, "low": curve.low, "high": curve.high}
+        out |= {f"{side}_si": plain(g * value.size) for side, g in sides.items()} | {"unit": value.unit}
+    return out
+
+
+def in_si(effect: FoundEffect, name: str, case: Case) -> dict[str, Json]:
     """A parameter's value, limits and unit in SI; `si_name` says which constant a wrong number of the rig stands for.
 
     Empty where there is no one number in SI.
     """
-    one = effect.parameters[name]
+    one, rig = effect.parameters[name], case.rig
+    corrects = KINDS[effect.name].corrects if effect.name in KINDS else None
+    if corrects is not None and hasattr(rig, corrects):
+        return _corrected(corrects, one, case)
     if not effect.of_rig:
-        return _si(f"{effect.name}.{name}", one, rig)
+        return _si(f"{effect.name}.{name}", one, case)
     what = constant(rig, name, effect.parameters)
     if what is None:
         return {}
@@ -91,9 +103,20 @@ def in_si(effect: FoundEffect, name: str, rig: AnyRig) -> dict[str, Json]:
     }
 
 
-def si_text(effect: FoundEffect, name: str, rig: AnyRig) -> str:
+def _corrected(number: str, error: Interval, case: Case) -> dict[str, Json]:
+    """A declared number of a block on a belt, or of a driven slider, with the relative error that was found."""
+    measures = dimension(number)
+    if measures is None or scales_of(case.rig, case.channels) is None:
+        return {}
+    declared = float(getattr(case.rig, number))
+    limits = (("value_si", error.value), ("low_si", error.low), ("high_si", error.high))
+    sizes: dict[str, Json] = {key: None if e is None else declared * (1 + e) for key, e in limits}
+    return {"si_name": number, **sizes, "unit": measures.unit}
+
+
+def si_text(effect: FoundEffect, name: str, case: Case) -> str:
     """A parameter in SI for a table: "0.22 N", or "J = 0.22 kg m^2" where it stands for a constant of the rig."""
-    one = in_si(effect, name, rig)
+    one = in_si(effect, name, case)
     size = one.get("value_si")
     if not isinstance(size, float):
         return "-"
@@ -106,19 +129,19 @@ def _table(value: Json) -> dict[str, Json]:
     return value
 
 
-def _parameters(effect: str, values: Mapping[str, Interval], rig: AnyRig) -> dict[str, Json]:
-    return {name: {**_table(plain(one)), **_si(f"{effect}.{name}", one, rig)} for name, one in values.items()}
+def _parameters(effect: str, values: Mapping[str, Interval], case: Case) -> dict[str, Json]:
+    return {
+        name: {**_table(plain(one)), **_si(f"{effect}.{name}", one, case)} for name, one in values.items()
+    }
 
 
-def _si(name: str, one: Interval, rig: AnyRig) -> dict[str, Json]:
-    at = to_si(name, one.value, rig)
-    if at is None:
+def _si(name: str, one: Interval, case: Case) -> dict[str, Json]:
+    known = si_of(name, case.rig, case.channels)
+    if known is None:
         return {}
-    out: dict[str, Json] = {"value_si": at[0], "unit": at[1]}
-    for key, limit in (("low_si", one.low), ("high_si", one.high)):
-        converted = None if limit is None else to_si(name, limit, rig)
-        out[key] = None if converted is None else converted[0]
-    return out
+    limits = (("low_si", one.low), ("high_si", one.high))
+    sizes: dict[str, Json] = {key: None if limit is None else known.of(limit) for key, limit in limits}
+    return {"value_si": known.of(one.value), "unit": known.unit, **sizes}
 
 
 def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
@@ -126,14 +149,14 @@ def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
     rows: list[dict[str, Json]] = []
     for name, one in found.law.items():
         own: dict[str, Json] = {"name": name, "kind": "law", "before": plain(found.law_before.get(name))}
-        rows.append({**own, **_status(one), **_si(name, one, case.rig)})
+        rows.append({**own, **_status(one), **_si(name, one, case)})
     for effect in found.effects:
         for name, one in effect.parameters.items():
             own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
             before = None
             if effect.of_rig and isinstance(case.rig, Rig):
                 before = plain(Interval(declared(case.rig, name), None, None))
-            rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case.rig)})
+            rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case)})
     return rows
 
 

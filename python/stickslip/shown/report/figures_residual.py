@@ -10,7 +10,8 @@ from matplotlib.axes import Axes as Plot
 from matplotlib.figure import Figure
 from scipy.stats import binned_statistic
 
-from stickslip.declared.dimensions import FORCE, NUMBER, Dimension
+from stickslip.declared.dimensions import FORCE
+from stickslip.declared.si import curve_dimension
 from stickslip.discovery.result import Curve, Found, FoundEffect, RunView, Verdict
 from stickslip.measured.fit_window import Array
 from stickslip.shown.plot.curves import BAND, DOTS, GREY, label
@@ -248,9 +249,8 @@ def _curve(ax: Plot, one: Curve, axes: Axes) -> None:
 
 
 def _curve_unit(one: Curve, axes: Axes) -> tuple[float, str]:
-    dimension: Dimension = FORCE if one.where in ("block", "angle_body") else NUMBER
     if one.where == "x1 channel":
         return axes.x1.size, axes.x1.unit
     if one.where == "y1 channel":
         return axes.y1.size, axes.y1.unit
-    return (axes.force.size, axes.force.unit) if dimension == FORCE else (1.0, "1")
+    return (axes.force.size, axes.force.unit) if curve_dimension(one.where) == FORCE else (1.0, "1")

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.declared.dimensions import FORCE, SPEED, UNITS
-from stickslip.declared.scale import scales as read_in
+from stickslip.declared.scale import scales
+from stickslip.declared.si import scales_of
 from stickslip.fitted.compare import per_model, speed_unit
 from stickslip.measured.case import Case
-from stickslip.shown.report.si import VARIABLES, factor, scales_of
 
 
 @dataclass(frozen=True)
@@ -44,21 +43,14 @@ def axes_of(case: Case) -> Axes:
     y1 = per_model(run, "y1") if run.y1 is not None else 1.0
     y1_unit = run.unit("y1") if run.y1 is not None else "1"
     speed, per = speed_unit(run)
-    scales = scales_of(case.rig)
-    own = read_in(case.rig, run.channels)[
-        "force"
-    ]  # a block on a belt has no scales, but may be declared in SI
-    force = Axis(factor(FORCE, scales), UNITS[FORCE]) if scales else Axis(own.size, own.unit)
+    force = scales(case.rig, run.channels)["force"]
     rate = Axis(1.0 / t, f"rad/{run.unit('t')}") if run.unit("t") != "1" else Axis(1.0, "1")
     return Axes(
         Axis(t, run.unit("t")),
         Axis(x1, run.unit("x1")),
         Axis(y1, y1_unit),
         Axis(per, speed),
-        force,
+        Axis(force.size, force.unit),
         rate,
-        scales is not None,
+        scales_of(case.rig, run.channels) is not None,
     )
-
-
-__all__ = ["SPEED", "VARIABLES", "Axes", "Axis", "axes_of"]
