@@ -171,7 +171,8 @@ for tried, change in (
     ("NaN", cell(9, 2, "nan")),
     ("infinity", cell(9, 2, "inf")),
     ("text in numbers", cell(5, 1, "overload")),
-    ("a line of units below the names", lambda lines: [lines[0], "s,mm,mm,m/s", *lines[1:]]),
+    ("a line of other units below the names", lambda lines: [lines[0], "s,m,mm,m/s", *lines[1:]]),
+    ("a line of text below the names", lambda lines: [lines[0], "time,block,leg,belt", *lines[1:]]),
     ("a row that is cut short", lambda lines: [*lines[:-1], lines[-1].split(",")[0]]),
     ("a row that is too long", lambda lines: [*lines[:4], lines[4] + ",7", *lines[5:]]),
     ("decimal commas between commas", lambda lines: [lines[0], *(x.replace(".", ",") for x in lines[2:])]),
@@ -197,7 +198,7 @@ def no_rig(folder: Path) -> None:
 
 @bad_input(RUN, "not text")
 def not_text(folder: Path) -> None:
-    (folder / "run_1.csv").write_bytes("t,x1,y1\n0,1,2\n".encode("utf-16"))
+    (folder / "run_1.csv").write_bytes(bytes(range(256)))
     case(folder, TOML)
 
 

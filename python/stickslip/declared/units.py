@@ -75,7 +75,7 @@ def in_si(unit: str, si: str, *, what: str) -> float:
     units = registry()
     try:
         parsed = units.Unit(unit)
-    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+    except Exception:  # pint raises of many kinds, those of Python's tokenizer too
         words = f"unknown unit; {what} needs one like '{si}' or '1'"
         raise InputError(words, key="unit", value=unit) from None
     try:
@@ -87,11 +87,9 @@ def in_si(unit: str, si: str, *, what: str) -> float:
 
 def is_unit(text: str) -> bool:
     """Say whether a text is a unit that pint knows."""
-    import pint
-
     try:
         registry().Unit(text)
-    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
+    except Exception:  # pint raises of many kinds, those of Python's tokenizer too
         return False
     return True
 
@@ -104,6 +102,16 @@ def same_unit(one: str, other: str) -> bool:
     try:
         return abs(float(units.Quantity(1.0, one).to(other).magnitude) - 1) < 1e-12
     except Exception:  # pint raises of many kinds: whatever it cannot turn is not the same
+        return False
+
+
+def same_dimension(one: str, other: str) -> bool:
+    """Say whether two units measure the same kind of thing; "1" is of no kind."""
+    if "1" in (one, other):
+        return one == other
+    try:
+        return bool(registry().Unit(one).is_compatible_with(other))
+    except Exception:  # pint raises of many kinds: what it does not know measures nothing
         return False
 
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
-from stickslip.declared.units import Channel, factor, is_electric, is_unit, same_unit
+from stickslip.declared.units import Channel, factor, is_electric, same_unit
 from stickslip.errors import InputError, Place, did_you_mean, number
+from stickslip.measured.heads import head_parts
+from stickslip.measured.readers.columns import Contents, Source
 from stickslip.measured.readers.tables import column_names
-
-_HEAD = re.compile(r"(.*?\S)\s*(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*(\S+))\s*$")
 
 
 def needed_channels(rig: AnyRig) -> tuple[str, ...]:
@@ -81,41 +79,48 @@ def noise_in_model(
     return turned
 
 
-def by_heads(path: str | os.PathLike[str], channels: Mapping[str, Channel]) -> dict[str, Channel]:
-    """Return the channels with their columns as the file heads them: "x1 [mm]" may stand for x1 in mm.
+def by_heads(
+    source: Source, channels: Mapping[str, Channel], file: str
+) -> tuple[dict[str, Channel], list[str]]:
+    """Return the channels with their columns as the file heads them, and what is doubtful about their units.
+
+    "x1 [mm]" may stand for x1 in mm. A unit that the file gives a column, in its head or elsewhere, is the declared
+    one, or of a voltage or a current: the output of an amplifier, of which only the declaration knows what it measures.
 
     Raises
     ------
     InputError
-        The head has another unit than the channel is declared in, and no `scale` turns one into the other.
+        The file has another unit than the channel is declared in, and no `scale` turns one into the other.
     """
-    out, there = dict(channels), column_names(path)
+    out, doubts, there = dict(channels), [], source.contents
     for name, one in channels.items():
-        if one.column in there:
-            headed = [one.column]
-        else:
-            headed = [head for head in there if (parts := head_parts(head)) and parts[0] == one.column]
-        if len(headed) != 1:
+        head = _head_of(one.column, there)
+        if head is None:
             continue
-        parts = head_parts(headed[0])
-        if parts is not None and one.scale == 1 and not same_unit(parts[1], one.unit):
-            words = f"the file has '{headed[0]}', but its channel is declared in '{one.unit}'"
-            raise InputError(words, place=Place(str(Path(path)), column=one.column))
-        out[name] = replace(one, column=headed[0])
-    return out
+        parts = head_parts(head)
+        unit = there.units.get(head) or (parts[1] if parts else None)
+        if unit is not None and one.scale == 1 and not same_unit(unit, one.unit):
+            if not is_electric(unit) or parts is not None:
+                shown = head if parts else f"{head} in {unit}"
+                words = f"the file has '{shown}', but its channel is declared in '{one.unit}'"
+                raise InputError(words, place=Place(file, column=one.column))
+            doubts.append(f"{name}: the file says {unit}; 1 {unit} is taken for 1 {one.unit}, as declared")
+        out[name] = replace(one, column=head)
+    return out, doubts
 
 
-def head_parts(head: str) -> tuple[str, str] | None:
-    """Return the name and the unit of a column's head, as "x1 [mm]", "x1(mm)" or "x1 / mm"; None if it has no unit."""
-    found = _HEAD.match(head)
-    if found is None:
-        return None
-    unit = next(part for part in found.groups()[1:] if part is not None).strip()
-    unit = "1" if unit in ("", "-") else unit
-    return (found[1], unit) if unit == "1" or is_unit(unit) else None
+def _head_of(column: str, there: Contents) -> str | None:
+    """The name that the file has for a declared column, if just one is like it."""
+    if column in there.names:
+        return column
+    heads = [head for head in there.names if (parts := head_parts(head)) and parts[0] == column]
+    if not heads and column in there.also:
+        return there.also[column]
+    return heads[0] if len(heads) == 1 else None
 
 
 def bare_channels(path: str | os.PathLike[str], rig: AnyRig) -> dict[str, Channel]:
     """Channels of a file whose columns bear the channels' names."""
-    names = [*needed_channels(rig), *(["belt"] if "belt" in column_names(path) else [])]
+    needed = needed_channels(rig)
+    names = [*needed, *(["belt"] if "belt" in column_names(path, needed) else [])]
     return {name: Channel(name) for name in names}

@@ -20,6 +20,7 @@ BESIDE = 3  # samples on either side that a glitch is judged by
 class FindingKind(Enum):
     """Kinds of findings; the value is the sentence that a report puts above them."""
 
+    GUESSED = "something of a file had to be guessed"
     GAP = "samples are missing"
     IRREGULAR = "the time base is irregular"
     CLIPPED = "a channel is clipped"

@@ -34,7 +34,7 @@ from stickslip.measured.findings import (
     size_findings,
     time_findings,
 )
-from stickslip.measured.readers.tables import Columns, Held, read_columns
+from stickslip.measured.readers.tables import Columns, Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
 
 Floats = NDArray[np.float64]
@@ -178,7 +178,7 @@ def load_recording(
     name: str | None = None,
     friction: FrictionLaw | None = None,
 ) -> Recording:
-    """Read one run from a CSV or .mat file, or take it from columns in memory.
+    """Read one run from a file, or take it from columns in memory.
 
     Parameters
     ----------
@@ -217,9 +217,10 @@ def load_recording(
         table = as_path("source", source)
     declared = dict(channels) if channels is not None else bare_channels(table, rig)
     check_channels(declared, rig)
-    declared = by_heads(table, declared)
+    opened = open_table(table, [channel.column for channel in declared.values()])
+    declared, doubts = by_heads(opened, declared, os.fspath(table))
     units = {channel.column: channel.unit for channel in declared.values()}
-    columns = read_columns(table, list(units), units)
+    columns = opened.read(list(units), units)
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     _check_times(columns, declared, raw)
@@ -246,7 +247,9 @@ def load_recording(
         noise=sizes,
         source=columns.path,
     )
-    return replace(recording, findings=tuple(_findings(recording, friction)))
+    said = [*opened.contents.doubts, *columns.doubts, *doubts]
+    guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
+    return replace(recording, findings=(*guessed, *_findings(recording, friction)))
 
 
 def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:

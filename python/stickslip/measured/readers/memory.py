@@ -27,9 +27,9 @@ def plain(values: ArrayLike, unit: str, place: Place) -> Floats:
         The column is masked somewhere, complex, of another unit's dimension, or no numbers at all.
     """
     if (own := getattr(values, "units", None)) is not None and hasattr(values, "magnitude"):
-        return plain(values.magnitude, unit, place) * _ratio(str(own), unit, place)
+        return plain(values.magnitude, unit, place) * ratio(str(own), unit, place)
     if isinstance(said := getattr(values, "attrs", None), Mapping) and said.get("units"):
-        return _column(values, place, unit) * _ratio(str(said["units"]), unit, place)
+        return _column(values, place, unit) * ratio(str(said["units"]), unit, place)
     return _column(values, place, unit)
 
 
@@ -80,10 +80,10 @@ def _times(array: NDArray[Any], unit: str, place: Place) -> Floats:
             "dates or spans of time, but the channel is nondimensional; give its unit", place=place
         )
     since = array - array[0] if array.dtype.kind == "M" and array.size else array
-    return since.astype("timedelta64[ns]").astype(np.float64) * 1e-9 * _ratio("s", unit, place)
+    return since.astype("timedelta64[ns]").astype(np.float64) * 1e-9 * ratio("s", unit, place)
 
 
-def _ratio(own: str, unit: str, place: Place) -> float:
+def ratio(own: str, unit: str, place: Place) -> float:
     """What 1 of a column's own unit is in its declared one."""
     declared = "dimensionless" if unit == "1" else unit
     try:

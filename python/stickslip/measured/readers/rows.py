@@ -1,0 +1,191 @@
+"""The numbers of a table in text: at full speed, and where something is no number, again to say in which line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip.declared.units import same_dimension
+from stickslip.errors import InputError, Place, quoted
+from stickslip.measured.readers.clock import is_time, seconds
+from stickslip.measured.readers.columns import Columns, Floats
+from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened
+from stickslip.measured.readers.memory import ratio
+
+
+def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) -> Columns:
+    """Return columns (n,) by name; one declared in a unit of time may hold clock times or dates.
+
+    Raises
+    ------
+    InputError
+        A row has too many or too few cells, or a cell is not a finite number: the line and column.
+    """
+    names = list(dict.fromkeys(names))
+    given = len(layout.header)
+    layout, count = _rectangular(layout, names)
+    if not count:
+        raise InputError("no rows below the column names", place=Place(str(layout.path), layout.header_line))
+    values: dict[str, Floats] = {}
+    for decimal in layout.decimals:
+        if (all_alike := _parsed(layout, names, decimal, count)) is not None:
+            values = all_alike
+            break
+    else:
+        for name in names:
+            values |= _one(layout, name, names, units.get(name, "1"), count)
+    if not all(np.isfinite(column).all() for column in values.values()):
+        raise_first_fault(layout, names)
+    doubts = (f"each row ends before the last {given - len(layout.header)} of {given} names",)
+    return Columns(layout.path, values, layout, doubts if len(layout.header) < given else ())
+
+
+def _one(layout: Layout, name: str, names: Sequence[str], unit: str, count: int) -> dict[str, Floats]:
+    """A column with a decimal sign of its own, or one of times."""
+    for decimal in layout.decimals:
+        if (column := _parsed(layout, [name], decimal, count)) is not None:
+            return column
+    at = layout.header.index(name)
+    if is_time(next((cells[at] for _, cells in layout.rows() if len(cells) > at), "")):
+        return {name: _times(layout, name, unit)}
+    raise_first_fault(layout, names)
+    words = "holds a cell that cannot be read as a number"
+    raise InputError(words, place=Place(str(layout.path), column=name))
+
+
+def _times(layout: Layout, name: str, unit: str) -> Floats:
+    at = layout.header.index(name)
+    cells = [cells[at] for _, cells in layout.rows()]
+    times, wrong = seconds(cells)
+    if times is None:
+        words = f"'{quoted(cells[wrong], 30)}' is no time like '{quoted(cells[0], 30)}' above"
+        raise InputError(words, place=Place(str(layout.path), layout.line(wrong), column=name))
+    if not same_dimension(unit, "s"):
+        words = f"clock times or dates, as '{quoted(cells[0], 30)}', but the channel is declared in '{unit}'"
+        raise InputError(f"{words}; give a unit of time", place=Place(str(layout.path), column=name))
+    return times * ratio("s", unit, Place(str(layout.path), column=name))
+
+
+def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> dict[str, Floats] | None:
+    """The columns, all with one decimal sign; None where a cell is no such number."""
+    import pandas as pd
+
+    places = [layout.header.index(name) for name in names]
+    try:
+        with layout.path.open("rb") as stream:
+            stream.seek(_offset(layout))
+            frame = pd.read_csv(
+                stream,
+                sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+                decimal=decimal,
+                dtype=np.float64,
+                header=None,
+                names=list(range(len(layout.header))),
+                usecols=places,
+                nrows=count if layout.last else None,
+                comment="#",
+                encoding=layout.encoding,
+                index_col=False,
+                skipinitialspace=True,
+                on_bad_lines="error",
+            )
+    except (ValueError, pd.errors.ParserWarning):  # pandas' parser errors are ValueErrors
+        return None
+    if len(frame) != count:  # a quotation mark that has swallowed line ends
+        words = f"{count} lines but {len(frame)} rows: a quotation mark is opened and not closed on its line"
+        raise InputError(words, place=Place(str(layout.path)))
+    return {name: frame[place].to_numpy(dtype=np.float64) for name, place in zip(names, places, strict=True)}
+
+
+def _offset(layout: Layout) -> int:
+    """The byte at which the rows begin: pandas is not shown what stands above, where quotation marks would bind."""
+    at = layout.mark
+    with opened(layout.path, layout.encoding, layout.mark, newline="") as stream:
+        for _ in range(layout.first - 1):
+            at += len(stream.readline().encode(layout.encoding))
+    return at
+
+
+def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
+    """Count the cells of every row; return the layout, its spare names known, and the number of rows."""
+    count, wrong = _count(layout)
+    if wrong < 0:
+        return layout, count
+    cells = next(cells for i, (_, cells) in enumerate(layout.rows()) if i == 0)
+    spare = len(layout.header) - len(cells) + (not cells[-1])
+    if wrong == 0 and spare > 0 and layout.delimiter != " ":
+        # all rows end early alike: the last names have no cells, as LabVIEW's "Comment"
+        kept = replace(
+            layout, header=layout.header[:-spare], units=layout.units[: len(layout.header) - spare]
+        )
+        count, short = _count(kept)
+        if short < 0 and all(name in kept.header for name in names):
+            return kept, count
+    raise_first_fault(layout, names)
+    raise InputError("rows of several lengths", place=Place(str(layout.path)))
+
+
+def _count(layout: Layout) -> tuple[int, int]:
+    """The number of rows, and the first that has not a cell for each name; -1: all have."""
+    most, delimiter = len(layout.header), layout.delimiter
+    least, rows = most - layout.spare, 0
+    with opened(layout.path, layout.encoding, layout.mark) as stream:
+        for number, line in enumerate(stream, start=1):
+            if number < layout.first:
+                continue
+            if layout.last and number > layout.last:
+                break
+            count = len(line.split()) if delimiter == " " else line.count(delimiter) + 1
+            if count == most and count > 1 and '"' not in line and "#" not in line and line[0] not in "%/":
+                rows += 1
+                continue
+            if not (text := bare(line, delimiter)):
+                continue
+            if not fits(cells_of(text, delimiter), least, most):
+                return rows, rows
+            rows += 1
+    return rows, -1
+
+
+def fits(cells: Sequence[str], least: int, most: int) -> bool:
+    """Whether a row has a cell for each name; a separator may end it."""
+    return least <= len(cells) <= most or (len(cells) == most + 1 and not cells[-1])
+
+
+def raise_first_fault(layout: Layout, names: Sequence[str]) -> None:
+    """Raise the first cell that is not a finite number, or the first row that is too short or too long."""
+    width = len(layout.header)
+    at = {name: layout.header.index(name) for name in names if name in layout.header}
+    seen = dict.fromkeys(at, "")  # the decimal sign of each column, once it has shown one
+    for row, (number, cells) in enumerate(layout.rows()):
+        if not fits(cells, width - layout.spare, width):
+            count = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
+            what = f"{count} where the header names {width} columns"
+            if layout.delimiter == "," and len(cells) == 2 * width:
+                what += "; decimal commas? separate the columns by semicolons then"
+            raise InputError(what, place=Place(str(layout.path), number))
+        for name, column in at.items():
+            cell = cells[column] if column < len(cells) else ""
+            sign = next((one for one in layout.decimals if one in cell), "")
+            fault = _cell_fault(cell, sign or layout.decimals[0])
+            if fault is None and sign and seen[name] not in ("", sign):
+                fault = f"{quoted(cell, 30)}, but above the column has the decimal sign '{seen[name]}'"
+            seen[name] = seen[name] or sign
+            if fault is None:
+                continue
+            if row == 0 and all(cell and number_in(cell, sign or ".") is None for cell in cells):
+                fault += ", as in the whole line; delete it (units are declared with the channels)"
+            raise InputError(fault, place=Place(str(layout.path), number, column=name))
+
+
+def _cell_fault(cell: str, decimal: str) -> str | None:
+    if not cell:
+        return "empty cell; every sample needs a number (cut the run there or interpolate)"
+    value = number_in(cell, decimal)
+    if value is None:
+        return f"'{quoted(cell, 30)}' is text; every sample needs a number"
+    if not np.isfinite(value):
+        return f"{quoted(cell, 30)}; every sample needs a finite number (cut the run there or interpolate)"
+    return None

@@ -1,0 +1,46 @@
+"""Tables in text as a source of columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from stickslip.errors import Place
+from stickslip.measured.readers.columns import Columns, Contents, require
+from stickslip.measured.readers.dialect import Layout, find_layout
+from stickslip.measured.readers.rows import read_rows
+
+_SEPARATOR = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "white space"}
+
+
+@dataclass(frozen=True)
+class Text:
+    """A table in text, found by the names that are wanted of it."""
+
+    file: Path
+    wanted: tuple[str, ...] = ()
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How it is written."""
+        return find_layout(self.file, self.wanted)
+
+    @property
+    def contents(self) -> Contents:
+        """Its names and the units of a row below them."""
+        layout = self.layout
+        units = {name: unit for name, unit in zip(layout.header, layout.units, strict=False) if unit}
+        facts = [f"text in {layout.encoding.upper()}"]
+        facts.append(f"columns between {_SEPARATOR[layout.delimiter]}, named in line {layout.header_line}")
+        if layout.encoding == "latin-1":
+            facts.append("the encoding is guessed: the bytes are not UTF-8")
+        return Contents("a table in text", layout.header, units, facts=tuple(facts))
+
+    def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
+        """Return some of the columns, the line of each row known."""
+        layout = self.layout
+        for name in names:
+            require(name, layout.header, Place(str(self.file), layout.header_line, column=name))
+        return read_rows(layout, names, units)
