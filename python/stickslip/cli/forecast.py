@@ -18,7 +18,8 @@ from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import apart, time_digits, write_csv
 from stickslip.fitted.forecast import MOST
 from stickslip.fitted.forecast import forecast as run_forecast
-from stickslip.measured.readers.tables import column_names
+from stickslip.measured.channels import head_of
+from stickslip.measured.readers.tables import open_table
 from stickslip.measured.recording import Recording, load_recording
 
 
@@ -100,7 +101,8 @@ def _recorded(model: Model, run: Path) -> tuple[dict[str, Channel] | None, dict[
     channels = None if model.channels is None else dict(model.channels)
     noise = dict(model.noise or {})
     column = channels["belt"].column if channels and "belt" in channels else "belt"
-    if not any(head == column or head.startswith(f"{column} [") for head in column_names(run)):
+    others = [] if channels is None else [one.column for name, one in channels.items() if name != "belt"]
+    if head_of(column, open_table(run, others).contents) is None:
         noise.pop("belt", None)
         if channels is not None:
             channels.pop("belt", None)

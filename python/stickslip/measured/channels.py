@@ -94,7 +94,7 @@ def by_heads(
     """
     out, doubts, there = dict(channels), [], source.contents
     for name, one in channels.items():
-        head = _head_of(one.column, there)
+        head = head_of(one.column, there)
         if head is None:
             continue
         parts = head_parts(head)
@@ -109,7 +109,7 @@ def by_heads(
     return out, doubts
 
 
-def _head_of(column: str, there: Contents) -> str | None:
+def head_of(column: str, there: Contents) -> str | None:
     """The name that the file has for a declared column, if just one is like it."""
     if column in there.names:
         return column
