@@ -9,7 +9,7 @@ supply -static_plus to static_minus.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
@@ -89,6 +89,22 @@ class FrictionLaw:
         """T = sgn(v_w) R(|v_w|), (4.3) with the sign counted once; 0 at v_w = 0, where T is a set."""
         v = np.asarray(v_w, dtype=np.float64)
         return np.sign(v) * self.magnitude(v)
+
+
+def given_numbers(law: FrictionLaw, silent: Collection[str] = ()) -> dict[str, float]:
+    """Return what was declared of a law: its numbers by name, those that hold for both directions under both names.
+
+    Parameters
+    ----------
+    law
+        As declared.
+    silent
+        Its numbers that nobody gave.
+    """
+    own = {one.name: getattr(law, one.name) for one in fields(law) if one.name not in silent}
+    given = {name: float(value) for name, value in own.items() if value is not None}
+    twins = {f"{name}_plus": given[name] for name in law.each_way if name in given}
+    return {**{name: one for name, one in twins.items() if getattr(law, name) is None}, **given}
 
 
 def check_numbers(law: FrictionLaw, bounds: dict[str, dict[str, float]]) -> None:

@@ -263,6 +263,7 @@ def _found(
         spectrum=spectrum(before.fit, after.fit),
         messages=(*notes, *remarks(search.data, choice.null, effects, now, error, validate, case.noise)),
         seconds=time.monotonic() - began,
+        constants=rig_numbers.each_alone(search.freed),
     )
     return replace(found, messages=(*found.messages, *unseen(found)))
 

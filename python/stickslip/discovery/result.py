@@ -285,6 +285,8 @@ class Found:
         1 for white noise.
     messages : sentences a person should read (ties, one speed only, absorbed loads, short records ...).
     seconds : wall-clock time of the whole.
+    constants : what the runs say of declared constants, each with all others as declared, where that was asked: by
+        the model's number ("alpha2", "mass", ...), or by the channel of a gain, which is 1 where it is as declared.
     """
 
     title: str
@@ -304,6 +306,7 @@ class Found:
     spectrum: Mapping[str, Floats]
     messages: tuple[str, ...]
     seconds: float
+    constants: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
 
     @property
     def model(self) -> Model:
@@ -330,7 +333,7 @@ class Found:
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python: numbers, strings, lists and dicts only (no arrays of readings)."""
-        skipped = {"before", "after", "runs", "spectrum"}
+        skipped = {"before", "after", "runs", "spectrum", "constants"}
         items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
         return {name: plain(value) for name, value in items.items()}
 

@@ -140,6 +140,17 @@ def numbers(trial: Trial) -> Mapping[str, Interval]:
     return out
 
 
+def each_alone(tried: Sequence[Trial]) -> dict[str, Interval]:
+    """What the readings say of each number of the rig that was freed with all others as declared."""
+    alone = (one for one in sorted(tried, key=lambda one: one.bic) if len(one.names) == 1)
+    out: dict[str, Interval] = {}
+    for one in alone:
+        own = numbers(one)
+        if len(own) == 1:
+            out = {**own, **out}
+    return out
+
+
 def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
     """What is declared, what is found, and what that says of the SI constants."""
     assert isinstance(rig, Rig)

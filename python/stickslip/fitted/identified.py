@@ -37,7 +37,8 @@ class Estimate:
     `status` is "identified", "weak" (the readings say something, yet the standard deviation is above a third of the
     number, or the number leans on the declared start, or stopped at the limit of the search) or "unidentified" (no
     reading depends on it: the value is the declared start). `low` and `high` are None where that side is open: both
-    where a number is not known to a factor of 100, one where it stopped at the limit of the search.
+    where a number is not known to a factor of 100, one where it stopped at the limit of the search. `declared` is what
+    was declared, by a case's file or in the call; None where nobody said anything: then a fit began at the default.
     """
 
     value: float
@@ -45,24 +46,24 @@ class Estimate:
     high: float | None
     std: float | None
     status: Status
-    declared: float
+    declared: float | None = None
 
 
-def estimate(value: float, std: float, prior_share: float, declared: float) -> Estimate:
-    """An `Estimate` with its status; `prior_share` is the declared start's share of the information."""
+def estimate(value: float, std: float, prior_share: float, start: float) -> Estimate:
+    """An `Estimate` with its status; `prior_share` is the start's share of the information."""
     if prior_share >= 0.99:
-        return Estimate(declared, None, None, None, "unidentified", declared)
-    side = stopped(value, declared)
+        return Estimate(start, None, None, None, "unidentified")
+    side = stopped(value, start)
     weak = prior_share > 0.1 or std > abs(value) / 3 or side != 0
     low, high = interval(value, std)
     if side:  # what the readings ask for lies beyond
         low, high = (low, None) if side * value > 0 else (None, high)
-    return Estimate(value, low, high, std, "weak" if weak else "identified", declared)
+    return Estimate(value, low, high, std, "weak" if weak else "identified")
 
 
-def stopped(value: float, declared: float) -> int:
+def stopped(value: float, start: float) -> int:
     """1 where a number stopped at the most that is searched, -1 at the least, else 0."""
-    ratio = value / declared if declared else 1.0
+    ratio = value / start if start else 1.0
     return int(ratio >= FARTHEST / 1.001) - int(ratio <= 1.001 / FARTHEST)
 
 

@@ -16,14 +16,13 @@ import numpy as np
 
 from stickslip.arguments import explained, must_be, one_of
 from stickslip.declared.friction.coulomb import CoulombFriction
-from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.friction.paper import PaperFriction
-from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
-from stickslip.fitted.identified import BRANCHES, Branch, ForcePoints, Identified, estimate
+from stickslip.fitted.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified, estimate
 from stickslip.fitted.identify_check import checked, explainable, misfit
 from stickslip.fitted.identify_words import fit_messages, misfit_messages, plateau_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
@@ -182,6 +181,7 @@ def identify(
             isinstance(source, Case) and isinstance(source.declared_law, PaperFriction)
         )
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
+    told = friction or (source.friction if isinstance(source, Case) else None)
     notes = checked(source) if isinstance(source, Case) and rig in (None, source.rig) else ()
     recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
@@ -209,7 +209,8 @@ def identify(
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
     said = (*notes, *found.messages, *rode, *misfit_messages(found))
-    found = replace(found, force=_force(runs, rig), messages=said)
+    estimates = _beside_declared(found, told, undeclared)
+    found = replace(found, estimates=estimates, force=_force(runs, rig), messages=said)
     if rig == recordings[0].rig:
         known = dict(source.noise) or None if isinstance(source, Case) else None
         found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
@@ -217,11 +218,12 @@ def identify(
     return found
 
 
-def _by_slips(law: FrictionLaw | None) -> bool:
-    """Are the numbers of a declared law among those that single slips are fitted with?"""
-    if isinstance(law, HyperbolicFriction):
-        return not law.quadratic and not law.quadratic_plus
-    return not isinstance(law, PaperFriction)
+def _beside_declared(
+    found: Identified, told: FrictionLaw | None, undeclared: Sequence[str]
+) -> dict[str, Estimate]:
+    """The estimates beside what was declared of the law, where that is of the kind that was identified."""
+    given = {} if told is None or told.kind != found.law.kind else given_numbers(told, undeclared)
+    return {name: replace(one, declared=given.get(name)) for name, one in found.estimates.items()}
 
 
 def _material(
@@ -341,7 +343,8 @@ def _conclude(
     }
     kept, noise = np.flatnonzero(seen), np.mean([r.noise for r in runs], axis=0)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
-    messages = fit_messages(estimates, covered, best, where, undeclared)
+    starts = dict(zip(names, declared.tolist(), strict=True))
+    messages = fit_messages(estimates, covered, best, where, starts, undeclared)
     return Identified(
         rig=rig,
         law=law,

@@ -20,11 +20,12 @@ def fit_messages(
     covered: Mapping[Branch, tuple[float, float] | None],
     best: Shot,
     where: str,
+    starts: Mapping[str, float],
     undeclared: Sequence[str] = (),
 ) -> tuple[str, ...]:
     """Say how well the law fits, and which of its numbers and branches the runs do not tell.
 
-    `undeclared` names the numbers whose start nobody declared.
+    `starts` holds where the search began; `undeclared` names the numbers whose start nobody declared.
     """
     out = [
         f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(best.reduced), 3)} times the noise "
@@ -42,7 +43,7 @@ def fit_messages(
     ):
         if names:
             out.append(f"unidentified, {whose} kept: {', '.join(names)}")
-    at_limit = {n: stopped(e.value, e.declared) for n, e in estimates.items()}
+    at_limit = {n: stopped(e.value, starts[n]) for n, e in estimates.items()}
     weak = [n for n, e in estimates.items() if e.status == "weak" and not at_limit[n]]
     if weak:
         out.append(f"only weakly determined at the speeds visited: {', '.join(weak)}")

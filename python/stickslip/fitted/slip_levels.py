@@ -339,10 +339,10 @@ def _law(
     own, other = ("", "_plus") if branch == "minus" else ("_plus", "")
     low, high = np.quantile(resamples, [0.025, 0.975], axis=0)
     estimates = {
-        n + own: Estimate(v, float(a), float(b), float(s), "weak" if s > abs(v) / 3 else "identified", v)
+        n + own: Estimate(v, float(a), float(b), float(s), "weak" if s > abs(v) / 3 else "identified")
         for (n, v), a, b, s in zip(numbers.items(), low, high, resamples.std(axis=0), strict=True)
     }
-    estimates |= {n + other: Estimate(v, None, None, None, "unidentified", v) for n, v in unseen.items()}
+    estimates |= {n + other: Estimate(v, None, None, None, "unidentified") for n, v in unseen.items()}
     return MAKE[kind](**{n: e.value for n, e in estimates.items()}), estimates
 
 

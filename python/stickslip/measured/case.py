@@ -15,7 +15,7 @@ from stickslip.arguments import path as as_path
 from stickslip.declared.declaration import read_channel, read_friction, read_rig
 from stickslip.declared.effect import AnyEffect
 from stickslip.declared.friction.paper import PaperFriction
-from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.toml_file import Document, read_toml
@@ -136,6 +136,11 @@ class Case:
         numbers = {one.name for one in fields(self.friction)}
         silent = isinstance(self.friction, PaperFriction) and numbers <= set(self.undeclared)
         return None if silent else self.friction
+
+    @property
+    def declared_numbers(self) -> Mapping[str, float]:
+        """What the file says of the law's numbers, by name; none of them where it says nothing."""
+        return given_numbers(self.friction, self.undeclared)
 
     @property
     def uncertainty(self) -> Uncertainty:

@@ -51,5 +51,5 @@ class DrivenFound(Found):
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python."""
-        skipped = {"before", "after", "runs", "spectrum", "views", "waves"}
+        skipped = {"before", "after", "runs", "spectrum", "constants", "views", "waves"}
         return {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import CONSTANTS
-from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Rival, Verdict
+from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Interval, Rival, Verdict
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS
 from stickslip.discovery.slider.held import constants_of, held
@@ -93,6 +93,7 @@ def discover(
         spectrum=spectrum(train, was, now),
         messages=(*idle, *remarks(case, choice, train, effects), *words),
         seconds=time.monotonic() - began,
+        constants=_constants(choice),
     )
 
 
@@ -177,6 +178,21 @@ def _ranking(choice: Choice) -> tuple[Rival, ...]:
         rows.append(Rival(names, (start - total) / count, PRICE * (numbers - 1) - total, {}, None, True))
     best = min(row.bic for row in rows)
     return tuple(sorted((replace(row, bic=row.bic - best) for row in rows), key=lambda row: row.bic))
+
+
+def _constants(choice: Choice) -> dict[str, Interval]:
+    """What the events say of each declared constant and of the gain, with everything else as declared."""
+    declared, out = choice.declared, {}
+    channel = "spring_force" if declared.force_channel else "x1"
+    for one in choice.steps[0]:
+        number = KINDS[one.candidate.name].corrects
+        if number is None:
+            continue
+        size = 1.0 if number == "reading" else float(getattr(declared.rig, number))
+        e = parameters(one, choice)["e"]
+        limits = (None if limit is None else size * (1 + limit) for limit in (e.low, e.high))
+        out[channel if number == "reading" else number] = Interval(size * (1 + e.value), *limits)
+    return out
 
 
 def _gate(choice: Choice) -> Gate:

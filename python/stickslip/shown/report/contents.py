@@ -15,6 +15,7 @@ from stickslip.discovery.result import Curve, Found, FoundEffect, Interval, Json
 from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
+from stickslip.shown.report.declared import declared as declared_numbers
 from stickslip.shown.report.units import axes_of
 
 FORMAT = 1  # raised when a key of report.json changes its meaning
@@ -45,6 +46,7 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     for which, law in (("law", found.law), ("law_before", found.law_before)):
         out[which] = {name: {**_table(plain(one)), **_si(name, one, case)} for name, one in law.items()}
     out["parameters"] = [*parameter_table(found, case)]
+    out["declared"] = declared_numbers(found, case)
     out["provenance"] = provenance(case, found.seconds)
     first = ("format", "title", "verdict", "summary", "effects", "error")
     return {key: out[key] for key in (*first, *(key for key in out if key not in first))}
@@ -145,18 +147,23 @@ def _si(name: str, one: Interval, case: Case) -> dict[str, Json]:
 
 
 def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
-    """Every estimated number: name, before, after with its interval, SI beside, and whether it is identified."""
+    """Every estimated number: name, what the file declares (None: nothing), before, after with its interval, SI beside,
+    and whether it is identified.
+    """
     rows: list[dict[str, Json]] = []
+    law = case.declared_numbers if case.friction.kind == found.after.friction.kind else {}
     for name, one in found.law.items():
-        own: dict[str, Json] = {"name": name, "kind": "law", "before": plain(found.law_before.get(name))}
+        own: dict[str, Json] = {"name": name, "kind": "law", "declared": law.get(name)}
+        own["before"] = plain(found.law_before.get(name))
         rows.append({**own, **_status(one), **_si(name, one, case)})
     for effect in found.effects:
         for name, one in effect.parameters.items():
             own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
-            before = None
-            if effect.of_rig and isinstance(case.rig, Rig):
-                before = plain(Interval(declared(case.rig, name), None, None))
-            rows.append({**own, "before": before, **_status(one), **in_si(effect, name, case)})
+            given = declared(case.rig, name) if effect.of_rig and isinstance(case.rig, Rig) else None
+            before = None if given is None else plain(Interval(given, None, None))
+            rows.append(
+                {**own, "declared": given, "before": before, **_status(one), **in_si(effect, name, case)}
+            )
     return rows
 
 
