@@ -135,5 +135,5 @@ def test_modes_and_transition_times_of_a_closed_form(tmp_path):
     assert len(found.releases) == len(releases)
     np.testing.assert_allclose(found.releases, releases, atol=0.12)
     np.testing.assert_allclose(found.captures, captures, atol=0.12)
-    speed, std = plateau_speed(found, run.x1)
+    speed, std = plateau_speed(found, run.x1, 5e-4)
     assert abs(speed - 0.1) < 4 * std + 2e-4

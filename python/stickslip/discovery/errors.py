@@ -18,6 +18,7 @@ from stickslip.fitted.data import Data, read_again, velocity_width
 from stickslip.fitted.predict import Forecaster, Prediction, free_run, stitched
 from stickslip.fitted.readings import curves_of
 from stickslip.measured.case import Recording
+from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
 METRIC = "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone; mean over validate runs"
@@ -86,11 +87,6 @@ def _relative(rmse: tuple[float, float], run: Data) -> float:
     return float(np.sqrt(np.mean([(e / s) ** 2 for e, s in zip(rmse, spread, strict=True)])))
 
 
-def _stuck(run: Data, v: Floats) -> NDArray[np.bool_]:
-    """Coarse sticks of a velocity, the same rule for data and model."""
-    return np.asarray(np.abs(v - run.belt_speed) < 0.3 * abs(run.belt_speed) + 1e-12)
-
-
 def _onsets(t: Floats, stuck: NDArray[np.bool_]) -> Floats:
     edges = np.flatnonzero(stuck[:-1] & ~stuck[1:])
     times = t[edges]
@@ -108,7 +104,7 @@ def _as_seen(run: Data, v: Floats) -> Floats:
 def _events(v: Floats, run: Data, samples: NDArray[np.int64]) -> tuple[float, float, float]:
     """Transition-time error and period error over the cycle, stick fraction's error."""
     t = run.t[samples]
-    ours, theirs = _stuck(run, v), _stuck(run, run.v[samples])
+    ours, theirs = rides(v, run.belt_speed), rides(run.v[samples], run.belt_speed)
     a, b = _onsets(t, theirs), _onsets(t, ours)
     if len(a) == 0 or len(b) == 0:
         timing = 0.0 if len(a) == len(b) else 0.5

@@ -17,6 +17,7 @@ from stickslip.declared.effect import effect
 from stickslip.discovery.rivals import Start
 from stickslip.fitted.data import Data, read_again
 from stickslip.fitted.solve import Fit
+from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
 
@@ -83,7 +84,7 @@ def _belt_lines(run: Data, w: Floats) -> tuple[Floats, Floats]:
 
 def _stick_lines(run: Data, w: Floats) -> tuple[Floats, Floats]:
     """The same from the displacement in sticks; amplitudes are turned into those of the speed."""
-    stick = np.abs(run.v - run.belt_speed) < 0.4 * abs(run.belt_speed)
+    stick = rides(run.v, run.belt_speed)
     stick &= run.weight[:, 0] > 0
     label = np.cumsum(np.diff(stick.astype(np.int8), prepend=0) == 1)
     keep = stick.copy()

@@ -162,7 +162,7 @@ def _from_a_stick(run: Measured, model: Model) -> Measured:
     sticks = run.track.sticks
     if isinstance(model.rig, Rig) or not sticks or run.track.segments[0].mode == 0:
         return run
-    start = (sticks[0].start + sticks[0].stop) // 2
+    start = sticks[0].middle
     if len(run.t) - start < 3 * run.track.width:  # too little would be left to tell stick from slip
         return run
     t = run.t[start:]  # what depends on time goes by the run's own

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from stickslip.measured.fit_window import Array
-from stickslip.measured.sticks import Track, runs
+from stickslip.measured.sticks import Segment, Track, runs
 
 SHARE = 0.3  # of the typical slip, below which one is left out
 
@@ -69,11 +69,11 @@ def dominant(track: Track, share: float = SHARE) -> Dominant:
     whole = [slip for slip in found if slip.stop < len(track.x)]
     if not whole:
         return Dominant(track, 0, 0)
-    least = share * typical(np.array([_size(track, slip) for slip in whole]))
-    small = [slip for slip in found if _size(track, slip) < least]
+    least = share * typical(np.array([track.size(slip) for slip in whole]))
+    small = [slip for slip in found if track.size(slip) < least]
     mode = track.mode.copy()
     for slip in small:
-        mode[slip] = 0
+        mode[slip.start : slip.stop] = 0
     left_out = sum(slip in small for slip in whole)
     return Dominant(replace(track, mode=mode, segments=runs(mode)), len(whole), left_out)
 
@@ -92,19 +92,14 @@ def cycles(track: Track) -> Cycles:
         part = slice(a.start, b.start)
         period.append(track.t[part.stop] - track.t[part.start])
         stick.append(float(np.mean(track.mode[part] == 0)))
-        amplitude.append(_size(track, a))
+        amplitude.append(track.size(a))
         speed.append(float(np.max(np.abs(track.v[part] - track.belt_speed))))
     return Cycles(*(np.array(v, dtype=float) for v in (period, stick, amplitude, speed)))
 
 
-def _slips(track: Track) -> list[slice]:
-    """Samples of the slips that begin after a stick; a stick ends each, but the record's end may cut the last off."""
+def _slips(track: Track) -> list[Segment]:
+    """The slips that begin after a stick; a stick ends each, but the record's end may cut the last off."""
     sticks = track.sticks
     ends = [*(b.start for b in sticks[1:]), len(track.x)]
-    slips = [slice(a.stop, end) for a, end in zip(sticks, ends, strict=False)]
-    return [slip for slip in slips if slip.start < slip.stop]
-
-
-def _size(track: Track, slip: slice) -> float:
-    """Range of the displacement from release to capture."""
-    return float(np.ptp(track.x[slip.start : slip.stop + 1]))
+    bounds = [(a.stop, end) for a, end in zip(sticks, ends, strict=False)]
+    return [Segment(start, stop, int(track.mode[start])) for start, stop in bounds if start < stop]

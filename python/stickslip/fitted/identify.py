@@ -26,7 +26,7 @@ from stickslip.fitted.identified import BRANCHES, Branch, Estimate, ForcePoints,
 from stickslip.fitted.identify_check import checked, explainable, misfit
 from stickslip.fitted.identify_words import fit_messages, misfit_messages, plateau_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
-from stickslip.measured import signals
+from stickslip.measured import cutting, signals
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Case, Recording
 from stickslip.measured.fit_window import Array, Window
@@ -36,9 +36,7 @@ from stickslip.simulated.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
-BELT_TOLERANCE = 0.05  # share of v_b by which a stick may be off it
 RESOLVED = 1e-9  # of the range of a channel: no simulation is nearer, so it counts as noise
-CREEP = 0.25  # the same for a contact that creeps before it slips
 
 
 def natural_period(rig: AnyRig) -> float:
@@ -89,7 +87,7 @@ def measured(
     period, set_point = natural_period(rig), float(recording.belt_speed)
     t = np.asarray(recording.t, dtype=float)
     t = t - t[0]
-    tolerance = CREEP if isinstance(rig, BlockOnBelt) else BELT_TOLERANCE
+    tolerance = segments.CREEP if isinstance(rig, BlockOnBelt) else segments.RIPPLE
 
     behind, size = (channels[0], stds[0]) if motion is None else motion(t, channels[0], stds[0])
 
@@ -97,10 +95,10 @@ def measured(
         return segments.track(t, behind, belt_speed=speed, noise=size, period=period, tolerance=tolerance)
 
     used, look = set_point, look_at(set_point)
-    speed, std = segments.plateau_speed(look, behind)
+    speed, std = segments.plateau_speed(look, behind, size)
     for _ in range(3 if belt == "plateau" and np.isfinite(speed) else 0):
         used, look = speed, look_at(speed)
-        speed, std = segments.plateau_speed(look, behind)
+        speed, std = segments.plateau_speed(look, behind, size)
     look = look if motion is None else segments.as_read(look, t, channels[0])
     readings = np.column_stack(channels)
     return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look, motion)
@@ -259,9 +257,9 @@ def _identify_by_shooting(
     noise = np.mean([r.noise for r in runs], axis=0)
     period, cols = natural_period(rig), columns(rig)
     windows = [
-        segments.window(r.track, r.readings, b, run=i, columns=cols)
+        cutting.window(r.track, r.readings, b, run=i, columns=cols)
         for i, r in enumerate(runs)
-        for b in segments.cut(r.track, period)
+        for b in cutting.cut(r.track, period)
     ]
     steps = iter(np.linspace(0.1, 0.9, 80))
 
@@ -295,7 +293,7 @@ def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) ->
     first = {w.run: w for w in reversed(short.windows)}
     return [
         replace(
-            segments.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
+            cutting.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
         )
         for i, r in enumerate(runs)
     ]

@@ -17,7 +17,7 @@ from stickslip.declared.rig import Rig
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.identify import columns, natural_period
 from stickslip.fitted.shooting import Simulator, shoot
-from stickslip.measured import sticks as segments
+from stickslip.measured import cutting
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import Array, Window
 from stickslip.measured.prepared import Measured
@@ -62,7 +62,7 @@ def runs_of(run: Measured, model: Model, recording: Recording, simulator: Simula
     told = replace(run, readings=chain.undone(run))
     windows = [
         (
-            segments.window(told.track, told.readings, b, run=0, columns=columns(model.rig), past_only=True),
+            cutting.window(told.track, told.readings, b, run=0, columns=columns(model.rig), past_only=True),
             b[0],
         )
         for b in bounds
@@ -74,7 +74,7 @@ def runs_of(run: Measured, model: Model, recording: Recording, simulator: Simula
 def _windows(run: Measured, model: Model) -> list[tuple[int, int]]:
     """Samples of windows of about two cycles for forecasting."""
     length = 1.2 * natural_period(model.rig)
-    return [b for b in segments.cut(run.track, length) if b[1] - b[0] > 12]
+    return [b for b in cutting.cut(run.track, length) if b[1] - b[0] > 12]
 
 
 def _prepared(run: Measured, recording: Recording) -> Data | None:
@@ -117,9 +117,9 @@ def _free_run(run: Measured, chain: _Chain, simulator: Simulator) -> Array:
     """Readings (n, c) of the model running freely from the start, its initial state fitted to the run."""
     model = chain.model
     cols = list(columns(model.rig))
-    whole = segments.window(run.track, run.readings, (0, len(run.t)), run=0, columns=cols)
-    first = segments.cut(run.track, 2 * natural_period(model.rig))[0]
-    opening = segments.window(run.track, run.readings, first, run=0, columns=cols)
+    whole = cutting.window(run.track, run.readings, (0, len(run.t)), run=0, columns=cols)
+    first = cutting.cut(run.track, 2 * natural_period(model.rig))[0]
+    opening = cutting.window(run.track, run.readings, first, run=0, columns=cols)
     fitted = opening
     try:
         # a stick says where the block is; slips whose friction scatters would only pull the start astray

@@ -25,12 +25,12 @@ from stickslip.fitted.identified import Branch, Estimate, Events, Identified
 from stickslip.fitted.identify_words import event_messages
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.fitted.shooting import Shot, Simulator, shoot, states
+from stickslip.measured.cutting import stick_position
 from stickslip.measured.fit_window import Array, Window
 from stickslip.measured.prepared import Measured
-from stickslip.measured.sticks import Segment, stick_position
+from stickslip.measured.sticks import LEAST_SLIP, Segment
 
 Kind = Literal["coulomb", "hyperbolic"]
-LEAST_SLIP = 10.0  # amplitude in standard deviations of the noise
 MAKE: dict[Kind, type[CoulombFriction] | type[HyperbolicFriction]] = {
     "coulomb": CoulombFriction,
     "hyperbolic": HyperbolicFriction,
@@ -181,18 +181,10 @@ def _slips(run: Measured, number: int, rig: BlockOnBelt) -> list[_Slip]:
     track, period = run.track, 2 * np.pi * float(np.sqrt(rig.mass / rig.stiffness))
     against = -int(np.sign(run.belt_speed))
     out = []
-    trio = zip(track.segments[:-2], track.segments[1:-1], track.segments[2:], strict=True)
-    for before, slip, after in trio:
-        if before.mode or after.mode or slip.mode != against:
-            continue
-        start = max(
-            (before.start + before.stop) // 2, int(np.searchsorted(track.t, track.t[slip.start] - period / 4))
-        )
-        stop = min(
-            (after.start + after.stop) // 2, int(np.searchsorted(track.t, track.t[slip.stop] + period / 10))
-        )
-        part = track.x[slip.start : slip.stop]
-        amplitude = float(part.max() - part.min())
+    for before, slip, after in track.slips:
+        start = max(before.middle, int(np.searchsorted(track.t, track.t[slip.start] - period / 4)))
+        stop = min(after.middle, int(np.searchsorted(track.t, track.t[slip.stop] + period / 10)))
+        amplitude = track.size(slip)
         if amplitude < LEAST_SLIP * run.noise[0] or stop - start < 12:
             continue
         speed = float(np.max(np.abs(track.v[slip.start : slip.stop] - run.belt_speed)))

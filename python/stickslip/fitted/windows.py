@@ -15,13 +15,13 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Y1_LAG, Learned, curves_of, unbent
 from stickslip.fitted.window import AUTO, DWELL, SLIPPING, STATES, STICK, Window
+from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
 VISIBLE = (0, 1, 2, 3)
 LEAST = 0.1  # slope of a curved reading that a rate is divided by
 FEWEST = 3  # slips of a record whose beginning may be left out
 EARLY = 0.2  # share of it that may be
-SLOW = 0.35  # of the belt's speed: a window that starts slower than that against the belt starts in stick
 
 
 def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
@@ -100,8 +100,8 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
             free.append(at)
     contact = window.contact
     # how long the block has stuck before the record is not recorded
-    slow = abs(v) < SLOW * abs(run.belt_speed) and window.contact != SLIPPING
-    if "static_aging" in names and slow:
+    stuck = bool(rides(state[1:2], run.belt_speed)) and window.contact != SLIPPING
+    if "static_aging" in names and stuck:
         contact = STICK
         state[DWELL], spread[DWELL] = 0.4 * run.cycle, 0.5 * run.cycle
         free = [0, 2, 3, *(k for k in free if k > 3), DWELL]

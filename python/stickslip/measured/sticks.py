@@ -1,13 +1,11 @@
-"""Where the block sticks, read from its noisy displacement, and the windows that fitting starts from.
+"""Where the block sticks, read from its noisy displacement: the one answer, which everything else asks.
 
 This is the coarse look: a local quadratic gives the velocity, and a stretch is a stick while that velocity is
-the belt's within the noise. It errs by a few samples at each transition, which is why windows are cut in the
-middle of sticks, where nothing is in doubt, and transition times are left to the simulation.
+the belt's within the noise. It errs by a few samples at each transition.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,9 +14,17 @@ import numpy.typing as npt
 import scipy
 
 from stickslip.errors import InputError
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array
 
 SIGMAS = 4.5  # one false alarm in 150 000 samples
+RIPPLE = 0.05  # share of the belt speed by which a stick may be off it: belts ripple
+CREEP = (
+    0.25  # the same for a contact that creeps before it slips, and for a velocity whose noise is not known
+)
+CLEAR = 12  # samples of a stick whose middle is in no doubt
+LEAST_SLIP = 12.0  # size of a slip over the noise, below which it is not told from noise
+EARLY = (0.1, 0.6)  # part of a stick whose rise is taken: its end creeps
+LONG = 24  # samples of a stick whose rise can be told
 
 
 @dataclass(frozen=True)
@@ -28,6 +34,14 @@ class Segment:
     start: int
     stop: int
     mode: int
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+    @property
+    def middle(self) -> int:
+        """The sample farthest from both ends."""
+        return (self.start + self.stop) // 2
 
 
 @dataclass(frozen=True)
@@ -63,9 +77,20 @@ class Track:
         return tuple(s for s in self.segments if s.mode == 0)
 
     @property
-    def slips(self) -> tuple[Segment, ...]:
-        """Slip segments that both begin and end inside the record."""
-        return tuple(s for s in self.segments[1:-1] if s.mode != 0)
+    def clear_sticks(self) -> tuple[Segment, ...]:
+        """Sticks long enough for their middle to be in no doubt."""
+        return tuple(s for s in self.sticks if len(s) >= CLEAR)
+
+    @property
+    def slips(self) -> tuple[tuple[Segment, Segment, Segment], ...]:
+        """Slips against the belt with a stick on both sides: the stick before, the slip, the stick after."""
+        trios = zip(self.segments[:-2], self.segments[1:-1], self.segments[2:], strict=True)
+        against = -int(np.sign(self.belt_speed))
+        return tuple(t for t in trios if (t[0].mode, t[1].mode, t[2].mode) == (0, against, 0))
+
+    def size(self, slip: Segment) -> float:
+        """Range of the displacement from release to capture: what the eye sees of a slip."""
+        return float(np.ptp(self.x[slip.start : slip.stop + 1]))
 
     @property
     def releases(self) -> Array:
@@ -117,7 +142,7 @@ def track(
     noise: float,
     period: float,
     width: int | None = None,
-    tolerance: float = 0.05,
+    tolerance: float = RIPPLE,
     threshold: float | None = None,
 ) -> Track:
     """Modes and velocity of one displacement record.
@@ -166,26 +191,53 @@ def track(
     return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)
 
 
-def plateau_speed(track_: Track, readings: Array) -> tuple[float, float]:
-    """Speed at which the block rides in its sticks: weighted mean slope of the plateaus and its standard error.
+def rides(v: Array, belt_speed: float) -> npt.NDArray[np.bool_]:
+    """Whether velocities (n,) are the belt's, within what ripple, creep and noise make of it."""
+    return np.asarray(np.abs(v - belt_speed) <= CREEP * abs(belt_speed))
 
-    Returns (nan, nan) without at least three plateaus.
-    """
-    slopes, weights = [], []
+
+@dataclass(frozen=True)
+class Rises:
+    """How fast the sticks of a record rise; (k,) arrays. `std` is what the noise leaves of `speed`."""
+
+    t: Array
+    x: Array
+    speed: Array
+    std: Array
+
+
+def rises(track_: Track, readings: Array, noise: float) -> Rises:
+    """Slopes of the sticks, early in each, by least squares without outliers; NaN in readings (n,) is left out."""
+    rows = []
     for s in track_.sticks:
-        trim = track_.width // 2
-        part = slice(s.start + trim, s.stop - trim)
-        t, x = track_.t[part], readings[part]
-        ok = np.isfinite(x)
-        if ok.sum() < 2 * track_.width:
+        if len(s) < LONG:
             continue
-        slopes.append(float(np.polyfit(t[ok], x[ok], 1)[0]))
-        weights.append(float(ok.sum()) ** 3)
-    if len(slopes) < 3:
+        at = np.arange(s.start + int(EARLY[0] * len(s)), s.start + int(EARLY[1] * len(s)))
+        at = at[np.isfinite(readings[at])]
+        if len(at) < LONG // 3:
+            continue
+        u = track_.t[at] - track_.t[at].mean()
+        kept = np.ones(len(at), dtype=bool)
+        c = np.zeros(2)
+        for _ in range(3):
+            c = np.polyfit(u[kept], readings[at][kept], 1)
+            off = np.abs(readings[at] - np.polyval(c, u))
+            kept = off <= max(4 * noise, float(np.median(off)))
+        rows.append((track_.t[at].mean(), c[1], c[0], noise / np.sqrt(float(np.sum(u[kept] ** 2)))))
+    return Rises(*np.array(rows).reshape(-1, 4).T)
+
+
+def plateau_speed(track_: Track, readings: Array, noise: float) -> tuple[float, float]:
+    """Speed at which the block rides in its sticks: weighted mean of their rises and its standard error.
+
+    Returns (nan, nan) without at least three sticks.
+    """
+    found = rises(track_, readings, noise)
+    if len(found.t) < 3:
         return float("nan"), float("nan")
-    w = np.array(weights) / np.sum(weights)
-    mean = float(w @ slopes)
-    return mean, float(np.sqrt(w**2 @ (np.array(slopes) - mean) ** 2))
+    w = found.std**-2.0 / np.sum(found.std**-2.0)
+    mean = float(w @ found.speed)
+    return mean, float(np.sqrt(w**2 @ (found.speed - mean) ** 2))
 
 
 def runs(mode: npt.NDArray[np.int64]) -> tuple[Segment, ...]:
@@ -237,85 +289,3 @@ def _without_specks(mode: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         if s.mode and s.stop - s.start < 3:
             out[s.start : s.stop] = out[s.start - 1]
     return out
-
-
-def local_state(t: Array, x: Array, at: int, width: int, past_only: bool = False) -> tuple[float, float]:
-    """Value and slope at sample `at` by a quadratic through the readings around (or up to) it."""
-    lo = max(0, at - width)
-    hi = at + 1 if past_only and at - lo >= 5 else min(len(t), at + width + 1)
-    part = slice(lo, max(hi, lo + 6))
-    ok = np.isfinite(x[part])
-    c = np.polynomial.polynomial.polyfit(t[part][ok] - t[at], x[part][ok], 2)
-    return float(c[0]), float(c[1])
-
-
-def stick_position(track_: Track, readings: Array, stick: Segment, at: int, past_only: bool = False) -> float:
-    """Displacement at sample `at` of a stick, where it rises at exactly v_b."""
-    lo, hi = stick.start, at + 1 if past_only else stick.stop
-    trim = min(track_.width // 2, (hi - lo) // 4)
-    part = slice(lo + trim, hi if past_only else hi - trim)
-    return float(np.nanmean(readings[part] - track_.belt_speed * (track_.t[part] - track_.t[at])))
-
-
-def cut(track_: Track, length: float) -> list[tuple[int, int]]:
-    """Window bounds (start, stop), cut in the middle of sticks, each at least `length` long.
-
-    Without sticks the cuts are where the block is fastest against the belt, far from any transition.
-    """
-    t = track_.t
-    candidates = [(s.start + s.stop) // 2 for s in track_.sticks if s.stop - s.start >= 12]
-    if not candidates:
-        speed = np.abs(track_.v - track_.belt_speed)
-        inner = (speed[1:-1] >= speed[:-2]) & (speed[1:-1] > speed[2:]) & (speed[1:-1] > np.median(speed))
-        candidates = (np.flatnonzero(inner) + 1).tolist()
-    starts = [0]
-    for c in candidates:
-        if t[c] - t[starts[-1]] >= length and t[-1] - t[c] >= 0.5 * length:
-            starts.append(c)
-    return list(zip(starts, [*starts[1:], len(t)], strict=True))
-
-
-def window(
-    track_: Track,
-    readings: Array,
-    bounds: tuple[int, int],
-    *,
-    run: int,
-    columns: Sequence[int],
-    past_only: bool = False,
-) -> Window:
-    """A `Window` on the samples `bounds` with the state estimated at its start.
-
-    Parameters
-    ----------
-    track_ : Track
-        Of the first channel, x1.
-    readings : (n, c) array
-        Channels x1 and, for the rig of (2.1), y1.
-    bounds : (int, int)
-    run : int
-    columns : sequence of int
-        State column of each channel: (0,) or (0, 2).
-    past_only : bool
-        Estimate the state from samples up to the start only, as a forecast must.
-    """
-    start, stop = bounds
-    stick = next((s for s in track_.sticks if s.start <= start < s.stop), None)
-    t, vb = track_.t, track_.belt_speed
-    if stick is None:
-        initial, free = list(local_state(t, readings[:, 0], start, track_.width, past_only)), ["x1", "x2"]
-    else:
-        initial, free = [stick_position(track_, readings[:, 0], stick, start, past_only), vb], ["x1"]
-    if len(columns) > 1:
-        initial += local_state(t, readings[:, 1], start, 2 * track_.width, past_only)
-        free += ["y1", "y2"]
-    part = slice(start, stop)
-    return Window(
-        run=run,
-        belt_speed=vb,
-        t=t[part] - t[start],
-        readings=readings[part],
-        columns=tuple(columns),
-        initial=np.array(initial),
-        free=tuple(free),
-    )

@@ -18,11 +18,11 @@ from stickslip.errors import ModelWarning, StickslipError
 from stickslip.fitted.block_events.levels import carried, number_of
 from stickslip.fitted.block_events.sensor import Reading
 from stickslip.measured import sticks as segments
+from stickslip.measured.cutting import local_state
 from stickslip.simulated.lowering import HIDDEN, hidden_states
 from stickslip.simulated.simulate import Trajectory, simulate
 
 Floats = NDArray[np.float64]
-SHORTEST = 12  # samples of a stick whose middle is in no doubt
 RTOL, ATOL = 1e-9, 1e-4  # of the noise
 
 
@@ -149,7 +149,7 @@ class Past:
 
     def sliding(self, model: Model, at: int) -> Start:
         """A state away from any stick, by a parabola through the readings around it."""
-        m, v = segments.local_state(self.t, self.m, at, self.track.width)
+        m, v = local_state(self.t, self.m, at, self.track.width)
         x = m + self.chain.lag * v
         rest = self.settled(model, at, x, segments.Segment(at, at, 0))
         return Start(at, x, v, rest.hidden | {"m": m, "w": v - self.speed}, "auto")

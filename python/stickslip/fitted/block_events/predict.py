@@ -13,9 +13,10 @@ from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.cycle import S
 from stickslip.fitted.block_events.levels import carried
-from stickslip.fitted.block_events.past import SHORTEST, Leg, Past, Start
+from stickslip.fitted.block_events.past import Leg, Past, Start
 from stickslip.fitted.block_events.sensor import Reading, reading_of
 from stickslip.fitted.block_events.table import Measured, natural_rate
+from stickslip.measured.sticks import CLEAR
 
 Floats = NDArray[np.float64]
 RECENT = 3  # events whose mean level is carried on
@@ -73,7 +74,7 @@ class Forecaster:
         self.chain = reading or reading_of(self.model, run.force_channel)
         m, noise = self.chain.motion(run.t, run.sign * run.x, run.noise)
         self.past = Past(run.t, m, noise, run.sign * run.belt_speed, run.track, self.chain)
-        self.sticks = [s for s in run.track.sticks if s.stop - s.start >= SHORTEST]
+        self.sticks = run.track.clear_sticks
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`.
@@ -105,7 +106,7 @@ class Forecaster:
     def _last(self, stop: int) -> tuple[Start, list[Step]]:
         """Where the model starts to reach a sample, the middle of the last stick if there is one; and the way there."""
         walk = self._walked(stop)
-        begun = next((s for s in self.sticks if s.start + SHORTEST <= stop < s.stop), None)
+        begun = next((s for s in self.sticks if s.start + CLEAR <= stop < s.stop), None)
         if begun is not None:
             at = (begun.start + stop) // 2
             before = self.past.leg(self.model, walk[-1].start, at) if walk else None
@@ -120,7 +121,7 @@ class Forecaster:
         """The sticks that end before a sample, each entered as the model comes from the one before."""
         count = sum(s.stop <= stop for s in self.sticks)
         for stick in self.sticks[len(self.walk) : count]:
-            at = (stick.start + stick.stop) // 2
+            at = stick.middle
             before = self.past.leg(self.model, self.walk[-1].start, at) if self.walk else None
             if before is not None:
                 self.walk[-1] = self._held_against(self.walk, before)
@@ -257,7 +258,7 @@ def instants(measured: Measured, cycle: float, most: int) -> list[int]:
     if len(e) < RECENT + 1:
         return []
     first, last = float(e.t[RECENT - 1]), float(run.t[-1]) - cycle
-    middles = [(s.start + s.stop) // 2 for s in run.track.sticks if s.stop - s.start >= 12]
+    middles = [s.middle for s in run.track.clear_sticks]
     kept = [i for i in middles if first < run.t[i] < last]
     if len(kept) > most:
         kept = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]

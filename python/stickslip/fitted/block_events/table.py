@@ -17,11 +17,7 @@ from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
 
 Floats = NDArray[np.float64]
-CREEP = 0.25  # share of the belt speed by which a stick may be off it
-LEAST = 12.0  # slip over noise
 BEFORE, AFTER = 1.0, 0.5  # natural periods of stick kept around a slip
-EARLY = (0.1, 0.6)  # part of a stick whose rise is taken: its end creeps
-SHORTEST = 24  # samples of a stick whose rise can be told
 RESOLVED = 1e-9  # of the range of x: no fit and no simulation is nearer, so it counts as noise
 MOST = 700  # samples of a window
 
@@ -127,7 +123,7 @@ def prepare(recording: Recording) -> Run:
     x[signals.find_glitches(x).mask] = np.nan
     speed = abs(recording.belt_speed)
     track = segments.track(
-        t, x, belt_speed=speed, noise=noise, period=2 * np.pi / natural_rate(rig), tolerance=CREEP
+        t, x, belt_speed=speed, noise=noise, period=2 * np.pi / natural_rate(rig), tolerance=segments.CREEP
     )
     steps = np.diff(np.unique(x[np.isfinite(x)]))
     step = float(np.min(steps)) if len(steps) and len(steps) < len(x) // 3 else 0.0
@@ -154,27 +150,9 @@ def measure(run: Run) -> Measured:
 
 
 def sticks(run: Run) -> Sticks:
-    """Slopes of the sticks, early in each, by least squares without outliers."""
-    rows = []
-    for s in run.track.sticks:
-        n = s.stop - s.start
-        if n < SHORTEST:
-            continue
-        at = np.arange(s.start + int(EARLY[0] * n), s.start + int(EARLY[1] * n))
-        at = at[np.isfinite(run.x[at])]
-        if len(at) < SHORTEST // 3:
-            continue
-        u = run.t[at] - run.t[at].mean()
-        kept = np.ones(len(at), dtype=bool)
-        c = np.zeros(2)
-        for _ in range(3):
-            c = np.polyfit(u[kept], run.x[at][kept], 1)
-            off = np.abs(run.x[at] - np.polyval(c, u))
-            kept = off <= max(4 * run.noise, float(np.median(off)))
-        std = run.noise / np.sqrt(float(np.sum(u[kept] ** 2)))
-        rows.append((run.t[at].mean(), c[1], c[0] / run.belt_speed, std / run.belt_speed))
-    table = np.array(rows).reshape(-1, 4)
-    return Sticks(*(table[:, j] for j in range(4)))
+    """How fast the sticks rise, over the set-point."""
+    found = segments.rises(run.track, run.x, run.noise)
+    return Sticks(found.t, found.x, found.speed / run.belt_speed, found.std / run.belt_speed)
 
 
 def events(run: Run) -> Events:
@@ -219,17 +197,14 @@ def _windows(run: Run) -> tuple[list[tuple[int, int]], list[list[float]]]:
     w = natural_rate(run.rig)
     period = 2 * np.pi / w / dt
     bounds, starts = [], []
-    for b, s, a in zip(track.segments[:-2], track.segments[1:-1], track.segments[2:], strict=True):
-        if b.mode or a.mode or s.mode != -1:
+    for b, s, a in track.slips:
+        if track.size(s) < segments.LEAST_SLIP * run.noise:
             continue
-        part = track.x[s.start : s.stop + 1]
-        if np.ptp(part) < LEAST * run.noise:
-            continue
-        low = max((b.start + b.stop) // 2, int(s.start - BEFORE * period))
-        high = min((a.start + a.stop) // 2, int(s.stop + AFTER * period))
+        low = max(b.middle, int(s.start - BEFORE * period))
+        high = min(a.middle, int(s.stop + AFTER * period))
         if not 16 < high - low <= MOST:
             continue
-        top, bottom = float(part[0]), float(part[-1])
+        top, bottom = float(track.x[s.start]), float(track.x[s.stop])
         bounds.append((low, high))
         starts.append(
             [top, 0.5 * (top + bottom), float(run.t[s.start]) - 0.1 / w, run.belt_speed, 2 * np.log(w), 0.0]
@@ -252,7 +227,7 @@ def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> Events
     p = found.p
     std = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
     slid, ends = lost(p), arrest(p)
-    good = (slid > 0.5 * LEAST * run.noise) & (found.rms < 8) & (p[:, S] > p[:, K])
+    good = (slid > 0.5 * segments.LEAST_SLIP * run.noise) & (found.rms < 8) & (p[:, S] > p[:, K])
     good &= np.all(np.isfinite(p) & np.isfinite(std), axis=1)
     release = p[:, RELEASE]
     dwell, previous = _rests(run, release)
