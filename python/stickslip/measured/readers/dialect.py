@@ -80,11 +80,9 @@ def opened(file: Path, encoding: str, mark: int, newline: str | None = None) -> 
 
 
 def bare(line: str, delimiter: str) -> str:
-    """Return a row without comment and line end; a separator at its beginning is an empty cell, and stays."""
-    text = line.partition("#")[0].strip() if delimiter != "\t" else line.partition("#")[0].strip("\r\n ")
-    if not text.strip() or text.lstrip().startswith(COMMENTS):
-        return ""
-    return text
+    """Return a row without comment and line end; separators stay, those at its ends too: cells that are empty."""
+    text = line.partition("#")[0].strip("\r\n " if delimiter == "\t" else None)
+    return "" if text.lstrip().startswith(COMMENTS) else text
 
 
 def cells_of(text: str, delimiter: str) -> list[str]:

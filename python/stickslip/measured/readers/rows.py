@@ -36,8 +36,10 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
     else:
         for name in names:
             values |= _one(layout, name, names, units.get(name, "1"), count)
-    if not all(np.isfinite(column).all() for column in values.values()):
-        raise_first_fault(layout, names)
+    for name, column in values.items():
+        if not np.isfinite(column).all():
+            raise_first_fault(layout, names)
+            raise InputError("holds an empty cell", place=Place(str(layout.path), column=name))
     doubts = (f"each row ends before the last {given - len(layout.header)} of {given} names",)
     return Columns(layout.path, values, layout, doubts if len(layout.header) < given else ())
 
@@ -82,7 +84,7 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> d
                 decimal=decimal,
                 dtype=np.float64,
                 header=None,
-                names=list(range(len(layout.header))),
+                names=list(range(max(places) + 1)),  # the cells were counted already
                 usecols=places,
                 nrows=count if layout.last else None,
                 comment="#",
@@ -110,7 +112,7 @@ def _offset(layout: Layout) -> int:
 
 def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
     """Count the cells of every row; return the layout, its spare names known, and the number of rows."""
-    count, wrong = _count(layout)
+    count, wrong = count_rows(layout)
     if wrong < 0:
         return layout, count
     cells = next(cells for i, (_, cells) in enumerate(layout.rows()) if i == 0)
@@ -120,15 +122,15 @@ def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
         kept = replace(
             layout, header=layout.header[:-spare], units=layout.units[: len(layout.header) - spare]
         )
-        count, short = _count(kept)
+        count, short = count_rows(kept)
         if short < 0 and all(name in kept.header for name in names):
             return kept, count
     raise_first_fault(layout, names)
     raise InputError("rows of several lengths", place=Place(str(layout.path)))
 
 
-def _count(layout: Layout) -> tuple[int, int]:
-    """The number of rows, and the first that has not a cell for each name; -1: all have."""
+def count_rows(layout: Layout) -> tuple[int, int]:
+    """Return the number of rows, and the first that has not a cell for each name; -1: all have."""
     most, delimiter = len(layout.header), layout.delimiter
     least, rows = most - layout.spare, 0
     with opened(layout.path, layout.encoding, layout.mark) as stream:

@@ -10,7 +10,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError, Place, did_you_mean
-from stickslip.measured.readers import matlab, memory
+from stickslip.measured.readers import lvm, matlab, memory
 from stickslip.measured.readers.columns import Columns, Contents, Source, checked, require
 from stickslip.measured.readers.text import Text
 
@@ -77,7 +77,19 @@ def open_table(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> Sour
     file = _existing(path)
     if file.suffix.lower() == ".mat":
         return Matlab(file)
+    if file.suffix.lower() == ".lvm" or _begins(file, lvm.MAGIC):
+        return lvm.Lvm(file)
     return Text(file, tuple(wanted))
+
+
+def _begins(file: Path, text: str) -> bool:
+    """Whether a file begins with some words, in any encoding that text is read in."""
+    try:
+        with file.open("rb") as stream:
+            first = stream.read(4 * len(text) + 4)
+    except OSError:
+        return False
+    return text.encode() in first or text.encode("utf-16-le") in first or text.encode("utf-16-be") in first
 
 
 def column_names(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> tuple[str, ...]:
