@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stickslip as ss
-from stickslip.measured.channels import head_parts
+from stickslip.measured.heads import head_parts
 from stickslip.measured.readers.tables import read_columns
 
 RIG = ss.BlockOnBelt(mass=0.5, stiffness=500.0)

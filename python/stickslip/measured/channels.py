@@ -9,7 +9,6 @@ from dataclasses import replace
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
 from stickslip.declared.units import Channel, factor, is_electric, same_unit
 from stickslip.errors import InputError, Place, did_you_mean, number
-from stickslip.measured.heads import head_parts
 from stickslip.measured.readers.columns import Contents, Source
 from stickslip.measured.readers.tables import column_names
 
@@ -97,7 +96,7 @@ def by_heads(
         head = head_of(one.column, there)
         if head is None:
             continue
-        parts = head_parts(head)
+        parts = there.head(head)
         unit = there.units.get(head) or (parts[1] if parts else None)
         if unit is not None and one.scale == 1 and not same_unit(unit, one.unit):
             if not is_electric(unit) or parts is not None:
@@ -113,7 +112,7 @@ def head_of(column: str, there: Contents) -> str | None:
     """The name that the file has for a declared column, if just one is like it."""
     if column in there.names:
         return column
-    heads = [head for head in there.names if (parts := head_parts(head)) and parts[0] == column]
+    heads = [head for head in there.names if (parts := there.head(head)) and parts[0] == column]
     if not heads and column in there.also:
         return there.also[column]
     return heads[0] if len(heads) == 1 else None

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, Place, did_you_mean, quoted
+from stickslip.measured.heads import head_parts
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +56,8 @@ class Contents:
         What else is known of the file, for a person.
     doubts
         What was guessed: it becomes a finding of the recording.
+    paths
+        Whether names are paths: what stands before the last slash is where a column is.
     """
 
     kind: str
@@ -63,6 +66,11 @@ class Contents:
     also: Mapping[str, str] = field(default_factory=dict)
     facts: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    paths: bool = False
+
+    def head(self, name: str) -> tuple[str, str] | None:
+        """Return the name and the unit in the head of a column; None if it has no unit."""
+        return head_parts(name.rpartition("/")[2] if self.paths else name)
 
 
 class Source(Protocol):

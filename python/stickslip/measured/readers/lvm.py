@@ -47,14 +47,12 @@ class Segment:
     @property
     def units(self) -> dict[str, str]:
         """The unit by column, where the header gives one that is known."""
-        found = {
-            name: unit_in(self.of("Y_Unit_Label", name)) for name in self.layout.header if not _is_x(name)
-        }
-        units = {name: unit for name, unit in found.items() if unit not in (None, "1")}
+        said = {name: self.of("Y_Unit_Label", name) for name in self.layout.header if not _is_x(name)}
+        units = {name: unit for name, text in said.items() if (unit := unit_in(text)) and unit != "1"}
         dimension = [cell for cell in self.header.get("X_Dimension", ["", "Time"])[1:] if cell]
         if all(cell == "Time" for cell in dimension):
             units |= {name: "s" for name in self.layout.header if _is_x(name)}
-        return {name: unit for name, unit in units.items() if unit is not None}
+        return units
 
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> dict[str, Floats]:
         """Return columns (n,), the times counted up where the rows have none."""

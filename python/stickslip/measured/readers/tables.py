@@ -10,8 +10,11 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError, Place, did_you_mean
-from stickslip.measured.readers import lvm, matlab, memory
+from stickslip.measured.readers import matlab, memory
 from stickslip.measured.readers.columns import Columns, Contents, Source, checked, require
+from stickslip.measured.readers.container import Container, Format
+from stickslip.measured.readers.formats import LVM, MATLAB, kind_of
+from stickslip.measured.readers.lvm import Lvm
 from stickslip.measured.readers.text import Text
 
 __all__ = ["Columns", "Contents", "Held", "Source", "column_names", "open_table", "read_columns"]
@@ -75,21 +78,12 @@ def open_table(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> Sour
     if isinstance(path, Held):
         return path
     file = _existing(path)
-    if file.suffix.lower() == ".mat":
+    kind = kind_of(file)
+    if isinstance(kind, Format):
+        return Container(file, kind)
+    if kind == MATLAB:
         return Matlab(file)
-    if file.suffix.lower() == ".lvm" or _begins(file, lvm.MAGIC):
-        return lvm.Lvm(file)
-    return Text(file, tuple(wanted))
-
-
-def _begins(file: Path, text: str) -> bool:
-    """Whether a file begins with some words, in any encoding that text is read in."""
-    try:
-        with file.open("rb") as stream:
-            first = stream.read(4 * len(text) + 4)
-    except OSError:
-        return False
-    return text.encode() in first or text.encode("utf-16-le") in first or text.encode("utf-16-be") in first
+    return Lvm(file) if kind == LVM else Text(file, tuple(wanted))
 
 
 def column_names(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> tuple[str, ...]:

@@ -1,0 +1,122 @@
+"""Binary files as sources of columns: each parsed by a kept-up library, in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.declared.units import same_dimension
+from stickslip.errors import InputError, Place, quoted
+from stickslip.measured.heads import unit_in
+from stickslip.measured.readers.columns import Columns, Contents, Floats, checked, require
+from stickslip.measured.readers.memory import ratio
+
+_MAIN = Path(__file__).with_name("parsers") / "main.py"
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of binary file.
+
+    Attributes
+    ----------
+    name
+        As a person calls it.
+    parser
+        The module of `parsers` that reads it.
+    library
+        What it needs besides numpy and scipy; "" for nothing.
+    """
+
+    name: str
+    parser: str
+    library: str = ""
+
+
+@dataclass(frozen=True)
+class Container:
+    """A binary file as a source of columns."""
+
+    file: Path
+    format: Format
+
+    @cached_property
+    def contents(self) -> Contents:
+        """What the file holds."""
+        head, _ = self._answer(())
+        units = {name: unit for name, said in head.get("units", {}).items() if (unit := _known(said))}
+        return Contents(
+            f"a {self.format.name} file",
+            tuple(head["known"]),
+            units,
+            also=head.get("also", {}),
+            facts=tuple(head.get("facts", ())),
+            doubts=tuple(head.get("doubts", ())),
+            paths=head.get("paths", False),
+        )
+
+    def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
+        """Return some of the columns, times that are no numbers in their declared unit."""
+        also = self.contents.also
+        own = {
+            name: name if name in self.contents.names else also.get(name, name)
+            for name in dict.fromkeys(names)
+        }
+        for name in own.values():
+            require(name, self.contents.names, Place(str(self.file), column=name))
+        head, columns = self._answer(tuple(own.values()))
+        values = dict(zip(own, columns, strict=True))
+        for name in own:
+            if own[name] in head.get("times", ()):
+                values[name] = self._timed(name, values[name], units.get(name, "1"))
+        return checked(self.file, values)
+
+    def _timed(self, name: str, seconds: Floats, unit: str) -> Floats:
+        place = Place(str(self.file), column=name)
+        if not same_dimension(unit, "s"):
+            words = f"dates or spans of time, but the channel is declared in '{unit}'; give a unit of time"
+            raise InputError(words, place=place)
+        return seconds * ratio("s", unit, place)
+
+    def _answer(self, names: Sequence[str]) -> tuple[dict[str, Any], list[Floats]]:
+        """What the parser's process says of the file, and the columns."""
+        command = [sys.executable, "-P", str(_MAIN), self.format.parser, str(self.file.absolute()), *names]
+        pipe = subprocess.PIPE
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, check=False)
+        place = Place(str(self.file))
+        if done.returncode < 0:
+            words = f"a damaged {self.format.name} file (its parser was ended by signal {-done.returncode})"
+            raise InputError(words, place=place)
+        if done.returncode:
+            last = (done.stderr.decode(errors="replace").strip().splitlines() or ["no words"])[-1]
+            words = f"the process that parses {self.format.name} files failed: {quoted(last, 120)}"
+            raise InputError(words, place=place)
+        end = done.stdout.index(b"\n") + 1
+        head: dict[str, Any] = json.loads(done.stdout[:end])
+        if "lacking" in head:
+            words = f"a {self.format.name} file needs {self.format.library}: pip install 'stickslip[files]'"
+            raise InputError(words, place=place)
+        if "damaged" in head:
+            words = f"not a {self.format.name} file, or a damaged one ({quoted(head['damaged'], 150)})"
+            raise InputError(words, place=place)
+        if "fault" in head:
+            raise InputError(quoted(head["fault"], 180), place=Place(str(self.file), column=head["column"]))
+        columns = []
+        for size in head["sizes"]:
+            columns.append(np.frombuffer(done.stdout, np.float64, size, end).copy())
+            end += 8 * size
+        return head, columns
+
+
+def _known(said: str) -> str | None:
+    """The unit that a file gives, if it is one; no word is no unit."""
+    unit = unit_in(said) if said.strip() else None
+    return None if unit == "1" else unit
