@@ -19,14 +19,13 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.fitted.comparison_rows import Row, verdict
 from stickslip.fitted.dominant_cycle import SHARE, Dominant, cycles, dominant
-from stickslip.fitted.identify import BeltSpeed, measured
+from stickslip.fitted.identify import BeltSpeed, measured, natural_period
 from stickslip.fitted.model_runs import runs_of
-from stickslip.fitted.shooting import Simulator
+from stickslip.measured import cutting
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import Array
 from stickslip.measured.prepared import Measured, Motion
-from stickslip.simulated.simulate import simulate
 
 Flags = NDArray[np.bool_]
 
@@ -97,7 +96,6 @@ def compare(
     recording: Recording,
     *,
     belt_speed: BeltSpeed = "set-point",
-    simulator: Simulator = simulate,
     progress: Callable[[str, float], None] | None = None,
 ) -> Comparison:
     """Simulate the model with the run's belt speed from the run's estimated start, and measure both alike.
@@ -108,16 +106,16 @@ def compare(
     recording : Recording
     belt_speed : "set-point" or "plateau"
         As in `identify`.
-    simulator, progress : callable, optional
+    progress : callable, optional
 
     Returns
     -------
     Comparison
         With the rows period, stick fraction, slip amplitude, largest slip speed, small slips left out, release and
-        capture time errors, missed transitions, phase-portrait distance and forecast error. Period, amplitude and
-        speed are means over the dominant cycle, from release to release of slips at least 0.3 times as large as the
-        typical one (`stickslip.fitted.dominant_cycle`), of measurement
-        and simulation alike; the time of smaller slips counts as
+        capture time errors, missed transitions, phase-portrait distance and forecast error. Forecasts are those of
+        `forecast`, from the readings before each window of one cycle or more. Period, amplitude and speed are means
+        over the dominant cycle, from release to release of slips at least 0.3 times as large as the typical one
+        (`stickslip.fitted.dominant_cycle`), of measurement and simulation alike; the time of smaller slips counts as
         stick.
 
     Raises
@@ -133,7 +131,7 @@ def compare(
         measured(recording, model.rig, belt=belt_speed, motion=_motion(model, recording)), model
     )
     tell("simulating, and forecasting from cycle to cycle", 0.2)
-    both = runs_of(run, model, recording, simulator)
+    both = runs_of(run, model, recording, _windows(run, model))
     free, ahead, where = both.free, both.ahead, both.forecast
     ours = replace_track(run, free[:, 0])
     tell("comparing", 0.8)
@@ -167,6 +165,12 @@ def _from_a_stick(run: Measured, model: Model) -> Measured:
         return run
     t = run.t[start:]  # what depends on time goes by the run's own
     return replace(run, t=t, readings=run.readings[start:], track=replace(run.track.after(start), t=t))
+
+
+def _windows(run: Measured, model: Model) -> list[tuple[int, int]]:
+    """Samples of windows of about two cycles for forecasting."""
+    length = 1.2 * natural_period(model.rig)
+    return [b for b in cutting.cut(run.track, length) if b[1] - b[0] > segments.CLEAR]
 
 
 def per_model(recording: Recording, channel: str) -> float:

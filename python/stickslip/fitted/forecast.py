@@ -129,26 +129,20 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     import pandas as pd
 
     from stickslip.fitted.block_events.predict import Forecaster as Slider
-    from stickslip.fitted.block_events.sensor import Reading, reading_of
-    from stickslip.fitted.block_events.table import measure
-    from stickslip.fitted.block_events.table import prepare as ready
+    from stickslip.fitted.block_events.predict import bare
+    from stickslip.fitted.block_events.sensor import reading_of
 
-    sensor, t = reading_of(model, recording.channel("x1") == "spring_force"), recording.t - recording.t[0]
-    m, _ = sensor.behind(recording.x1, np.gradient(recording.x1, t), t)
-    noise = {name: size / (sensor.gain if name == "x1" else 1.0) for name, size in recording.noise.items()}
-    bare = replace(recording, x1=m, noise=noise)
-    _refuse(wrong_set_point(bare, clear=BEYOND))
+    seen = bare(recording, reading_of(model, recording.channel("x1") == "spring_force"))
+    _refuse(wrong_set_point(seen, clear=BEYOND))
     droops = any(one.name == "belt_load_droop" for one in model.effects)  # so that its sticks ride slower
-    wrong = None if droops else wrong_set_point(bare, clear=NEAR)
+    wrong = None if droops else wrong_set_point(seen, clear=NEAR)
     if wrong:
         said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
         warnings.warn(said, ModelWarning, stacklevel=4)
-    measured = measure(ready(bare))
-    run = measured.run
+    slider = Slider.of(model, recording)
+    run = slider.measured.run
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
-    slider = Slider(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag))  # all but the lag is undone
-    ahead = slider.forecast(len(run.t), future)
-    readings = sensor.read(run.sign * ahead.state[:, 0], run.sign * ahead.reading, future)
+    readings = run.sign * slider.forecast(len(run.t), future).reading
     columns = {"t": future + float(recording.t[0]), recording.channel("x1"): readings}
     return pd.DataFrame(
         {name: values / recording.factor("t" if name == "t" else "x1") for name, values in columns.items()}

@@ -15,7 +15,8 @@ from stickslip.fitted.block_events.cycle import S
 from stickslip.fitted.block_events.levels import carried
 from stickslip.fitted.block_events.past import Leg, Past, Start
 from stickslip.fitted.block_events.sensor import Reading, reading_of
-from stickslip.fitted.block_events.table import Measured, natural_rate
+from stickslip.fitted.block_events.table import Measured, measure, natural_rate, prepare
+from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import CLEAR
 
 Floats = NDArray[np.float64]
@@ -60,11 +61,13 @@ class Forecaster:
     model : of a `BlockOnBelt`; its phases are kept unless the past says otherwise.
     measured : the run; x rises in its sticks, as in `Run`.
     reading : of the measured run's channel; the model's own if none is given.
+    sensor : of the readings to come; that of the measured run if none is given.
     """
 
     model: Model
     measured: Measured
     reading: InitVar[Reading | None] = None
+    sensor: Reading | None = None
     past: Past = field(init=False)
     walk: list[Step] = field(init=False, default_factory=list)
     turned: int = field(init=False, default=0)  # legs that the phases are from
@@ -76,6 +79,46 @@ class Forecaster:
         self.past = Past(run.t, m, noise, run.sign * run.belt_speed, run.track, self.chain)
         self.sticks = run.track.clear_sticks
 
+    @classmethod
+    def of(cls, model: Model, recording: Recording, *, at_rest: bool = False) -> Forecaster:
+        """Forecast a recording, its events found behind the sensor; only the lag is left to the forecast.
+
+        Raises
+        ------
+        InputError
+            A curve of the reading in x2, a record too short, or a belt that stands still where that is not allowed for.
+        """
+        sensor = reading_of(model, recording.channel("x1") == "spring_force")
+        measured = measure(prepare(bare(recording, sensor), at_rest=at_rest))
+        return cls(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag), sensor)
+
+    def free(self, at: int) -> Prediction:
+        """The model from sample `at` to the end, its phases from the whole run, its state from the readings there.
+
+        Raises
+        ------
+        StickslipError
+            The model cannot be simulated so far.
+        """
+        run = self.measured.run
+        self.settle(len(run.t))
+        stick = next((s for s in self.sticks if s.start <= at < s.stop), None)
+        if stick is not None:
+            start = self.past.resting(self.model, at, stick, None)
+        else:
+            start = self.past.sliding(self.model, at)
+            most = PERIODS * 2 * np.pi / natural_rate(run.rig)
+            stop = min(int(np.searchsorted(run.t, run.t[at] + most)), len(run.t) - 1)
+            leg = self.past.fitted(self.model, start, stop)
+            start = start if leg is None else leg.start
+        return self._predicted(self.model, start, run.t[at:])
+
+    def _predicted(self, model: Model, start: Start, t: Floats) -> Prediction:
+        out = self.past.simulated(model, start, t)
+        sign, sensor = self.measured.run.sign, self.sensor or self.chain
+        read = sensor.read(out.state[:, 0], out.hidden["m"], t)
+        return Prediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
+
     def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`.
 
@@ -84,17 +127,14 @@ class Forecaster:
         StickslipError
             The model cannot be simulated over the past or to the last time.
         """
-        self._turn(stop)
+        self.settle(stop)
         start, walk = self._last(stop)
         model = self._levelled(walk)
         leg = self.past.fitted(model, start, stop - 1)
         if leg is None:
             raise StickslipError("the model cannot be simulated over the end of the past")
         # from where the leg began, unless the readings are elsewhere: what is hidden goes on to the last digit
-        out = self.past.simulated(model, self._elsewhere(leg, stop) or leg.start, future)
-        sign = self.measured.run.sign
-        read = self.chain.read(out.state[:, 0], out.hidden["m"], future)
-        return Prediction(future, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
+        return self._predicted(model, self._elsewhere(leg, stop) or leg.start, future)
 
     def _sliding(self, model: Model, stop: int) -> Start:
         """A state some natural periods before a sample, of a past without sticks."""
@@ -166,7 +206,7 @@ class Forecaster:
             return self.model
         return scaled(self.model, factor)
 
-    def _turn(self, stop: int) -> None:
+    def settle(self, stop: int) -> None:
         """Phases of this run, which no other run tells; those of the model where the past fits them."""
         names = [f"{one.name}.phi" for one in self.model.effects if "phi" in one.parameters]
         if not names or len(self._walked(stop)) < 2 * self.turned:
@@ -226,6 +266,16 @@ class Forecaster:
         v = past.speed if stuck else run.sign * min(run.sign * v, run.belt_speed)
         moved = replace(start.moved(self.model, x), v=v, contact=contact)
         return replace(moved, hidden=moved.hidden | {"m": float(local(0.0))})
+
+
+def bare(recording: Recording, sensor: Reading) -> Recording:
+    """The recording as if its sensor added nothing but its lag."""
+    t = recording.t - recording.t[0]
+    m, _ = sensor.behind(recording.x1, np.gradient(recording.x1, t), t)
+    noise = {
+        name: size / (abs(sensor.gain) if name == "x1" else 1.0) for name, size in recording.noise.items()
+    }
+    return replace(recording, x1=m, noise=noise)
 
 
 def _put(model: Model, name: str, value: float) -> Model:

@@ -98,22 +98,22 @@ def damping_ratio(rig: BlockOnBelt) -> float:
     return float(rig.damping / (2 * np.sqrt(rig.stiffness * rig.mass)))
 
 
-def prepare(recording: Recording) -> Run:
+def prepare(recording: Recording, *, at_rest: bool = False) -> Run:
     """Turn a recording into a run, its noise estimated where it is not declared.
 
     Raises
     ------
     InputError
-        The belt stands still, or the record is too short.
+        The belt stands still where that is not allowed for, or the record is too short.
     """
     rig = recording.rig
     if not isinstance(rig, BlockOnBelt):
         raise InputError("must be a block on a belt", key="rig")
-    if recording.belt_speed == 0:
+    if recording.belt_speed == 0 and not at_rest:
         raise InputError(
             f"run '{recording.name}': the belt stands still; give the speed of the pull", key="belt_speed"
         )
-    sign = float(np.sign(recording.belt_speed))
+    sign = float(np.sign(recording.belt_speed)) or 1.0
     t = recording.t - recording.t[0]
     x = sign * np.asarray(recording.x1, dtype=np.float64)
     good = np.isfinite(x)
@@ -150,7 +150,9 @@ def measure(run: Run) -> Measured:
 
 
 def sticks(run: Run) -> Sticks:
-    """How fast the sticks rise, over the set-point."""
+    """How fast the sticks rise, over the set-point; none on a belt that stands still."""
+    if run.belt_speed == 0:
+        return Sticks(*(np.zeros(0),) * 4)
     found = segments.rises(run.track, run.x, run.noise)
     return Sticks(found.t, found.x, found.speed / run.belt_speed, found.std / run.belt_speed)
 
