@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.residual import by_run
 from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared
-from stickslip.fitted.data import Data, read_again
+from stickslip.fitted.data import Data, read_again, refined
 from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
@@ -82,13 +82,12 @@ def _correlation(series: Sequence[Floats], most: int) -> Floats:
 def thinned(data: Sequence[Data], step: int, size: Floats) -> list[Data]:
     """The runs with every `step`-th reading, their noise `size` times what it was."""
     out = []
-    for run in data:
+    for run in refined(data, size):
         some = replace(
             run,
             t=run.t[::step],
             readings=run.readings[::step],
-            weight=run.weight[::step] / size,
-            noise=run.noise * size,
+            weight=run.weight[::step],
             held=run.held[::step],
         )
         out.append(read_again(some, some.readings))

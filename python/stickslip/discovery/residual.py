@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.result import Part, Residual
 from stickslip.fitted.solve import Fit
+from stickslip.measured.findings import FINE
+from stickslip.measured.signals import quantisation
 
 Floats = NDArray[np.float64]
 LAGS = 20
+LIMIT = 4.0  # sampling errors above noise at which something is left
 NEAR = 4  # samples on either side that belong to a transition
 BINS = 120
 
@@ -29,16 +32,75 @@ class _Samples:
     third: NDArray[np.int64]
 
 
-def describe(fit: Fit, limit: float = 4.0) -> Residual:
-    """Residual of a fit, in all and in parts, worst first."""
+def describe(fit: Fit, limit: float = LIMIT) -> Residual:
+    """Residual of a fit, in all and in parts, worst first.
+
+    It is clean where neither all readings nor those of a channel leave more than noise does, by `limit` sampling
+    errors. Where a noise was taken too large chi-squared hides what is left: a misfit then still goes on from reading
+    to reading as white noise does not, whatever its size. Such channels are `correlated`.
+    """
     s = _collect(fit)
     dof = max(fit.readings - fit.dof, 1)
     chi2, error = fit.chi2 / dof, math.sqrt(2.0 / dof)
     share = dof / max(fit.readings, 1)
     parts = sorted(_parts(fit, s, share), key=lambda p: -(p.chi2 - 1) / p.error)
-    clean = chi2 < 1 + limit * error
-    white = whiteness(fit)
-    return Residual(chi2, error, white, clean, tuple(parts), _sentence(chi2, error, clean, parts))
+    clean = left_over(fit) < limit
+    channels = fit.engine.data[0].channels
+    alike = [name for name, one in zip(channels, correlation(fit), strict=True) if one > limit]
+    said = _sentence(chi2, error, clean, parts)
+    return Residual(chi2, error, whiteness(fit), clean, tuple(parts), said, tuple(alike))
+
+
+def left_over(fit: Fit) -> float:
+    """chi-squared per reading above 1 in its sampling errors: of all readings, or of the channel that leaves most.
+
+    A channel counts by itself where its noise is declared. One that was read off the readings is no measure so sharp.
+    """
+    dof = max(fit.readings - fit.dof, 1)
+    share, out = dof / max(fit.readings, 1), (fit.per_reading - 1.0) / math.sqrt(2.0 / fit.readings)
+    for c, told in enumerate(fit.engine.data[0].declared):
+        power, count = _of_channel(fit, c) if told else (0.0, 0)
+        if count:
+            out = max(out, (power / (count * share) - 1.0) / math.sqrt(2.0 / count))
+    return out
+
+
+def _of_channel(fit: Fit, c: int) -> tuple[float, int]:
+    """Sum of squares of a channel's residuals over the noise, and how many there are."""
+    power, count = 0.0, 0
+    for w, b in zip(fit.windows, fit.blocks, strict=True):
+        run = fit.engine.data[w.run]
+        used = run.weight[w.start : w.stop, c] > 0
+        r = b.r.reshape(-1, run.readings.shape[1])[used, c]
+        power, count = power + float(r @ r), count + len(r)
+    return power, count
+
+
+def correlation(fit: Fit) -> list[float]:
+    """By channel, the largest correlation over lags 1 to 20 in its sampling errors: of a misfit it is positive.
+
+    0 for a channel whose noise is no larger than twice its steps: these go on from reading to reading too.
+    """
+    data = fit.engine.data
+    out = []
+    for c in range(len(data[0].channels)):
+        series = [
+            b.r.reshape(-1, data[w.run].readings.shape[1])[:, c]
+            for w, b in zip(fit.windows, fit.blocks, strict=True)
+        ]
+        step = max(quantisation(run.readings[:, c]).step / float(run.noise[c]) for run in data)
+        out.append(persistence(series) if step < FINE else 0.0)
+    return out
+
+
+def persistence(series: Iterable[Floats]) -> float:
+    """The largest correlation over lags 1 to 20 of several series (n,), in its sampling errors; 0 of short ones."""
+    sums, norm, count = np.zeros(LAGS), 0.0, 0
+    for r in series:
+        if len(r) > 2 * LAGS:
+            norm, count = norm + float(r @ r), count + len(r)
+            sums += [r[k:] @ r[:-k] for k in range(1, LAGS + 1)]
+    return float(sums.max()) / norm * math.sqrt(count) if norm > 0 else 0.0
 
 
 def _sentence(chi2: float, error: float, clean: bool, parts: list[Part]) -> str:

@@ -161,7 +161,8 @@ class Residual:
     """Residual against the noise, absolutely.
 
     `chi2` per reading over all, `error` its sampling error; `whiteness` the largest normalised autocorrelation
-    statistic (1 = the 95 % limit for white noise); `parts` where it sits; `sentence` for a person.
+    statistic (1 = the 95 % limit for white noise); `parts` where it sits; `sentence` for a person. `correlated`:
+    channels whose residual goes on from reading to reading as white noise does not.
     """
 
     chi2: float
@@ -170,6 +171,7 @@ class Residual:
     clean: bool
     parts: tuple[Part, ...]
     sentence: str
+    correlated: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

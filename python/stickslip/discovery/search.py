@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.discovery.residual import LIMIT, left_over
 from stickslip.discovery.rivals import Start
 from stickslip.discovery.workers import Task, Workers
 from stickslip.fitted.data import Data
@@ -27,7 +28,7 @@ Floats = NDArray[np.float64]
 Result = TypeVar("Result")
 Rest = ParamSpec("Rest")
 SHORT, LONG = 1.0, 2.0  # cycles in a window: to search, and to decide
-CLEAN = 4.0  # sampling errors of chi-squared above 1 that noise alone may leave
+CLEAN = LIMIT  # sampling errors of chi-squared above 1 that noise alone may leave
 NEAR = 4.0  # chi-squared per reading beyond which a fit is not worth perfecting
 ALMOST = 1.5  # and below which it is worth more turns
 TRIM = 1.2  # chi-squared per reading of a window beyond which it may be on the wrong side of a transition
@@ -96,8 +97,8 @@ class Trial:
 
     @property
     def excess(self) -> float:
-        """chi-squared per reading above 1, in its sampling errors."""
-        return (self.chi2 - 1.0) / math.sqrt(2.0 / self.fit.readings)
+        """chi-squared per reading above 1, in its sampling errors: of all readings, or of the channel with most."""
+        return left_over(self.fit)
 
 
 @dataclass

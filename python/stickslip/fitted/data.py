@@ -41,6 +41,7 @@ class Data:
     slips : (k,) samples of fastest slip, one a cycle: far from any transition.
     cycle : time from slip to slip; a natural period where there are none.
     held : (n, c) readings that only repeat the one before.
+    declared : (c,) whether a channel's noise is the declared one; else it is as the readings scatter.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Data:
     slips: NDArray[np.int64]
     cycle: float
     held: NDArray[np.bool_]
+    declared: tuple[bool, ...] = ()
     _states: dict[tuple[int, bool], Floats] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -136,7 +138,8 @@ def _prepare(run: Recording, noise: Floats) -> Data:
                 break
     v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
     slips, cycle = _slips(t, v, run.belt_speed)
-    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same)
+    told = tuple(channel in run.noise for channel in CHANNELS[: len(noise)])
+    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same, told)
 
 
 def held(values: Floats, noise: float) -> NDArray[np.bool_]:
@@ -295,8 +298,16 @@ def _local(
 
 
 def refined(data: Sequence[Data], factor: Floats) -> list[Data]:
-    """The runs with their noise multiplied by a factor per channel."""
-    return [replace(run, noise=run.noise * factor, weight=run.weight / factor) for run in data]
+    """The runs with their noise multiplied by a factor per channel; one that changes is no longer the declared one."""
+    return [
+        replace(
+            run,
+            noise=run.noise * factor,
+            weight=run.weight / factor,
+            declared=tuple(bool(told and f == 1) for told, f in zip(run.declared, factor, strict=False)),
+        )
+        for run in data
+    ]
 
 
 def without_outliers(data: Sequence[Data], residuals: Sequence[Floats]) -> list[Data]:

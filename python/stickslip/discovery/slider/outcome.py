@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.discovery.residual import LIMIT, persistence
 from stickslip.discovery.result import ErrorBlock, Part, Residual, RunError
 from stickslip.discovery.slider.held import Held, constants_of, held
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.predict import Forecaster, Prediction, cycle_of, instants
 from stickslip.fitted.block_events.table import Measured
 from stickslip.measured.case import Case
+from stickslip.measured.findings import FINE
 from stickslip.measured.stick_speed import why_idle
 
 Floats = NDArray[np.float64]
@@ -175,9 +177,13 @@ def residual(runs: Sequence[Measured], helds: Sequence[Held], numbers: int) -> R
             )
     parts += _by_mode(runs, helds)
     parts.sort(key=lambda p: -(p.chi2 - 1) / p.error)
-    clean = chi2 < 1 + 4 * error
+    clean = chi2 < 1 + LIMIT * error
     words = f"chi-squared is {chi2:.3g} per reading over single events with their own levels (noise: 1 +- {error:.2g})"
-    return Residual(chi2, error, _whiteness(helds), clean, tuple(parts), words)
+    fine = all(one.run.step < FINE * one.run.noise for one in runs)
+    alike = fine and persistence(_series(helds)) > LIMIT
+    channel = "spring_force" if runs and runs[0].run.force_channel else "x1"
+    correlated = (channel,) if alike else ()
+    return Residual(chi2, error, _whiteness(helds), clean, tuple(parts), words, correlated)
 
 
 def _part(what: str, name: str, r: Floats) -> Part:
@@ -201,14 +207,19 @@ def _by_mode(runs: Sequence[Measured], helds: Sequence[Held]) -> list[Part]:
     return out
 
 
+def _series(helds: Sequence[Held]) -> Iterator[Floats]:
+    """The residual of each event."""
+    for h in helds:
+        for row in h.residual:
+            yield np.nan_to_num(row[: np.count_nonzero(np.isfinite(row))])
+
+
 def _whiteness(helds: Sequence[Held]) -> float:
     """Largest autocorrelation over lags 1 to 20, over the limit that white noise passes one time in twenty."""
     top, norm, count = np.zeros(20), 0.0, 0
-    for h in helds:
-        for row in h.residual:
-            r = np.nan_to_num(row[: np.count_nonzero(np.isfinite(row))])
-            if len(r) > 40:
-                norm += float(r @ r)
-                count += len(r)
-                top += np.array([r[k:] @ r[:-k] for k in range(1, 21)])
+    for r in _series(helds):
+        if len(r) > 40:
+            norm += float(r @ r)
+            count += len(r)
+            top += np.array([r[k:] @ r[:-k] for k in range(1, 21)])
     return float(np.max(np.abs(top)) / max(norm, 1e-300) * np.sqrt(max(count, 1)) / 3.03)

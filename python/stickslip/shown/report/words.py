@@ -10,10 +10,10 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.discovery.errors import DRAWS
+from stickslip.discovery.residual import LIMIT
 from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
 from stickslip.shown.report.units import Axes, Axis
 
-CHANNEL = 4.0  # standard errors, as for all readings together (`residual.describe`)
 PLAIN: Mapping[str, str] = {
     **{kind.name: kind.words for kind in KINDS.values()},
     "unlisted": "something that has no name in the catalogue",
@@ -88,6 +88,8 @@ def headline(found: Found) -> str:
         return (
             "Nothing can be named: a little is left above the noise, but no effect and no curve takes it up."
         )
+    if found.verdict is Verdict.no_effect and found.residual_after.correlated:
+        return "Nothing can be named: what is left is no larger than the noise, but it is no white noise."
     if found.verdict is Verdict.no_effect and found.never:
         never = f"the block never {found.never} in these runs"
         return f"Nothing shows as missing, but {never}: little of the friction law is tested."
@@ -238,12 +240,18 @@ def clean_sentence(found: Found) -> str:
     """Whether anything is left after the cure."""
     before, after = found.residual_before, found.residual_after
     error = f"± {short(after.error, 1)}"
-    above = [p for p in after.parts if p.what == "channel" and p.chi2 > 1 + CHANNEL * p.error]
+    above = [p for p in after.parts if p.what == "channel" and p.chi2 > 1 + LIMIT * p.error]
     if after.clean and above:  # a noise taken too large in one channel must not hide another
         names = " and ".join(f"{p.name} ({short(p.chi2)})" for p in above)
         return (
             f"Not all is noise: chi-squared per reading is {short(after.chi2)} {error} in all, but more than noise "
             f"leaves in channel {names}."
+        )
+    if after.clean and after.correlated:
+        return (
+            f"Not all is white noise: chi-squared per reading is {short(after.chi2)} {error}, but what is left in "
+            f"{joined(after.correlated)} goes on from reading to reading. The noise was taken too large and hides an "
+            "effect, or it is a filter's."
         )
     if after.clean:
         return f"What is left is noise: chi-squared per reading is {short(after.chi2)} {error}."
