@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 import stickslip as ss
 from recorded import recording
 from stickslip.fitted.readings import no_slopes, read
-from stickslip.simulated.lowering import HIDDEN
+from stickslip.simulated.states import HIDDEN
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 NOISE = 1e-3

@@ -24,9 +24,10 @@ from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import MOST_STEPS, Engine
 from stickslip.fitted.relax import relaxed, rephased
 from stickslip.fitted.solve import Point, _shares, _total, _within, fit
-from stickslip.fitted.window import DWELL, SLIPPING, STICK
+from stickslip.fitted.window import SLIPPING, STICK
 from stickslip.fitted.windows import cut, with_hidden
 from stickslip.measured.case import Recording
+from stickslip.simulated.states import DWELL
 
 
 def test_a_step_from_a_bound_is_the_constrained_one():

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import stickslip as ss
 from every_effect import EFFECTS
-from stickslip.simulated.lowering import HIDDEN
 from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError
+from stickslip.simulated.states import HIDDEN
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = ss.HyperbolicFriction(scale=1, decay=3)

@@ -13,10 +13,10 @@ from stickslip.discovery.errors import measure
 from stickslip.errors import InputError
 from stickslip.fitted.data import prepare
 from stickslip.fitted.readings import curves_of, no_slopes, read, reading_rate
-from stickslip.fitted.window import LAGGED, Window
+from stickslip.fitted.window import Window
 from stickslip.fitted.windows import behind, with_hidden
-from stickslip.simulated.lowering import HIDDEN
 from stickslip.simulated.reference import integrate as reference
+from stickslip.simulated.states import HIDDEN, LAGGED
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 SENSORS = {

@@ -14,7 +14,7 @@ from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.unlisted import guess, knots_for
 from stickslip.fitted.readings import Learned
 from stickslip.fitted.unknowns import without
-from stickslip.fitted.window import BELT
+from stickslip.simulated.states import BELT
 
 Floats = NDArray[np.float64]
 DROOP, WAVE = "belt_load_droop", "belt_speed_ripple"

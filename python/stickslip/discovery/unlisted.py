@@ -18,6 +18,7 @@ from stickslip.discovery.workers import each
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.readings import Learned
 from stickslip.fitted.unknowns import Hypothesis, Unknown
+from stickslip.simulated.states import BELT, X2
 
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
@@ -70,7 +71,7 @@ def ranges(trial: Trial) -> dict[str, Floats]:
         state, run = done.state[done.of(i)], fit.engine.data[w.run]
         for name, column in STATE.items():
             seen[name].append(state[:, column])
-        v = state[:, 1] - run.belt_speed - state[:, 6]
+        v = state[:, X2] - run.belt_speed - state[:, BELT]
         seen["v_w"].append(v[np.abs(v) > 1e-6])
         seen["t"].append(run.t[w.start : w.stop])
     return {name: np.concatenate(values) for name, values in seen.items()}

@@ -13,6 +13,7 @@ from stickslip.discovery.result import RunView
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import reading_rate
 from stickslip.fitted.solve import Fit
+from stickslip.simulated.states import BELT, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
 
@@ -91,8 +92,8 @@ def _view(run: Data, before: _Made, after: _Made, rig: object) -> RunView:
         mode_after=after.mode,
         force_before=_force(run, before.state, rig),
         force_after=_force(run, after.state, rig),
-        speed_before=before.state[:, 1] - run.belt_speed - before.state[:, 6],
-        speed_after=after.state[:, 1] - run.belt_speed - after.state[:, 6],
+        speed_before=before.state[:, X2] - run.belt_speed - before.state[:, BELT],
+        speed_after=after.state[:, X2] - run.belt_speed - after.state[:, BELT],
     )
 
 
@@ -100,6 +101,6 @@ def _force(run: Data, state: Floats, rig: object) -> Floats:
     """T that the declared equation of motion needs for the simulated motion: friction and whatever else acts."""
     assert isinstance(rig, Rig)
     sign = 1.0 if rig.coupling == "reciprocal" else -1.0
-    acceleration = np.gradient(state[:, 1], run.t)
-    inertia = rig.alpha1 * (acceleration + state[:, 0])
-    return np.asarray(-(inertia + rig.eta1 * (state[:, 1] + state[:, 3]) + sign * state[:, 2]))
+    acceleration = np.gradient(state[:, X2], run.t)
+    inertia = rig.alpha1 * (acceleration + state[:, X1])
+    return np.asarray(-(inertia + rig.eta1 * (state[:, X2] + state[:, Y2]) + sign * state[:, Y1]))

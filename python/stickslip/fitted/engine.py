@@ -17,8 +17,9 @@ from stickslip import _core
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, Learned, read, states_read
 from stickslip.fitted.unknowns import Hypothesis
-from stickslip.fitted.window import AUTO, STATES, Window, by_free, window_penalties
+from stickslip.fitted.window import AUTO, Window, by_free, window_penalties
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
+from stickslip.simulated.states import COUNT
 
 Floats = NDArray[np.float64]
 RTOL, ATOL = 1e-7, 1e-8
@@ -89,10 +90,10 @@ class Engine:
         self.slots = [slots.get(name, ()) for name in self.names]
         self.fixed = {n: v for n, v in hypothesis.model.parameters.items() if n not in self.names}
         self.moving = [i for i, places in enumerate(self.slots) if places]  # others bear on the reading alone
-        self.seeds = np.zeros((len(self.names) + STATES, WIDTH + STATES))
+        self.seeds = np.zeros((len(self.names) + COUNT, WIDTH + COUNT))
         for row, places in zip(self.seeds, self.slots, strict=False):
             row[list(places)] = 1.0
-        for k in range(STATES):
+        for k in range(COUNT):
             self.seeds[len(self.names) + k, WIDTH + k] = 1.0
         self.centre, self.precision = hypothesis.prior(runs)
         self.low, self.high = hypothesis.limits(runs)
@@ -148,7 +149,7 @@ class Engine:
         n, kept = int(offset[-1]), self.kept
         sane = np.asarray(np.isfinite(numbers).all(axis=1))
         ok = np.isfinite(initial).all(axis=1) & sane[[w.run for w in windows]]
-        out = Simulated(offset, np.zeros((n, STATES)), {}, np.zeros(n, dtype=np.int8), np.zeros_like(ok))
+        out = Simulated(offset, np.zeros((n, COUNT)), {}, np.zeros(n, dtype=np.int8), np.zeros_like(ok))
         left = np.flatnonzero(ok)
         for nudge, order, rtol in ATTEMPTS:  # what rounding decided badly once
             if not left.size:

@@ -20,6 +20,7 @@ from stickslip.fitted.unknowns import Hypothesis, Unknown
 from stickslip.fitted.window import AUTO, Window
 from stickslip.fitted.windows import start_window
 from stickslip.simulated.lowering import WIDTH
+from stickslip.simulated.states import COUNT
 
 Floats = NDArray[np.float64]
 PHASES = 12  # starts tried for an unknown phase
@@ -144,7 +145,7 @@ class Forecaster:
             rtol=RTOL,
             atol=ATOL,
             locator=_core.Locator.henon,
-            seeds=np.zeros((0, WIDTH + len(_core.STATES))),
+            seeds=np.zeros((0, WIDTH + COUNT)),
             max_transitions=100_000,
         )
         state = np.asarray(raw["state"])

@@ -18,11 +18,9 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
-from stickslip.fitted.window import STATES
+from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
-B, M = 6, 7  # hidden states in the core's order
-_COLUMN = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 _CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
 Y1_LAG = "y1_lag.tau"  # of a lag of the y1 reading, which is on no list
 NEARBY = 1e-5  # of tau: step of its derivative
@@ -58,7 +56,7 @@ class Learned:
         """What it depends on, (n,), at times and states (n, 9)."""
         if self.recurs:
             return np.asarray((p[f"{self.name}.w"] * t + p[f"{self.name}.phi"]) / (2 * np.pi) % 1.0)
-        return t if self.variable == "t" else state[:, _COLUMN[self.variable]]
+        return t if self.variable == "t" else state[:, AT[self.variable]]
 
     def basis(self, x: Floats, derivative: int = 0) -> Floats:
         """Value of each knot's cardinal spline, (n, k); held constant outside."""
@@ -122,7 +120,7 @@ Slopes = Mapping[int, Floats]  # of a state by its index, (n, k)
 
 def no_slopes(n: int) -> Slopes:
     """Slopes without columns, for readings alone."""
-    return dict.fromkeys(range(STATES), np.empty((n, 0)))
+    return dict.fromkeys(range(COUNT), np.empty((n, 0)))
 
 
 @dataclass
@@ -144,10 +142,10 @@ class _Samples:
 
 def states_read(known: Collection[str], channels: int, learned: tuple[Learned, ...] = ()) -> list[int]:
     """States whose sensitivities the chain of effects with the `known` parameters needs."""
-    needed = {_COLUMN[one.variable] for one in learned if one.variable != "t"}
-    needed |= {M} if "sensor_lag.tau" in known else {0}
-    needed |= {2, 3} if "sensor_delay.delay" in known or Y1_LAG in known else {2}
-    return sorted(needed | ({B} if channels == 3 else set()))
+    needed = {AT[one.variable] for one in learned if one.variable != "t"}
+    needed |= {LAGGED} if "sensor_lag.tau" in known else {X1}
+    needed |= {Y1, Y2} if "sensor_delay.delay" in known or Y1_LAG in known else {Y1}
+    return sorted(needed | ({BELT} if channels == 3 else set()))
 
 
 def read(
@@ -182,14 +180,14 @@ def _read_x1(s: _Samples) -> None:
     """Crosstalk, the lag of what it makes, the curvature of that, drift."""
     c, q = s.p.get("sensor_crosstalk.c", 0.0), s.p.get("sensor_nonlinearity.q", 0.0)
     late = "sensor_lag.tau" in s.p
-    seen, slopes = (s.state[:, M], s.slopes[M]) if late else (s.state[:, 0], s.slopes[0])
+    seen, slopes = (s.state[:, LAGGED], s.slopes[LAGGED]) if late else (s.state[:, X1], s.slopes[X1])
     if c and not late:
-        seen, slopes = seen + c * s.state[:, 2], slopes + c * s.slopes[2]
+        seen, slopes = seen + c * s.state[:, Y1], slopes + c * s.slopes[Y1]
     steepness = 1 + 2 * q * seen
     s.out.values[:, 0] = seen + q * seen**2 if q else seen
     s.out.slopes[:, 0] = slopes * steepness[:, None] if q else slopes
     if not late:
-        s.add(0, "sensor_crosstalk.c", s.state[:, 2] * steepness)
+        s.add(0, "sensor_crosstalk.c", s.state[:, Y1] * steepness)
     s.add(0, "sensor_nonlinearity.q", seen**2)
     if "sensor_drift.r" in s.p:
         s.out.values[:, 0] += s.p["sensor_drift.r"] * s.t
@@ -201,15 +199,15 @@ def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
         _lag_y1(s, offset)
         return
     if "sensor_delay.delay" not in s.p:
-        s.out.values[:, 1] = s.state[:, 2]
-        s.out.slopes[:, 1] = s.slopes[2]
+        s.out.values[:, 1] = s.state[:, Y1]
+        s.out.slopes[:, 1] = s.slopes[Y1]
         return
     passed = np.empty(len(s.t))
     for a, b in itertools.pairwise(offset.tolist()):
         weights, rates = _late(s.t[a:b], s.p["sensor_delay.delay"])
-        y1, y2 = s.state[a:b, 2], s.state[a:b, 3]
+        y1, y2 = s.state[a:b, Y1], s.state[a:b, Y2]
         s.out.values[a:b, 1] = weights.apply(y1, y2)
-        s.out.slopes[a:b, 1] = weights.apply(s.slopes[2][a:b], s.slopes[3][a:b])
+        s.out.slopes[a:b, 1] = weights.apply(s.slopes[Y1][a:b], s.slopes[Y2][a:b])
         passed[a:b] = rates.apply(y1, y2)
     s.add(1, "sensor_delay.delay", -passed)
 
@@ -217,9 +215,9 @@ def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
 def _lag_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
     tau, step, passed = s.p[Y1_LAG], NEARBY * s.p[Y1_LAG], np.empty(len(s.t))
     for a, b in itertools.pairwise(offset.tolist()):
-        t, y1, y2 = s.t[a:b], s.state[a:b, 2], s.state[a:b, 3]
+        t, y1, y2 = s.t[a:b], s.state[a:b, Y1], s.state[a:b, Y2]
         s.out.values[a:b, 1] = lagged(t, y1, y2, tau)
-        s.out.slopes[a:b, 1] = lagged(t, s.slopes[2][a:b], s.slopes[3][a:b], tau)
+        s.out.slopes[a:b, 1] = lagged(t, s.slopes[Y1][a:b], s.slopes[Y2][a:b], tau)
         passed[a:b] = (lagged(t, y1, y2, tau + step) - lagged(t, y1, y2, tau - step)) / (2 * step)
     s.add(1, Y1_LAG, passed)
 
@@ -290,8 +288,8 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
 
 
 def _read_belt(s: _Samples, v_b: float) -> None:
-    s.out.values[:, 2] = v_b + s.state[:, B]
-    s.out.slopes[:, 2] = s.slopes[B]
+    s.out.values[:, 2] = v_b + s.state[:, BELT]
+    s.out.slopes[:, 2] = s.slopes[BELT]
     if "belt_speed_ripple.a" not in s.p:
         return
     a, w, phi = (s.p[f"belt_speed_ripple.{key}"] for key in ("a", "w", "phi"))
@@ -316,7 +314,7 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.add(channel, f"{curve.name}.phi", turning)
     elif curve.variable != "t":
         rate = curve.basis(x, 1) @ values
-        s.out.slopes[:, channel] += rate[:, None] * s.slopes[_COLUMN[curve.variable]]
+        s.out.slopes[:, channel] += rate[:, None] * s.slopes[AT[curve.variable]]
     for i, name in enumerate(names):
         s.add(channel, name, basis[:, i])
 
@@ -339,9 +337,9 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     p : parameters by name, those of curves included.
     """
     c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
-    seen, moves = state[:, 0] + c * state[:, 2], state[:, 1] + c * state[:, 3]
+    seen, moves = state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2]
     if "sensor_lag.tau" in p:
-        seen, moves = state[:, M], (seen - state[:, M]) / p["sensor_lag.tau"]
+        seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]
     rate = moves * (1 + 2 * q * seen) + p.get("sensor_drift.r", 0.0)
     for one in learned:
         if one.channel != "x1":
@@ -354,9 +352,9 @@ def _moves(curve: Learned, t: Floats, state: Floats, p: Mapping[str, float]) -> 
     """Rate of what a curve depends on, (n,)."""
     if curve.recurs:
         return np.full(len(t), p[f"{curve.name}.w"] / (2 * np.pi))
-    variable = curve.variable
-    if variable == "t":
+    if curve.variable == "t":
         return np.ones(len(t))
-    if variable in ("x1", "y1"):
-        return state[:, _COLUMN[variable] + 1]
-    return np.asarray(np.gradient(state[:, _COLUMN[variable]], t)) if len(t) > 1 else np.zeros(len(t))
+    at = AT[curve.variable]
+    if at in RATE:
+        return state[:, RATE[at]]
+    return np.asarray(np.gradient(state[:, at], t)) if len(t) > 1 else np.zeros(len(t))

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import _core
+from stickslip.simulated import states
 
 Floats = NDArray[np.float64]
-STATES = len(_core.STATES)
-W, Z, BELT, LAGGED, DWELL = 4, 5, 6, 7, 8
+STATES, BELT, LAGGED, DWELL = states.COUNT, states.BELT, states.LAGGED, states.DWELL
 AUTO, STICK = 2, 0
 SLIPPING = 3  # AUTO for the core, and sure not to start in stick
 

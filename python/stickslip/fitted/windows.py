@@ -8,17 +8,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import _core
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect_terms import Before
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Y1_LAG, Learned, curves_of, unbent
-from stickslip.fitted.window import AUTO, DWELL, SLIPPING, STATES, STICK, Window
+from stickslip.fitted.window import AUTO, SLIPPING, STICK, Window
 from stickslip.measured.sticks import rides
+from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
-VISIBLE = (0, 1, 2, 3)
 LEAST = 0.1  # slope of a curved reading that a rate is divided by
 FEWEST = 3  # slips of a record whose beginning may be left out
 EARLY = 0.2  # share of it that may be
@@ -53,10 +52,12 @@ def _first(run: Data) -> int:
 
 def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:
     """A window with its state from the readings around its start."""
-    state = np.zeros(STATES)
-    state[:4] = behind(model.parameters, curves_of(model), float(run.t[start]), run.local_state(start))
+    state = np.zeros(COUNT)
+    state[list(VISIBLE)] = behind(
+        model.parameters, curves_of(model), float(run.t[start]), run.local_state(start)
+    )
     contact, free = AUTO, VISIBLE
-    window = Window(number, start, stop, state, free, state, np.full(STATES, np.inf), contact)
+    window = Window(number, start, stop, state, free, state, np.full(COUNT, np.inf), contact)
     return with_hidden(window, model, run)
 
 
@@ -88,23 +89,23 @@ def with_hidden(window: Window, model: Model, run: Data) -> Window:
     """The window with the hidden states that the model's effects need, started and loosely held."""
     names = {one.name: one for one in model.effects}
     state, centre = window.state.copy(), window.state.copy()
-    spread = np.full(STATES, np.inf)
-    free = [k for k in window.free if k < 4]
-    v = float(state[1]) - run.belt_speed
+    spread = np.full(COUNT, np.inf)
+    free = [k for k in window.free if k in VISIBLE]
+    v = float(state[X2]) - run.belt_speed
     c = names["sensor_crosstalk"].parameters["c"] if "sensor_crosstalk" in names else 0.0
-    before = Before(v, run.belt_speed, model.friction, state[0] + c * state[2], state[1] + c * state[3])
+    before = Before(v, run.belt_speed, model.friction, state[X1] + c * state[Y1], state[X2] + c * state[Y2])
     for name, kind in CATALOGUE.items():
         if name in names and (start := kind.behaves.hidden_start):
-            at = _core.STATES.index(kind.hidden[0])
+            at = AT[kind.hidden[0]]
             state[at], spread[at] = start(names[name].parameters, before)
             free.append(at)
     contact = window.contact
     # how long the block has stuck before the record is not recorded
-    stuck = bool(rides(state[1:2], run.belt_speed)) and window.contact != SLIPPING
+    stuck = bool(rides(state[X2 : X2 + 1], run.belt_speed)) and window.contact != SLIPPING
     if "static_aging" in names and stuck:
         contact = STICK
         state[DWELL], spread[DWELL] = 0.4 * run.cycle, 0.5 * run.cycle
-        free = [0, 2, 3, *(k for k in free if k > 3), DWELL]
+        free = [X1, Y1, Y2, *(k for k in free if k not in VISIBLE), DWELL]
     centre[list(free)] = state[list(free)]
     return Window(window.run, window.start, window.stop, state, tuple(free), centre, spread, contact)
 
@@ -114,6 +115,6 @@ def slipping(window: Window, run: Data) -> Window | None:
     if window.contact != STICK:
         return None
     state, spread = window.state.copy(), window.spread.copy()
-    state[1], state[DWELL], spread[DWELL] = run.local_state(window.start)[1], 0.0, np.inf
-    free = (*VISIBLE, *(k for k in window.free if k > 3 and k != DWELL))
+    state[X2], state[DWELL], spread[DWELL] = run.local_state(window.start)[X2], 0.0, np.inf
+    free = (*VISIBLE, *(k for k in window.free if k not in (*VISIBLE, DWELL)))
     return replace(window, state=state, spread=spread, free=free, contact=SLIPPING)

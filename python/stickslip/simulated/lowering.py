@@ -20,13 +20,12 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, unknown
+from stickslip.simulated.states import AT, COUNT, HIDDEN, VISIBLE
 
 Floats = NDArray[np.float64]
 
 SLOTS: Mapping[str, int] = {name: i for i, name in enumerate(_core.PARAMETERS)}
-STATES: Mapping[str, int] = {name: i for i, name in enumerate(_core.STATES)}
 WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
-HIDDEN = ("w", "z", "b", "m", "dwell")
 PLACES = ("block", "angle_body", "contact")
 VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
 # what no motion depends on, though a lag has a state
@@ -62,7 +61,7 @@ class Lowered:
         """Return the core's full initial state from the visible one, followed by any hidden ones."""
         given = list(state)
         visible, hidden = given[: self.dimension], given[self.dimension :]
-        gap, rest = [0.0] * (4 - len(visible)), [0.0] * (len(STATES) - 4 - len(hidden))
+        gap, rest = [0.0] * (len(VISIBLE) - len(visible)), [0.0] * (len(HIDDEN) - len(hidden))
         return np.array([*visible, *gap, *hidden, *rest], dtype=np.float64)
 
     def seeds(self, names: Iterable[str]) -> Floats:
@@ -74,7 +73,7 @@ class Lowered:
             A name is unknown; the nearest one is given.
         """
         chosen = list(names)
-        rows = np.zeros((len(chosen), WIDTH + len(STATES)))
+        rows = np.zeros((len(chosen), WIDTH + COUNT))
         for row, name in zip(rows, chosen, strict=True):
             row[list(self._columns(name))] = self.factors.get(name, 1.0)
         return rows
@@ -92,7 +91,7 @@ class Lowered:
         if name in self.slots:
             return self.slots[name]
         if name.startswith("initial.") and name in self.known_names():
-            return (WIDTH + STATES[name.removeprefix("initial.")],)
+            return (WIDTH + AT[name.removeprefix("initial.")],)
         hidden = name.removeprefix("initial.")
         owners = [kind.name for kind in CATALOGUE.values() if hidden in kind.hidden]
         if owners and name != hidden:

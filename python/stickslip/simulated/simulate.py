@@ -18,7 +18,8 @@ from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, ModelWarning, number
-from stickslip.simulated.lowering import HIDDEN, Lowered, lower
+from stickslip.simulated.lowering import Lowered, lower
+from stickslip.simulated.states import HIDDEN, VISIBLE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -333,7 +334,7 @@ def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...]) -> Tr
     state: Floats = raw["state"]
     sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
     events: Floats = raw["transition_sensitivity"]  # (k, 1 + states, p)
-    hidden = slice(4, 4 + len(HIDDEN))
+    hidden = slice(len(VISIBLE), None)
     transitions = Transitions(
         t=raw["transition_t"],
         state=raw["transition_state"][:, :d].copy(),
