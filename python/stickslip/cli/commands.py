@@ -1,4 +1,4 @@
-"""The command line: `stickslip inspect | simulate | sweep | identify | compare | discover | forecast | demo`."""
+"""The command line: `stickslip inspect | init | simulate | sweep | identify | compare | discover | forecast | demo`."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ COMMANDS = {  # a module of its name each, imported when it is asked for; and wh
     "discover": "What the declared model lacks: an effect, and how sure.",
     "forecast": "The readings that follow a recording.",
     "identify": "The friction law, from the recordings of a case.",
+    "init": "A first rig.toml for recorded files.",
     "inspect": "What is in a file: columns, units, rates, gaps, what is doubtful.",
     "simulate": "One run of a model, as CSV and a figure.",
     "sweep": "A model over a grid of its numbers, into a Zarr store.",
