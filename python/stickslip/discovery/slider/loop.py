@@ -14,7 +14,8 @@ from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Int
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS
 from stickslip.discovery.slider.held import constants_of, held
-from stickslip.discovery.slider.model import models, parameters, phases
+from stickslip.discovery.slider.model import models, phases
+from stickslip.discovery.slider.numbers import parameters
 from stickslip.discovery.slider.outcome import error_block, residual
 from stickslip.discovery.slider.population import blocks
 from stickslip.discovery.slider.remarks import remarks

@@ -7,7 +7,7 @@ import numpy as np
 from stickslip.declared.effect import CONSTANTS
 from stickslip.discovery.result import Alternative, Evidence, Interval
 from stickslip.discovery.slider.choose import TIED, Choice
-from stickslip.discovery.slider.model import parameters
+from stickslip.discovery.slider.numbers import parameters
 from stickslip.discovery.slider.weigh import PRICE, Weighed, columns_of
 
 EXACT = 1e-6
