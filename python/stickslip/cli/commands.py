@@ -1,4 +1,4 @@
-"""The command line: `stickslip inspect | init | simulate | sweep | identify | compare | discover | forecast | demo`."""
+"""The command line: `stickslip init | check | simulate | identify | discover | ...`, a module each."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from stickslip.errors import StickslipError, quoted
 
 BAD_INPUT = 2
 COMMANDS = {  # a module of its name each, imported when it is asked for; and what the list says of it
+    "check": "What the runs of a case can tell and what they cannot.",
     "compare": "A model against a recording: one table, two figures.",
     "demo": "All of it on a real recording, then a story of discovery.",
     "discover": "What the declared model lacks: an effect, and how sure.",
