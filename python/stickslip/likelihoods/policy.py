@@ -1,4 +1,4 @@
-"""Every number that steers the likelihood of a measurement, in one place."""
+"""Every number that steers the likelihood of a measurement and the search over it, in one place."""
 
 from dataclasses import dataclass
 
@@ -6,30 +6,54 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Policy:
     """
-    What steers windows and the estimate of the population.
+    What steers windows, the estimate of the population, and the search.
 
     Parameters
     ----------
-    start_sd : standard deviation of a random effect from which its estimate starts
-    most_turns : steps of the optimiser of the variances; effort is counted in work
-    gradient_tolerance : slope of the log likelihood at which the optimiser stops
+    level_sd, curve_sd, static_sd, belt_sd : relative scatter from which an estimate starts, the centres of weak priors
+    scatter_spread : width of those priors, in the logarithm
+    curve_length, length_spread : correlation length of friction within a slip over the way slipped, and its prior
+    law_spread : width of the prior of a number of the law about the declared one, in the logarithm
+    tail : degrees of freedom of Student's t for the declared constants, which are now and then far off
     knots : places along the way slipped at which a window's own friction is a number
     stick_band : share of the belt's speed within which the block sticks
     fewest_stuck : samples of a stick that a window may begin in
+    knee : times the median chi-squared beyond which a window counts by its logarithm
+    held : steps of a fit before the population is freed from where it starts
+    most_steps : of a fit
+    settled : fall of the cost at which a fit stops
     relative_tolerance, absolute_tolerance : of the integration
-    most_transitions, most_steps : of one window; beyond, its numbers are no rig's
+    most_transitions, most_integration_steps : of one window; beyond, its numbers are no rig's
+    wobble : relative standard deviation of a belt's speed that is no finding
+    fullest : candidates that are fitted in full
+    draws : of the bootstrap
+    false_alarm : how often a rig that lacks nothing may be told an effect
     """
 
-    start_sd: float = 0.02
-    most_turns: int = 200
-    gradient_tolerance: float = 1e-4
+    level_sd: float = 0.015
+    curve_sd: float = 0.015
+    static_sd: float = 0.015
+    belt_sd: float = 0.004
+    scatter_spread: float = 2.0
+    curve_length: float = 0.4
+    length_spread: float = 0.8
+    law_spread: float = 0.7
+    tail: float = 4.0
     knots: int = 10
     stick_band: float = 0.25
     fewest_stuck: int = 5
+    knee: float = 4.0
+    held: int = 5
+    most_steps: int = 25
+    settled: float = 1.0
     relative_tolerance: float = 1e-7
     absolute_tolerance: float = 1e-9
     most_transitions: int = 300
-    most_steps: int = 20_000
+    most_integration_steps: int = 20_000
+    wobble: float = 0.005
+    fullest: int = 4
+    draws: int = 100
+    false_alarm: float = 0.02
 
 
 POLICY = Policy()

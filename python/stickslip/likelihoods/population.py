@@ -1,62 +1,91 @@
-"""The population of a window's random effects, as a factor: effects are ``factor @ b`` with b white.
+"""The population of a window's random effects: what friction and belt do differently each time.
 
-A factor instead of a covariance has no inverse, so a variance of 0 is a point like any other.
+Effects are ``factor @ b`` with b white. A factor instead of a covariance has no inverse, so a variance of 0 is a
+point like any other.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.likelihoods.policy import Policy
+
 Floats = NDArray[np.float64]
+STATIC = 0  # place of a window's own static friction among its effects; the curve follows, then the belt
 
 
 @dataclass(frozen=True)
-class Part:
+class Population:
     """
-    One independent source of scatter.
+    Relative standard deviations of what differs from window to window.
 
     Parameters
     ----------
-    name : what scatters
-    spread : (effects, white) array; the source adds ``sd * spread @ b`` to the effects of a window
+    level : of friction as a whole
+    curve, length : of friction along the way slipped, and its correlation length over that way
+    static : of static friction, beside what it shares with kinetic friction
+    belt : of the belt's speed
     """
 
-    name: str
-    spread: Floats
+    level: float
+    curve: float
+    length: float
+    static: float
+    belt: float
+
+    def coordinates(self) -> Floats:
+        """Return the logarithms, (5,)."""
+        return np.log([self.level, self.curve, self.length, self.static, self.belt])
+
+    @staticmethod
+    def at(coordinates: Floats) -> Population:
+        """Return the population at logarithms."""
+        return Population(*(float(x) for x in np.exp(coordinates)))
+
+    def without(self) -> Population:
+        """Return the population in which nothing differs."""
+        return replace(self, level=0.0, curve=0.0, static=0.0, belt=0.0)
 
 
-def level(name: str, which: Sequence[int], effects: int) -> Part:
-    """Return a level that all the effects `which` share."""
-    shape = np.zeros((effects, 1))
-    shape[list(which), 0] = 1.0
-    return Part(name, shape)
+def start(policy: Policy) -> Population:
+    """Return where an estimate starts."""
+    return Population(policy.level_sd, policy.curve_sd, policy.curve_length, policy.static_sd, policy.belt_sd)
 
 
-def curve(name: str, which: Sequence[int], effects: int, places: Floats, length: float) -> Part:
+def spreads(policy: Policy) -> Floats:
+    """Return the widths of the priors of the coordinates, (5,)."""
+    s = policy.scatter_spread
+    return np.array([s, s, policy.length_spread, s, s])
+
+
+def factor(population: Population, places: Sequence[Floats]) -> Floats:
     """
-    Return a smooth curve over the way slipped: a Gaussian process with a squared-exponential kernel.
+    Return the factor of each run, (runs, effects, white).
 
     Parameters
     ----------
-    name : what scatters
-    which : the effects that are the curve's values at `places`
-    effects : number of effects of a window
-    places : places along the way slipped
-    length : correlation length, in the unit of `places`
+    population : its standard deviations
+    places : for each run the (k,) places of the curve over the way slipped, 0 to 1
     """
-    gap = (places[:, None] - places[None]) / length
-    # A smooth kernel is singular to rounding; the symmetric root needs no jitter.
-    values, vectors = np.linalg.eigh(np.exp(-0.5 * gap**2))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    shape = np.zeros((effects, len(places)))
-    shape[list(which)] = root
-    return Part(name, shape)
+    return np.stack([_factor(population, one) for one in places])
 
 
-def factor(parts: Sequence[Part], sd: Floats) -> Floats:
-    """Return the factor of all parts at their standard deviations; a part of sd 0 has no columns."""
-    kept = [s * part.spread for part, s in zip(parts, sd, strict=True) if s != 0.0]
-    effects = parts[0].spread.shape[0] if parts else 0
-    return np.concatenate(kept, axis=1) if kept else np.zeros((effects, 0))
+def _factor(p: Population, places: Floats) -> Floats:
+    k = len(places)
+    out = np.zeros((k + 2, k + 3))
+    out[STATIC, 0] = p.static
+    out[1 : k + 1, 1] = p.level
+    out[1 : k + 1, 2 : k + 2] = p.curve * _root(places, p.length)
+    out[k + 1, k + 2] = p.belt
+    return out
+
+
+def _root(places: Floats, length: float) -> Floats:
+    """Return the symmetric root of a Matern kernel of order 3/2: once differentiable, as worn surfaces are not more."""
+    gap = np.sqrt(3.0) * np.abs(places[:, None] - places[None]) / length
+    values, vectors = np.linalg.eigh((1 + gap) * np.exp(-gap))
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)

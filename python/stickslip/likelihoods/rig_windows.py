@@ -1,4 +1,6 @@
-"""Windows of the rig of (2.1) linearised, each with friction and a belt speed of its own."""
+"""Windows of a rig on a belt linearised, each with friction and a belt speed of its own."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 
@@ -6,17 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.declared.effect import tabulated
+from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, read, states_read
-from stickslip.fitted.window import DWELL, LAGGED, STATES, STICK
-from stickslip.likelihoods.mixed import Floats
+from stickslip.fitted.window import BELT, DWELL, LAGGED, STATES, STICK
 from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.shared import Number
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
 
+Floats = NDArray[np.float64]
 OWN = (0, 2, 3)  # x1, y1, y2 where a window begins; the block moves with the belt
+DERIVED = (1, BELT, LAGGED)  # states at the start that follow from the numbers
+AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
+NEARBY = 1e-6  # step of the derivatives of the derived states
+GAINS = ("gain.x1", "gain.y1")
+SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
 class RigWindows:
@@ -25,14 +33,14 @@ class RigWindows:
 
     Parameters
     ----------
-    model : the declared model
+    model : the model; its numbers not in `numbers` are exact
     data : the runs
     stretches : where the windows are
-    names : positive numbers of rig and law that all windows share; their steps are of the logarithm
+    numbers : what all windows, or those of a run, share
     policy : what steers the windows
 
-    A window's own numbers are x1, y1, y2 at its start, then a friction curve at `policy.knots` places of x1, then
-    the belt's speed relative to the set-point.
+    A window's own numbers are x1, y1, y2 at its start, then its random effects: relative static friction, a relative
+    friction curve at `policy.knots` places of x1, and the belt's relative speed.
     """
 
     def __init__(
@@ -40,140 +48,317 @@ class RigWindows:
         model: Model,
         data: Sequence[Data],
         stretches: Sequence[Stretch],
-        names: Sequence[str],
+        numbers: Sequence[Number],
         policy: Policy = POLICY,
     ) -> None:
-        self.data, self.stretches, self.names, self.policy = list(data), list(stretches), tuple(names), policy
-        self.own = len(OWN) + policy.knots + 1
-        x = np.concatenate([run.readings[run.weight[:, 0] > 0, 0] for run in data])
-        knots = np.linspace(x.min(), x.max(), policy.knots)
-        flat = tabulated("contact", "x1", knots, np.zeros(policy.knots))
-        curved = Model(model.rig, friction=model.friction, effects=(*model.effects, flat))
-        self.lowered = [lower(curved, run.belt_speed) for run in data]
+        self.model, self.data, self.stretches = model, list(data), list(stretches)
+        self.numbers, self.policy = tuple(numbers), policy
+        self.effects = policy.knots + 2
+        self.own = len(OWN) + self.effects
+        self.channels = data[0].readings.shape[1]
+        knots = [_knots(run, policy) for run in data]
+        # the way slipped from the breakaway on, 0 to 1
+        self.places = [
+            (k - k[0]) / (k[-1] - k[0]) if run.belt_speed < 0 else (k[-1] - k) / (k[-1] - k[0])
+            for k, run in zip(knots, data, strict=True)
+        ]
+        aged = "static_aging" in {one.name for one in model.effects}
+        plain = () if aged else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
+        self.lowered = [
+            lower(
+                Model(
+                    model.rig,
+                    friction=model.friction,
+                    effects=(*model.effects, *plain, tabulated("contact", "x1", k, np.zeros(policy.knots))),
+                ),
+                run.belt_speed,
+            )
+            for k, run in zip(knots, data, strict=True)
+        ]
         self.slots = self.lowered[0].slots
         term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
-        known = set(self.slots)
-        self.kept = np.array(states_read(known, data[0].readings.shape[1]), dtype=np.int32)
+        self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
+        self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
+        known = set(model.parameters)
+        self.fixed = dict(model.parameters)
+        self.kept = np.array(states_read(known, self.channels), dtype=np.int32)
+        self.by_run = [
+            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64) for r in range(len(data))
+        ]
+        self.sizes = np.array([w.stop - w.start for w in stretches])
 
-    def declared(self) -> Floats:
-        """Return the shared numbers as declared, (p,), logarithms."""
-        return np.log([self.lowered[0].parameters[self.slots[name][0]] for name in self.names])
+    @property
+    def runs(self) -> list[int]:
+        """Run of each window."""
+        return [w.run for w in self.stretches]
 
-    def start(self) -> Floats:
+    def first(self) -> Floats:
         """Return the windows' own numbers from the readings around their starts, (w, own)."""
         own = np.zeros((len(self.stretches), self.own))
         for row, w in zip(own, self.stretches, strict=True):
             row[: len(OWN)] = self.data[w.run].local_state(w.start)[list(OWN)]
         return own
 
-    def blocks(self, shared: Floats, own: Floats) -> list[Floats | None]:
+    def values(self, at: Floats, run: int) -> dict[str, float]:
+        """Return all numbers of a run by name."""
+        out = dict(self.fixed)
+        for one, x in zip(self.numbers, at, strict=True):
+            if one.run is None or one.run == run:
+                out[one.name] = one.value(float(x))
+        return out
+
+    def blocks(
+        self,
+        at: Floats,
+        own: Floats,
+        select: NDArray[np.bool_] | None = None,
+        shared: Sequence[int] | None = None,
+        local: bool = True,
+    ) -> list[Floats | None]:
         """
-        Return [J, S, K, r] of each window over the noise, (readings, channels, p + own + 1); None where it fails.
+        Return [J, S, K, r] of each window over the noise, (readings, channels, columns + 1); None where it fails.
 
         Parameters
         ----------
-        shared : (p,) logarithms of the shared numbers
+        at : (p,) coordinates of the shared numbers
         own : (w, own) the windows' own numbers
+        select : windows asked for; all by default
+        shared : which shared numbers have columns; all by default
+        local : whether the windows' own numbers have columns
         """
+        shared = range(len(self.numbers)) if shared is None else shared
         out: list[Floats | None] = [None] * len(self.stretches)
-        for number in range(len(self.data)):
-            chosen = [i for i, w in enumerate(self.stretches) if w.run == number]
-            if chosen:
-                for i, block in zip(chosen, self._run(number, chosen, shared, own[chosen]), strict=True):
+        for run, members in enumerate(self.by_run):
+            chosen = members if select is None else members[select[members]]
+            if len(chosen):
+                made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local).blocks()
+                for i, block in zip(chosen, made, strict=True):
                     out[i] = block
         return out
 
-    def _run(self, number: int, chosen: list[int], shared: Floats, own: Floats) -> list[Floats | None]:
-        run = self.data[number]
-        places = [self.stretches[i] for i in chosen]
-        offset = np.concatenate([[0], np.cumsum([w.stop - w.start for w in places])]).astype(np.int64)
-        samples = np.concatenate([np.arange(w.start, w.stop) for w in places])
-        belt = run.belt_speed * (1 + own[:, -1])
-        raw = self._simulated(number, places, shared, own, belt, run.t[samples], offset)
-        columns = len(self.names) + self.own
-        slopes = dict(zip(self.kept.tolist(), np.asarray(raw["slopes"]), strict=True))
-        values = {k: float(self.lowered[number].parameters[v[0]]) for k, v in self.slots.items()}
-        names = ("",) * columns
-        channels = run.readings.shape[1]
-        chain = read(
-            run.t[samples],
-            np.asarray(raw["state"]),
-            slopes,
-            names,
-            values,
-            run.belt_speed,
-            channels,
-            (),
-            offset,
-        )
-        self._own_belt(chain, np.repeat(belt, np.diff(offset)), run.belt_speed)
-        chain.slopes[:, :, : len(self.names)] *= np.exp(shared)
-        residual = run.readings[samples] - chain.values
-        block = np.concatenate([chain.slopes, residual[:, :, None]], axis=2) * run.weight[samples][:, :, None]
-        done = np.asarray(raw["outcome"]) == _core.Outcome.finished
-        parts = [block[a:b] for a, b in zip(offset[:-1], offset[1:], strict=True)]
-        return [
-            part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)
-        ]
 
-    @staticmethod
-    def _own_belt(chain: Chain, belt: Floats, set_point: float) -> None:
-        """Let a recorded belt show the window's own speed."""
-        if chain.values.shape[1] == 3:
-            chain.values[:, 2] += belt - set_point
-            chain.slopes[:, 2, -1] += set_point
+def _knots(run: Data, policy: Policy) -> Floats:
+    """Return the places of x1 that friction has numbers at."""
+    good = run.readings[run.weight[:, 0] > 0, 0]
+    low, high = np.quantile(good, [SOONEST, LATEST])
+    return np.linspace(low, high, policy.knots)
 
-    def _simulated(
+
+class _Run:
+    """Windows of one run at one point."""
+
+    def __init__(
         self,
-        number: int,
-        places: Sequence[Stretch],
-        shared: Floats,
+        windows: RigWindows,
+        run: int,
+        chosen: NDArray[np.int64],
+        at: Floats,
         own: Floats,
-        belt: Floats,
-        t: Floats,
-        offset: NDArray[np.int64],
-    ) -> dict[str, object]:
-        """Run the core, one set of parameters a window."""
-        parameters = np.tile(self.lowered[number].parameters, (len(places), 1))
-        for name, value in zip(self.names, np.exp(shared), strict=True):
-            parameters[:, list(self.slots[name])] = value
-        parameters[:, self.curve] = own[:, len(OWN) : -1]
-        parameters[:, SLOTS["belt_speed"]] = belt
-        initial = np.zeros((len(places), STATES))
-        initial[:, OWN], initial[:, 1] = own[:, : len(OWN)], belt
-        initial[:, LAGGED], initial[:, DWELL] = own[:, 0], [w.dwell for w in places]
-        seeds = self._seeds(self.data[number].belt_speed)
+        shared: tuple[int, ...],
+        local: bool,
+    ) -> None:
+        self.of, self.run, self.own, self.at, self.local = windows, run, own, at, local
+        self.data = windows.data[run]
+        self.lowered = windows.lowered[run]
+        self.places = [windows.stretches[i] for i in chosen]
+        self.shared = [j for j in shared]
+        self.values = windows.values(at, run)
+        self.lengths = np.array([w.stop - w.start for w in self.places])
+        self.offset = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
+        self.samples = np.concatenate([np.arange(w.start, w.stop) for w in self.places])
+        self.begins = self.data.t[[w.start for w in self.places]]
+
+    def active(self, j: int) -> bool:
+        """Whether a shared number belongs to this run."""
+        return self.of.numbers[j].run in (None, self.run)
+
+    def blocks(self) -> list[Floats | None]:
+        """Simulate, read, weigh."""
+        derived = self._derived(self.values, self.own)
+        seeds, owner = self._seeds()
+        raw = self._simulated(derived, seeds)
+        p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
+        slopes = {}
+        for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
+            folded = np.zeros((len(self.samples), columns))
+            np.add.at(folded.T, owner[owner >= 0], one.T[owner >= 0])
+            self._chained(folded, one[:, owner < 0])
+            slopes[k] = folded
+        names = tuple(
+            self.of.numbers[j].name if self.active(j) else "" for j in self.shared
+        ) + ("",) * (columns - p)
+        chain = read(
+            self.data.t[self.samples], np.asarray(raw["state"]), slopes, names, self.values,
+            self.data.belt_speed, self.of.channels, (), self.offset,
+        )  # fmt: skip
+        self._own_belt(chain)
+        self._stretched(chain)
+        for i, j in enumerate(self.shared):
+            chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
+        self._gains(chain)
+        return self._weighed(chain, np.asarray(raw["outcome"]) == _core.Outcome.finished)
+
+    def _derived(self, values: dict[str, float], own: Floats) -> Floats:
+        """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""
+        x1, y1, y2, belt = own[:, 0], own[:, 1], own[:, 2], own[:, -1]
+        v_b = self.data.belt_speed
+        speed = v_b * (1 + belt)
+        if "belt_speed_ripple.a" in values:
+            a, w, phi = (values[f"belt_speed_ripple.{k}"] for k in ("a", "w", "phi"))
+            speed = speed * (1 + a * np.sin(w * self.begins + phi))
+        droop = np.zeros(len(own))
+        if "belt_load_droop.k" in values:
+            k, tau = values["belt_load_droop.k"], values["belt_load_droop.tau"]
+            stiff = values.get("alpha1", values.get("stiffness", 0.0))
+            force = stiff * x1 + values.get("eta1", 0.0) * (v_b + y2) + y1
+            droop = -k * (force - tau * stiff * v_b)
+            speed = speed + droop
+        tau, c = values.get("sensor_lag.tau", 0.0), values.get("sensor_crosstalk.c", 0.0)
+        lagged = x1 + c * y1 - tau * (speed + c * y2)
+        return np.stack([speed, droop, lagged], axis=1)
+
+    def _parameters(self) -> Floats:
+        """Return the core's numbers, one set a window."""
+        of, rows = self.of, np.tile(self.lowered.parameters, (len(self.places), 1))
+        for j, one in enumerate(of.numbers):
+            if self.active(j):
+                value = one.value(float(self.at[j]))
+                rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(one.name, 1.0)
+        rows[:, of.aging[0]] += self._limit() * self.own[:, len(OWN)] / self._aged(rows[0, of.aging[1]])
+        rows[:, of.curve] = self.own[:, len(OWN) + 1 : -1]
+        rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
+        return rows
+
+    def _limit(self) -> float:
+        return self.of.limits[1 if self.data.belt_speed > 0 else -1]
+
+    def _aged(self, tau: float) -> Floats:
+        """Return what of a growing static limit is there at the breakaway."""
+        return -np.expm1(-np.maximum([w.rest for w in self.places], AT_ONCE) / tau)
+
+    def _simulated(self, derived: Floats, seeds: Floats) -> dict[str, object]:
+        """Run the core."""
+        policy = self.of.policy
+        initial = np.zeros((len(self.places), STATES))
+        initial[:, OWN] = self.own[:, : len(OWN)]
+        initial[:, DERIVED] = derived
+        initial[:, DWELL] = [w.dwell for w in self.places]
         return dict(
             _core.simulate_windows(
-                structure=self.lowered[number].structure,
-                parameters=parameters,
-                set=np.arange(len(places), dtype=np.int32),
-                initial=initial,
-                contact=np.full(len(places), STICK, dtype=np.int32),
-                t=t,
-                offset=offset,
-                rtol=self.policy.relative_tolerance,
-                atol=self.policy.absolute_tolerance,
+                structure=self.lowered.structure,
+                parameters=np.nan_to_num(self._parameters()),
+                set=np.arange(len(self.places), dtype=np.int32),
+                initial=np.nan_to_num(initial),
+                contact=np.full(len(self.places), STICK, dtype=np.int32),
+                t=self.data.t[self.samples],
+                offset=self.offset,
+                rtol=policy.relative_tolerance,
+                atol=policy.absolute_tolerance,
                 seeds=seeds,
                 column=np.arange(len(seeds), dtype=np.int32),
                 columns=len(seeds),
-                kept=self.kept,
-                max_transitions=self.policy.most_transitions,
-                max_steps=self.policy.most_steps,
+                kept=self.of.kept,
+                max_transitions=policy.most_transitions,
+                max_steps=policy.most_integration_steps,
                 order=0,
                 threads=1,
             )
         )
 
-    def _seeds(self, set_point: float) -> Floats:
-        p = len(self.names)
-        seeds = np.zeros((p + self.own, WIDTH + STATES))
-        for row, name in zip(seeds, self.names, strict=False):
-            row[list(self.slots[name])] = 1.0
-        for row, state in zip(seeds[p:], OWN, strict=False):
-            row[WIDTH + state] = 1.0
-        for row, slot in zip(seeds[p + len(OWN) :], self.curve, strict=False):
-            row[slot] = 1.0
-        seeds[-1, [SLOTS["belt_speed"], WIDTH + 1]] = set_point
-        return seeds
+    def _seeds(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return seeds and the column each belongs to; -1 for those of the derived states."""
+        rows, owner = [], []
+        for i, j in enumerate(self.shared):
+            name = self.of.numbers[j].name
+            places = self.lowered.slots.get(name, ()) if self.active(j) else ()
+            if places:
+                row = np.zeros(WIDTH + STATES)
+                row[list(places)] = self.lowered.factors.get(name, 1.0)
+                rows.append(row)
+                owner.append(i)
+        if self.local:
+            entries = [WIDTH + k for k in OWN] + [self.of.aging[0], *self.of.curve, SLOTS["belt_speed"]]
+            for k, entry in enumerate(entries):
+                row = np.zeros(WIDTH + STATES)
+                row[entry] = 1.0 if k != len(OWN) else self._limit()
+                if entry == SLOTS["belt_speed"]:
+                    row[entry] = self.data.belt_speed
+                rows.append(row)
+                owner.append(len(self.shared) + k)
+        if self.local or self.shared:
+            for state in DERIVED:
+                row = np.zeros(WIDTH + STATES)
+                row[WIDTH + state] = 1.0
+                rows.append(row)
+                owner.append(-1)
+        seeds = np.array(rows) if rows else np.zeros((0, WIDTH + STATES))
+        return seeds, np.array(owner, dtype=np.int64)
+
+    def _chained(self, folded: Floats, along: Floats) -> None:
+        """Add what reaches a state through the derived states at the start."""
+        for column, rate in self._rates.items():
+            folded[:, column] += (along * np.repeat(rate, self.lengths, axis=0)).sum(axis=1)
+
+    @property
+    def _rates(self) -> dict[int, Floats]:
+        """Derivatives of the derived states by column, (w, 3) each, where they are any."""
+        if not hasattr(self, "_kept_rates"):
+            self._kept_rates = self._all_rates()
+        return self._kept_rates
+
+    def _all_rates(self) -> dict[int, Floats]:
+        out, here = {}, self._derived(self.values, self.own)
+        for i, j in enumerate(self.shared):
+            name = self.of.numbers[j].name
+            if name not in self.values or not self.active(j) or name in GAINS:
+                continue
+            step = NEARBY * max(abs(self.values[name]), 1e-3)
+            moved = self._derived({**self.values, name: self.values[name] + step}, self.own)
+            if (moved != here).any():
+                out[i] = (moved - here) / step
+        for k in (*range(len(OWN)), self.of.own - 1) if self.local else ():
+            step = np.zeros(self.of.own)
+            step[k] = NEARBY
+            moved = self._derived(self.values, self.own + step)
+            out[len(self.shared) + k] = (moved - here) / NEARBY
+        return out
+
+    def _own_belt(self, chain: Chain) -> None:
+        """Let a recorded belt show the window's own speed."""
+        if chain.values.shape[1] == 3:
+            chain.values[:, 2] += self.data.belt_speed * np.repeat(self.own[:, -1], self.lengths)
+            if self.local:
+                chain.slopes[:, 2, -1] += self.data.belt_speed
+
+    def _stretched(self, chain: Chain) -> None:
+        """Let a window's own static limit be what is there at its breakaway, however fast it grows."""
+        if not self.local:
+            return
+        tau = self.values.get("static_aging.tau", AT_ONCE)
+        aged, rest = self._aged(tau), np.maximum([w.rest for w in self.places], AT_ONCE)
+        column = len(self.shared) + len(OWN)
+        chain.slopes[:, :, column] /= np.repeat(aged, self.lengths)[:, None]
+        for i, j in enumerate(self.shared):
+            if self.of.numbers[j].name == "static_aging.tau":
+                falls = self.own[:, len(OWN)] * np.exp(-rest / tau) * rest / tau**2 / aged
+                chain.slopes[:, :, i] += chain.slopes[:, :, column] * np.repeat(falls, self.lengths)[:, None]
+
+    def _gains(self, chain: Chain) -> None:
+        for c, name in enumerate(GAINS):
+            if name not in self.values or c >= chain.values.shape[1]:
+                continue
+            gain = 1.0 + self.values[name]
+            plain = chain.values[:, c].copy()
+            chain.values[:, c] *= gain
+            chain.slopes[:, c] *= gain
+            for i, j in enumerate(self.shared):
+                if self.of.numbers[j].name == name:
+                    chain.slopes[:, c, i] = plain
+
+    def _weighed(self, chain: Chain, done: NDArray[np.bool_]) -> list[Floats | None]:
+        residual = self.data.readings[self.samples] - chain.values
+        block = np.concatenate([chain.slopes, residual[:, :, None]], axis=2)
+        block *= self.data.weight[self.samples][:, :, None]
+        parts = [block[a:b] for a, b in zip(self.offset[:-1], self.offset[1:], strict=True)]
+        return [part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)]

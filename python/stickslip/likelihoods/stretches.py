@@ -18,12 +18,21 @@ class Stretch:
     ----------
     run, start, stop : where it is
     dwell : time that the block has stuck at its first sample
+    rest : how long that stick lasts in all
     """
 
     run: int
     start: int
     stop: int
     dwell: float
+    rest: float
+
+
+@dataclass(frozen=True)
+class _Cut:
+    at: int
+    dwell: float
+    rest: float
 
 
 def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
@@ -35,19 +44,23 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
         ]
         for one, other in zip(cuts[:-1], cuts[1:], strict=True):
             if one is not None and other is not None:
-                out.append(Stretch(number, one[0], other[0], one[1]))
+                out.append(Stretch(number, one.at, other.at, one.dwell, one.rest))
     return out
 
 
-def _middle(run: Data, first: int, last: int, policy: Policy) -> tuple[int, float] | None:
-    """Return the middle sample of the longest stick between two slips, and how long the block has stuck there."""
-    slow = np.abs(run.v[first:last] - run.belt_speed) < policy.stick_band * abs(run.belt_speed)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]]).astype(int)))
-    begins, ends = edges[::2], edges[1::2]
-    if not len(begins):
+def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
+    """Return the middle of the longest stick between two slips; noise may break it for a sample or two."""
+    stuck = np.flatnonzero(
+        np.abs(run.v[first:last] - run.belt_speed) < policy.stick_band * abs(run.belt_speed)
+    )
+    if not len(stuck):
         return None
+    breaks = np.flatnonzero(np.diff(stuck) > 3)
+    begins = stuck[np.concatenate([[0], breaks + 1])]
+    ends = stuck[np.concatenate([breaks, [len(stuck) - 1]])]
     longest = int(np.argmax(ends - begins))
-    if ends[longest] - begins[longest] < policy.fewest_stuck:
+    a, b = first + int(begins[longest]), first + int(ends[longest])
+    if b - a + 1 < policy.fewest_stuck:
         return None
-    middle = first + int(begins[longest] + ends[longest]) // 2
-    return middle, float(run.t[middle] - run.t[first + begins[longest]])
+    middle = (a + b) // 2
+    return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
