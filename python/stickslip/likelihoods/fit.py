@@ -6,7 +6,6 @@ anew from several starts; one that still does not fit counts by the logarithm of
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -312,4 +311,9 @@ def _neighbours(windows: RigWindows, lost: Mask) -> dict[int, list[int]]:
     return out
 
 
-Tell = Callable[[str], None]
+def settled(fit: Fit, policy: Policy, turns: int = 2) -> tuple[float, Floats]:
+    """Return the cost of a start and its own numbers once each window has settled alone."""
+    cost = _Cost(fit, policy, fit.population, fit.noise)
+    own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
+    blocks = fit.windows.blocks(fit.at, own, shared=(), local=False)
+    return cost.total(blocks, own, fit.at)[1], own

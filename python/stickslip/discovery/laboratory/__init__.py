@@ -1,0 +1,1 @@
+"""Discovery where friction scatters, belts wobble and constants are only nearly right."""

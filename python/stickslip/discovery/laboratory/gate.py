@@ -1,0 +1,138 @@
+"""The gate: what scatter, wobble and noise alone would gain, drawn from the fitted hypothesis (a parametric bootstrap).
+
+Draws are of the linearised windows. Friction that differs along the belt is drawn as one field along a run, what
+differs from event to event with the correlation that the fit shows from one event to the next, and the belt's wobble
+as slow waves in time: none of that is in the windows of the fit, which are independent, and all of it may look like an
+effect.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.null import Null
+from stickslip.discovery.laboratory.screen import Screen
+from stickslip.discovery.laboratory.waves import Wave
+from stickslip.likelihoods.fit import Fit
+
+Floats = NDArray[np.float64]
+GUMBEL = 0.5772156649  # Euler's constant
+
+
+@dataclass(frozen=True)
+class Gate:
+    """
+    The largest gains, prices paid, that draws from a hypothesis that lacks nothing show.
+
+    Parameters
+    ----------
+    draws : (n,) largest gain of any effect
+    threshold : what is exceeded by one of `1/false_alarm` such records
+    """
+
+    draws: Floats
+    threshold: float
+
+
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int) -> Gate:
+    """Return the gate of a fitted hypothesis."""
+    rng = np.random.default_rng(seed)
+    null = Null(fit, bench)
+    drawn = _drawn(bench, fit, null, screen, rng)
+    count, best = len(bench.stretches), np.zeros(bench.policy.draws)
+    shared = null.shared_pull(drawn, bench.policy.draws)
+    for one in screen.scored:
+        gains = one.gains(null, drawn, shared)
+        best = np.maximum(best, gains - one.count * math.log(count))
+    return Gate(best, _quantile(best, bench.policy.false_alarm))
+
+
+def _quantile(best: Floats, probability: float) -> float:
+    """A quantile beyond what so few draws show, from the extreme-value distribution through their moments."""
+    scale = float(np.std(best)) * math.sqrt(6.0) / math.pi
+    place = float(np.mean(best)) - GUMBEL * scale
+    return place - scale * math.log(-math.log1p(-probability))
+
+
+def _drawn(
+    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator
+) -> list[Floats | None]:
+    """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
+    draws = bench.policy.draws
+    effects = _effects(bench, fit, rng)
+    waves = _wobble(bench, screen, rng)
+    out: list[Floats | None] = []
+    for i, row in enumerate(null.rows):
+        if row is None:
+            out.append(None)
+            continue
+        n = row.local.shape[0]
+        made = rng.standard_normal((n, draws)) + row.effects @ effects[i]
+        for w, amplitudes in waves:
+            column = w.columns[i]
+            if column is not None:
+                made += null.over_noise(column, i) @ amplitudes[bench.stretches[i].run]
+        out.append(made)
+    return out
+
+
+def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
+    """Random effects of all windows, (w, effects, draws)."""
+    p, draws = fit.population, bench.policy.draws
+    out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
+    for run, members in enumerate(fit.windows.by_run):
+        level, static = (_chain(len(members), _memory(fit, members, k), rng, draws) for k in (1, 0))
+        field = _field(bench, fit, run, members, rng)
+        for j, i in enumerate(members):
+            out[i, 0] = p.static * static[j]
+            out[i, 1:-1] = p.level * level[j] + p.curve * field[j]
+            out[i, -1] = p.belt * rng.standard_normal(draws)
+    return out
+
+
+def _memory(fit: Fit, members: NDArray[np.int64], which: int) -> float:
+    """Correlation from one event to the next of what the fit shows: of the static limit (0) or the mean curve (1)."""
+    u = fit.random[members, 0] if which == 0 else fit.random[members, 1:-1].mean(axis=1)
+    if len(u) < 4 or np.std(u) == 0:
+        return 0.0
+    u = u - u.mean()
+    return float(np.clip((u[1:] @ u[:-1]) / (u @ u), 0.0, 0.95))
+
+
+def _chain(n: int, memory: float, rng: np.random.Generator, draws: int) -> Floats:
+    """A stationary chain of unit variance, (n, draws)."""
+    out = rng.standard_normal((n, draws))
+    for j in range(1, n):
+        out[j] = memory * out[j - 1] + math.sqrt(1 - memory**2) * out[j]
+    return out
+
+
+def _field(
+    bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np.random.Generator
+) -> Floats:
+    """Friction along the belt at the places of each window's curve, of unit variance, (n, knots, draws)."""
+    places = fit.windows.places[run]
+    # one slip after the other: what is under the block when it sticks is there when it slips again
+    along = np.array([j + places for j in range(len(members))])
+    points = along.ravel()
+    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / fit.population.length
+    kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
+    root = np.linalg.cholesky(kernel)
+    made = root @ rng.standard_normal((len(points), bench.policy.draws))
+    return np.asarray(made.reshape(len(members), len(places), -1))
+
+
+def _wobble(bench: Bench, screen: Screen, rng: np.random.Generator) -> Sequence[tuple[Wave, Floats]]:
+    """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as belts wobble."""
+    waves = screen.of_belt()
+    if not waves:
+        return []
+    size = bench.policy.wobble / math.sqrt(len(waves))
+    shape = (len(bench.data), 2, bench.policy.draws)
+    return [(w, size * rng.standard_normal(shape)) for w in waves]

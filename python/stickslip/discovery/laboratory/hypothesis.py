@@ -1,0 +1,123 @@
+"""A hypothesis on a rig in a laboratory: its law and constants with what is known of them, and a set of effects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.declared.effect import Effect
+from stickslip.declared.model import Model
+from stickslip.fitted.data import Data
+from stickslip.fitted.unknowns import HELD
+from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.rig_windows import GAINS, RigWindows
+from stickslip.likelihoods.shared import Number
+from stickslip.likelihoods.stretches import Stretch
+
+STRIDE_LAW, STRIDE_CONSTANT, STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.5, 0.3, 0.3, 0.02, 0.6
+STRIDE_SIZE = 0.5  # of a size's own start
+
+
+@dataclass(frozen=True)
+class Term:
+    """An effect with its numbers, and its phase in each run if it has one."""
+
+    effect: Effect
+    phases: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Bench:
+    """
+    What stays the same over all hypotheses of a case.
+
+    Parameters
+    ----------
+    model : the declared model, without effects
+    data : the runs
+    stretches : their windows
+    uncertainty : relative standard uncertainty of each number of the rig, and of the gains
+    policy : what steers
+    """
+
+    model: Model
+    data: Sequence[Data]
+    stretches: Sequence[Stretch]
+    uncertainty: Mapping[str, float]
+    policy: Policy
+
+    def windows(self, terms: Sequence[Term] = ()) -> RigWindows:
+        """Return the windows of a hypothesis."""
+        model = Model(
+            self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
+        )
+        numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one))]
+        return RigWindows(model, self.data, self.stretches, numbers, self.policy)
+
+    def of_law(self) -> list[Number]:
+        """Return the numbers of the law, held loosely about what is declared."""
+        out = []
+        law = self.model.friction
+        for name in self.model.parameters:
+            if not hasattr(law, name) or name in HELD:
+                continue
+            value = self.model.parameters[name]
+            if value > 0:
+                at = math.log(value)
+                out.append(Number(name, at, at, self.policy.law_spread, True, stride=STRIDE_LAW))
+            else:
+                out.append(Number(name, value, value, self.policy.law_spread, low=0.0))
+        return out
+
+    def of_rig(self) -> list[Number]:
+        """Return the constants and gains that are not exact."""
+        out = []
+        for name, sd in self.uncertainty.items():
+            if sd <= 0:
+                continue
+            if name in GAINS:
+                out.append(Number(name, 0.0, 0.0, sd, long_tail=True))
+            elif (value := self.model.parameters[name]) > 0:
+                at = math.log(value)
+                out.append(Number(name, at, at, sd, True, stride=STRIDE_CONSTANT, long_tail=True))
+        return out
+
+
+def of_term(term: Term) -> list[Number]:
+    """Return the numbers of an effect: sizes flat, what must be positive by its logarithm, phases by run."""
+    out = []
+    for info in term.effect.kind.parameters:
+        name, value = f"{term.effect.name}.{info.name}", term.effect.parameters[info.name]
+        if info.optional and value == 0:
+            continue
+        if info.per_run:
+            out += [
+                Number(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE) for r, phase in enumerate(term.phases)
+            ]
+        elif info.sought is None or info.spread is not None:
+            stride = max(STRIDE_SIZE * abs(value), 1e-4)
+            out.append(Number(name, value, 0.0, info.spread or math.inf, low=info.bounds[0], stride=stride))
+        else:
+            low, high = (math.log(x) for x in info.sought)
+            at = min(max(math.log(max(value, 1e-12)), low), high)
+            wave = term.effect.kind.wave
+            stride = STRIDE_WAVE if wave and info.name == wave.parameter else STRIDE_SHAPE
+            middle, width = 0.5 * (low + high), 0.5 * (high - low)
+            out.append(Number(name, at, middle, width, True, low=low, high=high, stride=stride))
+    return out
+
+
+def terms_at(terms: Sequence[Term], windows: RigWindows, at: np.ndarray) -> tuple[Term, ...]:
+    """Return the terms with the numbers of a fit."""
+    out = []
+    for one in terms:
+        found = windows.values(at, 0)
+        numbers = {k: found[f"{one.effect.name}.{k}"] for k in one.effect.parameters}
+        phases = tuple(
+            windows.values(at, r)[f"{one.effect.name}.phi"] for r in range(len(one.phases))
+        )
+        out.append(Term(one.effect.replace(**numbers), phases))
+    return tuple(out)

@@ -1,0 +1,149 @@
+"""A fit with all that is a window's own eliminated once, so that a further column costs one projection."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.rig_windows import OWN
+from stickslip.likelihoods.score import Columns
+from stickslip.likelihoods.shared import priors
+
+Floats = NDArray[np.float64]
+TINY = 1e-9  # share added to a diagonal, against columns that say the same
+
+
+@dataclass(frozen=True)
+class Row:
+    """
+    One window, over its noise, (n, ...) each.
+
+    Parameters
+    ----------
+    effects : columns of the random effects
+    local : columns of the window's own numbers, those of random effects white
+    hat : (own, n) turns readings into the window's own numbers
+    shared : columns of the shared numbers, less what the window's own explain
+    right : what the shared numbers are to explain
+    """
+
+    effects: Floats
+    local: Floats
+    hat: Floats
+    shared: Floats
+    right: Floats
+
+
+@dataclass(frozen=True)
+class Projected:
+    """
+    New columns less what a window's own numbers explain, window by window; 0 for one that failed.
+
+    Parameters
+    ----------
+    columns : (n, k) of each window, None for one that failed
+    cross : (windows, k, p) products with the shared numbers
+    square : (windows, k, k) products with themselves
+    """
+
+    columns: list[Floats | None]
+    cross: Floats
+    square: Floats
+
+
+class Null:
+    """The null of a score test, its population held."""
+
+    def __init__(self, fit: Fit, bench: Bench) -> None:
+        assert fit.linear is not None
+        self.fit, p, q = fit, len(fit.at), len(OWN)
+        self.run = np.array(fit.windows.runs)
+        roots = factor(fit.population, fit.windows.places)
+        away, precision = priors(fit.windows.numbers, fit.at, bench.policy.tail)
+        schur, self.pull = np.diag(precision), precision * away
+        self.rows: list[Row | None] = []
+        for i, block in enumerate(fit.blocks):
+            if block is None or fit.linear.weight[i] == 0:
+                self.rows.append(None)
+                continue
+            x = self.over_noise(block, i)
+            effects = x[:, p + q : -1]
+            local = np.concatenate([x[:, p : p + q], effects @ roots[self.run[i]]], axis=1)
+            inner = local.T @ local
+            inner[range(q), range(q)] *= 1 + TINY
+            inner[range(q, len(inner)), range(q, len(inner))] += 1.0
+            hat = np.linalg.solve(inner, local.T)
+            shared = x[:, :p] - local @ (hat @ x[:, :p])
+            right = x[:, -1] + effects @ fit.random[i]
+            schur = schur + x[:, :p].T @ shared
+            self.pull = self.pull + shared.T @ right
+            self.rows.append(Row(effects, local, hat, shared, right))
+        schur[range(p), range(p)] *= 1 + TINY
+        self.inverse = np.linalg.inv(schur)
+
+    def over_noise(self, block: Floats, window: int) -> Floats:
+        """Columns of a window over its noise, (n, k)."""
+        assert self.fit.linear is not None
+        scaled = (block / np.sqrt(self.fit.noise)[None, :, None]).reshape(-1, block.shape[2])
+        return np.asarray(scaled * math.sqrt(self.fit.linear.weight[window]))
+
+    def projected(self, columns: Columns) -> Projected:
+        """Return new columns less what the windows' own numbers explain."""
+        k = next(c.shape[2] for c in columns if c is not None)
+        p = len(self.pull)
+        cross, square = np.zeros((len(self.rows), k, p)), np.zeros((len(self.rows), k, k))
+        kept: list[Floats | None] = []
+        for i, (row, column) in enumerate(zip(self.rows, columns, strict=True)):
+            if row is None or column is None:
+                kept.append(None)
+                continue
+            e = self.over_noise(column, i)
+            left = e - row.local @ (row.hat @ e)
+            kept.append(left)
+            cross[i], square[i] = e.T @ row.shared, e.T @ left
+        return Projected(kept, cross, square)
+
+    def along(self, columns: list[Floats | None], rights: list[Floats | None], width: int) -> Floats:
+        """Return products of columns with what is to be explained, (windows, k, draws)."""
+        k = next(c.shape[1] for c in columns if c is not None)
+        out = np.zeros((len(columns), k, width))
+        for i, (column, right) in enumerate(zip(columns, rights, strict=True)):
+            if column is not None and right is not None:
+                out[i] = column.T @ right
+        return out
+
+    def gains(
+        self, cross: Floats, square: Floats, pull: Floats, shared: Floats, precision: float = 0.0
+    ) -> Floats:
+        """
+        Return the gain of columns for each draw.
+
+        Parameters
+        ----------
+        cross, square : (k, p), (k, k) products of the columns
+        pull, shared : (k, draws), (p, draws) products with what is to be explained
+        precision : of a Gaussian prior about 0 of the columns' numbers
+        """
+        left = square - cross @ self.inverse @ cross.T
+        left[range(len(left)), range(len(left))] += TINY * np.abs(np.diag(square)) + 1e-12 + precision
+        off = pull - cross @ (self.inverse @ shared)
+        return np.asarray((off * np.linalg.solve(left, off)).sum(axis=0))
+
+    @property
+    def rights(self) -> list[Floats | None]:
+        """What the readings leave, (n, 1) of each window."""
+        return [None if row is None else row.right[:, None] for row in self.rows]
+
+    def shared_pull(self, rights: list[Floats | None], width: int) -> Floats:
+        """Return products of the shared columns with draws, (p, draws)."""
+        out = np.zeros((len(self.pull), width))
+        for row, right in zip(self.rows, rights, strict=True):
+            if row is not None and right is not None:
+                out += row.shared.T @ right
+        return out

@@ -1,0 +1,227 @@
+"""Screening: what every effect of the catalogue would gain beside a fitted hypothesis, to first order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.effect import effect
+from stickslip.declared.effect_kind import EffectKind
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
+from stickslip.discovery.laboratory.null import Null, Projected
+from stickslip.discovery.laboratory.waves import Wave, Waves
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.score import Columns, Score, score
+
+Floats = NDArray[np.float64]
+GRID = 6  # values of a number that no score reaches
+SLOW = 2.5  # angular frequencies at which belts wobble
+SMALL = 0.02  # where the column of a time constant or of a force that is singular at 0 is taken
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """
+    An effect to be fitted, with where to start.
+
+    Parameters
+    ----------
+    term : with its numbers by the score
+    gain : predicted fall of -2 log marginal likelihood
+    count : numbers that the score fits
+    step : of the shared numbers beside it
+    known : what of the gain every belt has
+    """
+
+    term: Term
+    gain: float
+    count: int
+    step: Floats
+    known: float = 0.0
+
+    def worth(self, windows: int) -> float:
+        """Return the gain less the price of its numbers."""
+        return self.gain - self.known - self.count * math.log(windows)
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Columns of an effect that does not come and go, one set for each value of what no score reaches."""
+
+    count: int
+    sets: tuple[Projected, ...]
+
+    def gains(self, null: Null, drawn: list[Floats | None], shared: Floats) -> Floats:
+        """Return the largest gain over all sets, for each draw."""
+        best = np.zeros(shared.shape[1])
+        for one in self.sets:
+            pull = null.along(one.columns, drawn, shared.shape[1]).sum(axis=0)
+            best = np.maximum(best, null.gains(one.cross.sum(axis=0), one.square.sum(axis=0), pull, shared))
+        return best
+
+
+@dataclass(frozen=True)
+class Screen:
+    """
+    What was scored.
+
+    Parameters
+    ----------
+    ranked : every candidate that may gain, best first
+    scored : the columns behind them, for draws
+    """
+
+    ranked: tuple[Candidate, ...]
+    scored: tuple[Shapes | Waves, ...]
+
+    def of_belt(self) -> tuple[Wave, ...]:
+        """Return the slow waves of the belt's speed."""
+        return tuple(
+            w for one in self.scored if isinstance(one, Waves) and one.kind.where == "belt" for w in one.waves
+            if w.w < SLOW
+        )
+
+
+def candidates(bench: Bench) -> list[EffectKind]:
+    """Return the effects that windows of this rig can tell."""
+    two = "alpha1" in bench.model.parameters
+    return [
+        kind
+        for kind in CATALOGUE.values()
+        if kind.on_belt is not None
+        and kind.corrects is None
+        and (two or not kind.two_degree)
+        and kind.name != "contact_compliance"
+        and not (kind.behaves.idle and kind.behaves.idle(bench.model.friction, ()))
+    ]
+
+
+def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
+    """Return every effect that is not in the hypothesis."""
+    taken, null = {one.effect.name for one in terms}, Null(fit, bench)
+    found: list[Candidate] = []
+    scored: list[Shapes | Waves] = []
+    for kind in candidates(bench):
+        if kind.name in taken:
+            continue
+        if kind.wave:
+            waves = Waves(bench, fit, terms, kind, null)
+            found.append(_wave(bench, fit, kind, waves, null))
+            scored.append(waves)
+        else:
+            one, shapes = _shape(bench, fit, terms, kind, null)
+            scored.append(shapes)
+            if one is not None:
+                found.append(one)
+    count = len(bench.stretches)
+    return Screen(tuple(sorted(found, key=lambda one: -one.worth(count))), tuple(scored))
+
+
+def columns(bench: Bench, fit: Fit, terms: Sequence[Term], term: Term, names: Sequence[str]) -> Columns:
+    """Return the derivatives of the readings by numbers of a further effect, at the fit."""
+    windows = bench.windows((*terms, term))
+    own = of_term(term)
+    at = np.concatenate([fit.at, [n.start for n in own]])
+    first = len(fit.at)
+    wanted = [first + i for i, n in enumerate(own) if n.name in names]
+    # the columns of a size that is fitted by its logarithm are those of the size itself
+    plain = {first + i: n.slope(n.start) for i, n in enumerate(own)}
+    blocks = windows.blocks(at, fit.own, shared=wanted, local=False)
+    scale = np.array([plain[j] for j in wanted])
+    return [None if b is None else b[:, :, :-1] / scale for b in blocks]
+
+
+def _shape(
+    bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null
+) -> tuple[Candidate | None, Shapes]:
+    """An effect that does not come and go: best of a grid over what no score reaches."""
+    best: tuple[Score, dict[str, float], tuple[str, ...], Columns] | None = None
+    sets, count = [], 1
+    for numbers, sizes in _starts(bench, kind):
+        names = tuple(f"{kind.name}.{n}" for n in sizes)
+        made = columns(bench, fit, terms, Term(effect(kind.name, **numbers)), names)
+        sets.append(null.projected(made))
+        # what is 0 by declaration and stays 0 is no number
+        count = sum(i.name in sizes or numbers[i.name] != 0 for i in kind.parameters)
+        found = score(fit, made, bench.policy, refit=False)
+        if not _impossible(kind, sizes, found) and (best is None or found.gain > best[0].gain):
+            best = found, numbers, sizes, made
+    shapes = Shapes(count, tuple(sets))
+    if best is None:
+        return None, shapes
+    _, numbers, sizes, made = best
+    found = score(fit, made, bench.policy)
+    if _impossible(kind, sizes, found):
+        return None, shapes
+    numbers = dict(numbers)
+    for n, size in zip(sizes, found.size, strict=True):
+        numbers[n] = _bounded(kind, n, float(size))
+    return Candidate(Term(effect(kind.name, **numbers)), found.gain, count, found.step), shapes
+
+
+def _impossible(kind: EffectKind, sizes: Sequence[str], found: Score) -> bool:
+    """Whether the score asks for a size that the effect cannot have."""
+    return any(kind.parameter(n).bounds[0] >= 0 > x for n, x in zip(sizes, found.size, strict=True))
+
+
+def _bounded(kind: EffectKind, name: str, size: float) -> float:
+    info = kind.parameter(name)
+    low, high = info.sought if info.sought is not None and info.spread is None else info.bounds
+    return min(max(size, low), high)
+
+
+def _starts(bench: Bench, kind: EffectKind) -> Iterator[tuple[dict[str, float], tuple[str, ...]]]:
+    """Where an effect's columns are taken, and the numbers that they are of: its sizes."""
+    sizes = tuple(i.name for i in kind.parameters if i.spread is not None)
+    if sizes and all(i.spread is not None or i.optional for i in kind.parameters):
+        yield dict.fromkeys((i.name for i in kind.parameters), 0.0), sizes
+        return
+    shapes = [i for i in kind.parameters if i.name not in sizes and not i.optional]
+    if not sizes and len(shapes) == 1:
+        low, high = shapes[0].sought or (SMALL, SMALL)
+        yield {**_optional(kind), shapes[0].name: min(max(SMALL, low), high)}, (shapes[0].name,)
+        return
+    size = sizes[0] if sizes else shapes[0].name
+    grid = [i for i in shapes if i.name != size]
+    nothing = 0.0 if sizes else (kind.parameter(size).sought or (1e-6, 1.0))[0] * 1e-2
+    for value in _grid(bench, grid[0].sought or (0.01, 10.0), grid[0].of_size):
+        yield {**_optional(kind), size: nothing, grid[0].name: value}, (size,)
+
+
+def _optional(kind: EffectKind) -> dict[str, float]:
+    return {i.name: 0.0 for i in kind.parameters if i.optional}
+
+
+def _grid(bench: Bench, sought: tuple[float, float], of_size: bool) -> Floats:
+    """Values over what is sought, where the readings can tell."""
+    if of_size:
+        y = np.concatenate([run.readings[run.weight[:, 1] > 0, 1] for run in bench.data])
+        return float(np.quantile(np.abs(y), 0.995)) * np.linspace(0.15, 0.9, GRID)
+    return np.geomspace(2 * sought[0], sought[1] / 2, GRID)
+
+
+def _wave(bench: Bench, fit: Fit, kind: EffectKind, waves: Waves, null: Null) -> Candidate:
+    """An effect that comes and goes, its phase another in every run: best over how often."""
+    assert kind.wave is not None
+    w = waves.best(null)
+    made, runs = waves.columns(w), len(bench.data)
+    place = [[2 * s.run, 2 * s.run + 1] for s in bench.stretches]
+    found = score(fit, made, bench.policy, place=place, count=2 * runs)
+    known = 0.0
+    if kind.where == "belt":  # a wave as small as belts wobble is no finding
+        precision = bench.policy.wobble**-2
+        small = score(fit, made, bench.policy, place=place, count=2 * runs, precision=precision, refit=False)
+        known = max(small.gain, 0.0)
+    sine, cosine = found.size.reshape(runs, 2).T
+    numbers = {
+        "a": min(max(float(np.median(np.hypot(sine, cosine))), 1e-4), kind.wave.largest),
+        kind.wave.parameter: 2 * math.pi / w if kind.wave.along_belt else w,
+        "phi": 0.0,
+    }
+    phases = tuple(float(x) for x in np.arctan2(cosine, sine))
+    return Candidate(Term(effect(kind.name, **numbers), phases), found.gain, waves.count, found.step, known)

@@ -1,0 +1,197 @@
+"""The search: score everything, fit the best, refit the null from where they stand, go forward, then back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.discovery.laboratory.gate import Gate, gate
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
+from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
+from stickslip.likelihoods.fit import Fit, begin, closed, fitted, settled
+from stickslip.likelihoods.rig_windows import RigWindows
+
+Floats = NDArray[np.float64]
+SCALES = (1.0, 0.4)  # of a predicted size, tried
+MOST = 3  # effects in a verdict
+STEPS = 16  # of a candidate's fit
+SHARED = 0.5  # of a candidate's gain: what the null gains from its start was no gain of its own
+NOTICED = 20.0  # fall of the null's deviance from which all is scored again
+
+
+@dataclass(frozen=True)
+class Trial:
+    """
+    A hypothesis, fitted.
+
+    Parameters
+    ----------
+    terms : its effects, as fitted
+    fit : where it stands
+    known : gain that it has from what every belt does
+    """
+
+    terms: tuple[Term, ...]
+    fit: Fit
+    known: float = 0.0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its effects."""
+        return tuple(one.effect.name for one in self.terms)
+
+    @property
+    def deviance(self) -> float:
+        """-2 log marginal likelihood, and what of its gain is no finding."""
+        return self.fit.deviance + self.known
+
+    def numbers(self) -> int:
+        """How many numbers its effects have."""
+        return len(self.fit.at) - sum("." not in n.name or n.name.startswith("gain") for n in self.fit.windows.numbers)
+
+    def worth(self) -> float:
+        """Return -2 log evidence, the price of its numbers included."""
+        return self.deviance + self.numbers() * math.log(len(self.fit.own))
+
+
+@dataclass
+class Step:
+    """One step forward: the hypothesis before it, what was scored and fitted, and what scatter alone would gain."""
+
+    base: Trial
+    screen: Screen
+    trials: list[Trial]
+    gate: Gate
+
+
+@dataclass
+class Searched:
+    """The search's end: what stands, the declared model alone, and all that was tried on the way."""
+
+    null: Trial
+    chosen: Trial
+    steps: list[Step] = field(default_factory=list)
+    without: dict[str, Trial] = field(default_factory=dict)
+
+    @property
+    def trials(self) -> list[Trial]:
+        """Everything that was fitted."""
+        return [self.null, *(t for step in self.steps for t in step.trials)]
+
+
+def search(bench: Bench, tell: Callable[[str], None], seed: int = 0) -> Searched:
+    """Return what the runs say of every effect, alone and beside others."""
+    tell("fitting the declared law, its constants and its scatter")
+    null = Trial((), fitted(begin(bench.windows()), bench.policy))
+    out = Searched(null, null)
+    base = null
+    while len(base.terms) < MOST:
+        step, base = _forward(bench, base, tell, seed)
+        if not base.terms:
+            out.null = base
+        out.steps.append(step)
+        best = min(step.trials, key=Trial.worth, default=None)
+        if best is None or base.worth() - best.worth() <= step.gate.threshold:
+            break
+        base = best
+    out.chosen = _back(bench, base, out, tell)
+    return out
+
+
+def _forward(
+    bench: Bench, base: Trial, tell: Callable[[str], None], seed: int
+) -> tuple[Step, Trial]:
+    """Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second."""
+    trials: list[Trial] = []
+    for turn in range(2):
+        tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
+        screen = screened(bench, base.fit, base.terms)
+        trials = []
+        for one in screen.ranked[: bench.policy.fullest]:
+            if one.worth(len(bench.stretches)) <= 0 and trials:
+                break
+            tell(f"fitting {one.term.effect.name}")
+            trials.append(full(bench, base, one))
+        again = _again(bench, base, min(trials, key=Trial.worth)) if trials else base
+        fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
+        stuck = fell > NOTICED and fell > SHARED * (base.deviance - best)
+        base = again if fell > 0 else base
+        if not stuck or turn:
+            break
+    tell("asking what scatter alone would gain")
+    return Step(base, screen, trials, gate(bench, base.fit, screen, seed)), base
+
+
+def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
+    """Return a candidate beside a hypothesis, fitted from the best of several starts."""
+    best: tuple[float, Fit] | None = None
+    for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
+        term = _scaled(candidate.term, scale)
+        windows = bench.windows((*base.terms, term))
+        p = len(base.fit.at)
+        at = np.concatenate([base.fit.at, [n.start for n in windows.numbers[p:]]])
+        if moved:
+            stride = np.array([n.stride for n in windows.numbers[:p]])
+            at[:p] += np.clip(candidate.step, -stride, stride)
+        first = replace(base.fit, windows=windows, at=at)
+        cost, own = settled(first, bench.policy)
+        if best is None or cost < best[0]:
+            best = cost, replace(first, own=own)
+    assert best is not None
+    fit = fitted(best[1], bench.policy, STEPS, held=2)
+    found = terms_at((*base.terms, candidate.term), fit.windows, fit.at)
+    return Trial(found, fit, base.known + candidate.known)
+
+
+def _scaled(term: Term, scale: float) -> Term:
+    """The term with its sizes scaled."""
+    kind = CATALOGUE[term.effect.name]
+    sizes = {i.name for i in kind.parameters if i.spread is not None} or {
+        i.name for i in kind.parameters if not i.optional
+    }
+    numbers = {k: v * scale if k in sizes else v for k, v in term.effect.parameters.items()}
+    return Term(term.effect.replace(**numbers), term.phases)
+
+
+def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
+    """The hypothesis fitted anew from where its best rival stands, if that is better."""
+    windows = base.fit.windows
+    p = len(base.fit.at)
+    low, high = (np.array([getattr(n, k) for n in windows.numbers]) for k in ("low", "high"))
+    at = np.clip(best.fit.at[:p], low, high)
+    first = replace(best.fit, windows=windows, at=at)
+    fit = fitted(first, bench.policy, STEPS, held=2)
+    return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at)) if fit.deviance < base.fit.deviance else base
+
+
+def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None]) -> Trial:
+    """The hypothesis less what it does not need."""
+    while len(chosen.terms) > 1:
+        rivals = {}
+        for i, one in enumerate(chosen.terms):
+            tell(f"once more without {one.effect.name}")
+            rivals[one.effect.name] = without(bench, chosen, i)
+        out.without = rivals
+        name, best = min(rivals.items(), key=lambda pair: pair[1].worth())
+        if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
+            break
+        chosen = best
+    return chosen
+
+
+def without(bench: Bench, trial: Trial, index: int) -> Trial:
+    """Return a hypothesis without one of its effects."""
+    terms = tuple(one for i, one in enumerate(trial.terms) if i != index)
+    windows = bench.windows(terms)
+    gone = trial.terms[index].effect.name + "."
+    kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
+    fit = fitted(replace(trial.fit, windows=windows, at=trial.fit.at[kept]), bench.policy, STEPS, held=2)
+    return Trial(terms_at(terms, windows, fit.at), fit, trial.known)
+
+
+__all__ = ["RigWindows", "Searched", "Step", "Trial", "closed", "full", "search", "without"]

@@ -1,0 +1,106 @@
+"""The score test: what further columns would gain, by one linear solve, everything else refitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.mixed import Windows, products, solve
+from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.rig_windows import OWN
+from stickslip.likelihoods.shared import priors
+from stickslip.likelihoods.variances import estimate
+
+Floats = NDArray[np.float64]
+Columns = Sequence[Floats | None]  # of each window, (readings, channels, k), over the noise
+TURNS = 12  # of the population's optimiser beside new columns
+
+
+@dataclass(frozen=True)
+class Score:
+    """
+    What columns would gain.
+
+    Parameters
+    ----------
+    gain : fall of -2 log marginal likelihood
+    size, std : of the columns' numbers, (k,)
+    step : of the shared numbers beside them, (p,)
+    """
+
+    gain: float
+    size: Floats
+    std: Floats
+    step: Floats
+
+
+def score(
+    fit: Fit,
+    columns: Columns,
+    policy: Policy,
+    *,
+    place: Sequence[Sequence[int]] | None = None,
+    count: int | None = None,
+    precision: float = 0.0,
+    refit: bool = True,
+) -> Score:
+    """
+    Return what columns gain.
+
+    Parameters
+    ----------
+    fit : the null, linearised
+    columns : derivatives of the readings by the new numbers
+    policy : what steers the estimate of the population
+    place : for each window which of the `count` numbers its columns belong to; all by default
+    count : how many numbers there are; as many as columns by default
+    precision : of a Gaussian prior about 0 of the new numbers
+    refit : whether the population is estimated anew beside them
+    """
+    k = count if count is not None else next(c.shape[2] for c in columns if c is not None)
+    windows = beside(fit, columns, place, k)
+    away, held = priors(fit.windows.numbers, fit.at, policy.tail)
+    prior = np.concatenate([away, np.zeros(k)]), np.concatenate([held, np.full(k, precision)])
+    p = len(away)
+    if not refit:
+        roots = factor(fit.population, fit.windows.places)
+        with_, without = (
+            solve(w, roots, fit.noise, *own, fit.random)
+            for w, own in ((windows, prior), (plain(windows, p, k), (away, held)))
+        )
+        gain = without.deviance - with_.deviance
+        found = with_
+    else:
+        best = [
+            estimate(w, fit.windows.places, fit.population, fit.noise, own, fit.random, policy, TURNS)
+            for w, own in ((windows, prior), (plain(windows, p, k), (away, held)))
+        ]
+        gain, found = best[1].deviance - best[0].deviance, best[0].solution
+    std = np.sqrt(np.abs(np.diag(found.covariance)[p:]))
+    return Score(float(gain), found.shared[p:], std, found.shared[:p])
+
+
+def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k: int) -> Windows:
+    """Return the fit's windows with `k` further shared numbers, the last ones."""
+    assert fit.linear is not None
+    p, blocks = len(fit.windows.numbers), []
+    for i, (block, column) in enumerate(zip(fit.blocks, columns, strict=True)):
+        if block is None or column is None:
+            blocks.append(None)
+            continue
+        wide = np.zeros((*block.shape[:2], k))
+        wide[:, :, list(range(k)) if place is None else list(place[i])] = column
+        blocks.append(np.concatenate([block[:, :, :p], wide, block[:, :, p:]], axis=2))
+    made = products(blocks, fit.windows.runs, p + k, len(OWN), fit.windows.channels)
+    return replace(made, weight=made.weight * fit.linear.weight)
+
+
+def plain(windows: Windows, p: int, k: int) -> Windows:
+    """Return windows without the last `k` of their shared numbers."""
+    kept = [i for i in range(windows.gram.shape[-1]) if not p <= i < p + k]
+    return replace(windows, gram=windows.gram[:, :, kept][:, :, :, kept], shared=p)
