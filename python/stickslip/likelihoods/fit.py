@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.mixed import Solution, Windows, products, solve
+from stickslip.likelihoods.mixed import Solution, Windows, products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population, factor, start
 from stickslip.likelihoods.rig_windows import OWN, RigWindows
@@ -235,8 +235,9 @@ def _freed_noise(fit: Fit, found: Estimate) -> Floats:
     """The noise's factors from what is left and what the windows' own numbers take of it."""
     assert fit.linear is not None
     count = (fit.linear.count * fit.linear.weight[:, None]).sum(0)
-    left = (found.solution.misfit * fit.linear.weight[:, None]).sum(0)
-    free = np.maximum(count - found.solution.freedom, 1.0)
+    left = found.solution.misfit.sum(0)
+    roots = factor(fit.population, fit.windows.places)
+    free = np.maximum(count - taken(fit.linear, roots, found.solution, fit.noise), 1.0)
     return np.clip(np.where(count > 0, left / free, 1.0), 0.3, 1e4)
 
 

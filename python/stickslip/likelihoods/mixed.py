@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+TINY = 1e-9  # share added to a diagonal, against numbers that say the same
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,9 @@ class Solution:
     covariance : its covariance
     own : (windows, own) steps of the initial states
     effects : (windows, effects) random effects, as expected given the readings
-    misfit : (windows, channels) sums of squares that are left
-    freedom : (channels,) share of the readings' number that the windows' own numbers take
+    misfit : (windows, channels) weighted sums of squares that are left
+    white : (windows, white) the random effects' white numbers
+    inverse : (windows, own + white, own + white) covariance of a window's own numbers, the shared ones held
     """
 
     deviance: float
@@ -58,7 +60,8 @@ class Solution:
     own: Floats
     effects: Floats
     misfit: Floats
-    freedom: Floats
+    white: Floats
+    inverse: Floats
 
 
 def products(
@@ -110,34 +113,33 @@ def solve(
     damping : Levenberg's, of the shared numbers and the initial states
     """
     p, q, white = windows.shared, windows.own, factor.shape[2]
-    scaled = np.einsum("wcij,c->wij", windows.gram, (1.0 / noise)) * windows.weight[:, None, None]
-    a = _turned(scaled, factor[windows.run], at, p + q)
+    scaled = np.einsum("wcij,c->wij", windows.gram, 1.0 / noise) * windows.weight[:, None, None]
+    roots = factor[windows.run]
+    a = _turned(scaled, roots, at, p + q)
     local = slice(p, p + q + white)
     inner = a[:, local, local].copy()
     # The white numbers have the prior N(0, 1); the initial state has none.
-    diagonal = np.arange(q)
-    inner[:, diagonal, diagonal] *= 1.0 + damping + 1e-9
-    inner[:, diagonal, diagonal] += 1e-12
-    inner[:, range(q, q + white), range(q, q + white)] += 1.0
+    states, random = np.arange(q), np.arange(q, q + white)
+    inner[:, states, states] = inner[:, states, states] * (1.0 + damping + TINY) + 1e-12
+    inner[:, random, random] += 1.0
+    inverse = np.linalg.inv(inner)
     cross, right = a[:, :p, local], a[:, local, -1]
-    both = np.concatenate([cross.transpose(0, 2, 1), right[:, :, None]], axis=2)
-    back = np.linalg.solve(inner, both)
-    schur = (a[:, :p, :p] - cross @ back[:, :, :p]).sum(0) + np.diag(precision)
-    schur[range(p), range(p)] *= 1.0 + damping + 1e-9
+    back, own = inverse @ cross.transpose(0, 2, 1), np.einsum("wij,wj->wi", inverse, right)
+    schur = (a[:, :p, :p] - cross @ back).sum(0) + np.diag(precision)
+    schur[range(p), range(p)] *= 1.0 + damping + TINY
     schur[range(p), range(p)] += 1e-10
-    pull = (a[:, :p, -1] - np.einsum("wpl,wl->wp", cross, back[:, :, p])).sum(0) + precision * mean
-    covariance = np.linalg.inv(schur) if p else np.zeros((0, 0))
+    pull = (a[:, :p, -1] - np.einsum("wpl,wl->wp", cross, own)).sum(0) + precision * mean
+    covariance = np.linalg.inv(schur)
     step = covariance @ pull
-    numbers = back[:, :, p] - back[:, :, :p] @ step
-    effects = np.einsum("wek,wk->we", factor[windows.run], numbers[:, q:])
+    numbers = own - back @ step
+    effects = np.einsum("wek,wk->we", roots, numbers[:, q:])
     moved = np.concatenate([np.tile(step, (len(a), 1)), numbers[:, :q], effects - at, -np.ones((len(a), 1))], 1)
-    misfit = np.einsum("wi,wcij,wj->wc", moved, windows.gram, moved)
-    deviance = float((misfit @ (1.0 / noise) * windows.weight).sum())
-    deviance += float((numbers[:, q:] ** 2).sum() + precision @ (step - mean) ** 2)
-    deviance += float(np.linalg.slogdet(inner)[1].sum())
+    misfit = ((windows.gram @ moved[:, None, :, None])[..., 0] * moved[:, None]).sum(-1)
+    misfit *= windows.weight[:, None]
+    deviance = float((misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + precision @ (step - mean) ** 2)
+    deviance += float(-np.linalg.slogdet(inverse)[1].sum())
     deviance += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
-    taken = _taken(windows, factor, inner, p, q, noise)
-    return Solution(deviance, step, covariance, numbers[:, :q], effects, misfit, taken)
+    return Solution(deviance, step, covariance, numbers[:, :q], effects, misfit, numbers[:, q:], inverse)
 
 
 def _turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
@@ -151,18 +153,22 @@ def _turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
     return np.asarray(turn.transpose(0, 2, 1) @ a @ turn)
 
 
-def _taken(windows: Windows, factor: Floats, inner: Floats, p: int, q: int, noise: Floats) -> Floats:
-    """Return by channel how many readings' worth of noise the windows' own numbers explain."""
-    inverse = np.linalg.inv(inner)
-    turn = factor[windows.run]
+def taken(windows: Windows, factor: Floats, found: Solution, noise: Floats) -> Floats:
+    """
+    Return by channel how many readings' worth of noise the windows' own numbers explain.
+
+    Parameters
+    ----------
+    windows, factor, noise : what was solved
+    found : its solution
+    """
+    p, q, turn = windows.shared, windows.own, factor[windows.run]
     out = []
     for c in range(windows.gram.shape[1]):
-        g = windows.gram[:, c, p:-1, p:-1] * windows.weight[:, None, None] / noise[c]
-        states, effects = g[:, :q, :q], turn.transpose(0, 2, 1) @ g[:, q:, q:] @ turn
-        mixed = g[:, :q, q:] @ turn
-        out.append(
-            np.einsum("wij,wji->", states, inverse[:, :q, :q])
-            + np.einsum("wij,wji->", effects, inverse[:, q:, q:])
-            + 2 * np.einsum("wij,wji->", mixed, inverse[:, q:, :q])
+        g = windows.gram[:, c, p:-1, p:-1] * (windows.weight / noise[c])[:, None, None]
+        mixed, effects = g[:, :q, q:] @ turn, turn.transpose(0, 2, 1) @ g[:, q:, q:] @ turn
+        whole = np.concatenate(
+            [np.concatenate([g[:, :q, :q], mixed], 2), np.concatenate([mixed.transpose(0, 2, 1), effects], 2)], 1
         )
+        out.append(float((whole * found.inverse).sum()))
     return np.array(out)

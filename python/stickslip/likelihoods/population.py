@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
+LENGTH = 2  # place of the correlation length among the coordinates
 STATIC = 0  # place of a window's own static friction among its effects; the curve follows, then the belt
 
 
@@ -49,6 +50,11 @@ class Population:
     def without(self) -> Population:
         """Return the population in which nothing differs."""
         return replace(self, level=0.0, curve=0.0, static=0.0, belt=0.0)
+
+
+def parts(knots: int) -> dict[int, slice]:
+    """Return the white columns of each coordinate that scales some."""
+    return {3: slice(0, 1), 0: slice(1, 2), 1: slice(2, knots + 2), 4: slice(knots + 2, knots + 3)}
 
 
 def start(policy: Policy) -> Population:

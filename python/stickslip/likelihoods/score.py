@@ -76,11 +76,14 @@ def score(
         gain = without.deviance - with_.deviance
         found = with_
     else:
-        best = [
-            estimate(w, fit.windows.places, fit.population, fit.noise, own, fit.random, policy, TURNS)
-            for w, own in ((windows, prior), (plain(windows, p, k), (away, held)))
-        ]
-        gain, found = best[1].deviance - best[0].deviance, best[0].solution
+        # the null is at its best already
+        best = estimate(
+            windows, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, TURNS
+        )
+        null = estimate(
+            plain(windows, p, k), fit.windows.places, fit.population, fit.noise, (away, held), fit.random, policy, 0
+        )
+        gain, found = null.deviance - best.deviance, best.solution
     std = np.sqrt(np.abs(np.diag(found.covariance)[p:]))
     return Score(float(gain), found.shared[p:], std, found.shared[:p])
 

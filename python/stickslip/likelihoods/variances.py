@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from stickslip.likelihoods.mixed import Floats, Solution, Windows, solve
+from stickslip.likelihoods.mixed import Floats, Solution, Windows, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import Population, factor, spreads, start
+from stickslip.likelihoods.population import LENGTH, Population, factor, parts, spreads, start
 
 LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
 SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slipped
+NEARBY = 1e-4  # step of the length's logarithm
 NOISE = (0.3, 1e4)  # factors of the noise's variance sought
 
 
@@ -58,19 +59,47 @@ def estimate(
     centre, spread = start(policy).coordinates(), spreads(policy)
     low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
     high = np.log([MOST, MOST, LONGEST, MOST, MOST])
-    channels = len(noise)
-
-    def solved(x: Floats) -> Solution:
-        return solve(windows, factor(Population.at(x[:5]), places), np.exp(x[5:]), *prior, at)
-
-    def deviance(x: Floats) -> float:
-        return solved(x).deviance + float((((x[:5] - centre) / spread) ** 2).sum())
-
+    free = _Free(windows, places, prior, at, centre, spread)
     first = np.concatenate([np.clip(population.coordinates(), low, high), np.log(noise)])
-    bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * channels]
+    bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]
+    x = first
     if turns:
-        best = minimize(deviance, first, method="L-BFGS-B", bounds=bounds, options={"maxiter": turns, "eps": 1e-4})
-        x = best.x
-    else:
-        x = first
-    return Estimate(Population.at(x[:5]), np.exp(x[5:]), solved(x), deviance(x))
+        options = {"maxiter": turns}
+        x = minimize(free.deviance, first, method="L-BFGS-B", jac=True, bounds=bounds, options=options).x
+    return Estimate(Population.at(x[:5]), np.exp(x[5:]), free.solved(x), free.deviance(x)[0])
+
+
+@dataclass
+class _Free:
+    """The deviance of population and noise with its slopes; shared and own numbers at their best."""
+
+    windows: Windows
+    places: list[Floats]
+    prior: tuple[Floats, Floats]
+    at: Floats
+    centre: Floats
+    spread: Floats
+
+    def solved(self, x: Floats) -> Solution:
+        return solve(self.windows, factor(Population.at(x[:5]), self.places), np.exp(x[5:]), *self.prior, self.at)
+
+    def deviance(self, x: Floats) -> tuple[float, Floats]:
+        roots, noise = factor(Population.at(x[:5]), self.places), np.exp(x[5:])
+        found = solve(self.windows, roots, noise, *self.prior, self.at)
+        away = (x[:5] - self.centre) / self.spread
+        slope = np.zeros(len(x))
+        white = np.diagonal(found.inverse, axis1=1, axis2=2)[:, self.windows.own :]
+        # a factor's columns scale with their standard deviation, and the white numbers are at their best
+        each = 2 * (1 - white - found.white**2).sum(axis=0)
+        for part, columns in parts(len(self.places[0])).items():
+            slope[part] = each[columns].sum()
+        slope[LENGTH] = self._of_length(x, found.deviance)
+        slope[:5] += 2 * away / self.spread
+        count = (self.windows.count * self.windows.weight[:, None]).sum(axis=0)
+        slope[5:] = count - found.misfit.sum(axis=0) / noise - taken(self.windows, roots, found, noise)
+        return found.deviance + float(away @ away), slope
+
+    def _of_length(self, x: Floats, here: float) -> float:
+        moved = x.copy()
+        moved[LENGTH] += NEARBY
+        return (self.solved(moved).deviance - here) / NEARBY

@@ -130,10 +130,22 @@ class Null:
         pull, shared : (k, draws), (p, draws) products with what is to be explained
         precision : of a Gaussian prior about 0 of the columns' numbers
         """
-        left = square - cross @ self.inverse @ cross.T
-        left[range(len(left)), range(len(left))] += TINY * np.abs(np.diag(square)) + 1e-12 + precision
-        off = pull - cross @ (self.inverse @ shared)
+        left, off = self._left(cross, square, pull, shared)
+        left[range(len(left)), range(len(left))] += precision
         return np.asarray((off * np.linalg.solve(left, off)).sum(axis=0))
+
+    def _left(self, cross: Floats, square: Floats, pull: Floats, shared: Floats) -> tuple[Floats, Floats]:
+        """Products of columns with themselves and with draws, the shared numbers eliminated."""
+        left = square - cross @ self.inverse @ cross.T
+        left[range(len(left)), range(len(left))] += TINY * np.abs(np.diag(square)) + 1e-12
+        return left, pull - cross @ (self.inverse @ shared)
+
+    def scored(self, made: Projected) -> tuple[float, Floats]:
+        """Return what columns that all windows share gain, and their sizes."""
+        pull = self.along(made.columns, self.rights, 1).sum(axis=0)
+        left, off = self._left(made.cross.sum(axis=0), made.square.sum(axis=0), pull, self.pull[:, None])
+        size = np.linalg.solve(left, off)
+        return float((off * size).sum()), size[:, 0]
 
     @property
     def rights(self) -> list[Floats | None]:

@@ -16,7 +16,7 @@ from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.null import Null, Projected
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit import Fit
-from stickslip.likelihoods.score import Columns, Score, score
+from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]
 GRID = 6  # values of a number that no score reaches
@@ -140,7 +140,7 @@ def _shape(
     bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null
 ) -> tuple[Candidate | None, Shapes]:
     """An effect that does not come and go: best of a grid over what no score reaches."""
-    best: tuple[Score, dict[str, float], tuple[str, ...], Columns] | None = None
+    best: tuple[float, Floats, dict[str, float], tuple[str, ...], Columns] | None = None
     sets, count = [], 1
     for numbers, sizes in _starts(bench, kind):
         names = tuple(f"{kind.name}.{n}" for n in sizes)
@@ -148,25 +148,28 @@ def _shape(
         sets.append(null.projected(made))
         # what is 0 by declaration and stays 0 is no number
         count = sum(i.name in sizes or numbers[i.name] != 0 for i in kind.parameters)
-        found = score(fit, made, bench.policy, refit=False)
-        if not _impossible(kind, sizes, found) and (best is None or found.gain > best[0].gain):
-            best = found, numbers, sizes, made
+        gain, size = null.scored(sets[-1])
+        if not _impossible(kind, sizes, size) and (best is None or gain > best[0]):
+            best = gain, size, numbers, sizes, made
     shapes = Shapes(count, tuple(sets))
     if best is None:
         return None, shapes
-    _, numbers, sizes, made = best
-    found = score(fit, made, bench.policy)
-    if _impossible(kind, sizes, found):
-        return None, shapes
+    gain, size, numbers, sizes, made = best
+    step = np.zeros(len(fit.at))
+    if gain > count * math.log(len(bench.stretches)):
+        found = score(fit, made, bench.policy)
+        gain, size, step = found.gain, found.size, found.step
+        if _impossible(kind, sizes, size):
+            return None, shapes
     numbers = dict(numbers)
-    for n, size in zip(sizes, found.size, strict=True):
-        numbers[n] = _bounded(kind, n, float(size))
-    return Candidate(Term(effect(kind.name, **numbers)), found.gain, count, found.step), shapes
+    for n, x in zip(sizes, size, strict=True):
+        numbers[n] = _bounded(kind, n, float(x))
+    return Candidate(Term(effect(kind.name, **numbers)), gain, count, step), shapes
 
 
-def _impossible(kind: EffectKind, sizes: Sequence[str], found: Score) -> bool:
+def _impossible(kind: EffectKind, sizes: Sequence[str], found: Floats) -> bool:
     """Whether the score asks for a size that the effect cannot have."""
-    return any(kind.parameter(n).bounds[0] >= 0 > x for n, x in zip(sizes, found.size, strict=True))
+    return any(kind.parameter(n).bounds[0] >= 0 > x for n, x in zip(sizes, found, strict=True))
 
 
 def _bounded(kind: EffectKind, name: str, size: float) -> float:
