@@ -15,7 +15,6 @@ from stickslip.likelihoods.mixed import Solution, Windows, products, solve, take
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population, factor, start
 from stickslip.likelihoods.rig_windows import OWN, RigWindows
-from stickslip.likelihoods.shared import penalty, priors
 from stickslip.likelihoods.variances import Estimate, estimate
 
 Floats = NDArray[np.float64]
@@ -115,7 +114,7 @@ def closed(fit: Fit, policy: Policy) -> Fit:
     fit = _linearised(fit, policy)
     found = _estimate(fit, policy, 40)
     extra = np.where(fit.linear.weight < 1, _soft(_chi(fit), fit.knee) - fit.knee, 0.0).sum()  # type: ignore[union-attr]
-    prior = _tail_correction(fit, policy, found)
+    prior = _tail_correction(fit)
     return replace(
         fit,
         population=found.population,
@@ -125,10 +124,10 @@ def closed(fit: Fit, policy: Policy) -> Fit:
     )
 
 
-def _tail_correction(fit: Fit, policy: Policy, found: Estimate) -> float:
+def _tail_correction(fit: Fit) -> float:
     """What the Gaussian that stands for a long tail leaves out of the prior."""
-    away, precision = priors(fit.windows.numbers, fit.at, policy.tail)
-    return penalty(fit.windows.numbers, fit.at, policy.tail) - float(precision @ away**2)
+    away, precision = fit.windows.prior.at(fit.at)
+    return fit.windows.prior.penalty(fit.at) - float(away @ precision @ away)
 
 
 def _linearised(fit: Fit, policy: Policy) -> Fit:
@@ -161,7 +160,7 @@ def _soft(chi: Floats, knee: Floats) -> Floats:
 
 def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate:
     assert fit.linear is not None
-    prior = priors(fit.windows.numbers, fit.at, policy.tail)
+    prior = fit.windows.prior.at(fit.at)
     return estimate(
         fit.linear, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, turns
     )
@@ -193,7 +192,7 @@ class _Cost:
         """Cost by window, and of all with the prior."""
         chi, held = self.of(blocks, own)
         each = chi + held
-        return each, float(each.sum()) + penalty(self.fit.windows.numbers, at, self.policy.tail)
+        return each, float(each.sum()) + self.fit.windows.prior.penalty(at)
 
 
 def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float]:
@@ -205,7 +204,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     if not free:
         noise = _freed_noise(fit, found)
     roots = factor(population, windows.places)
-    prior = priors(windows.numbers, fit.at, policy.tail)
+    prior = windows.prior.at(fit.at)
     solution = solve(fit.linear, roots, noise, *prior, fit.random, damping)
     cost = _Cost(fit, policy, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)

@@ -108,7 +108,7 @@ def solve(
     windows : the linearised windows
     factor : (runs, effects, white) factor of the random effects' covariance
     noise : (channels,) variances of the readings
-    mean, precision : (shared,) prior of the shared step, precision 0 where it is flat
+    mean, precision : (shared,), (shared, shared) prior of the shared step, precision 0 where it is flat
     at : (windows, effects) random effects that the windows are linearised at
     damping : Levenberg's, of the shared numbers and the initial states
     """
@@ -125,10 +125,10 @@ def solve(
     inverse = np.linalg.inv(inner)
     cross, right = a[:, :p, local], a[:, local, -1]
     back, own = inverse @ cross.transpose(0, 2, 1), np.einsum("wij,wj->wi", inverse, right)
-    schur = (a[:, :p, :p] - cross @ back).sum(0) + np.diag(precision)
+    schur = (a[:, :p, :p] - cross @ back).sum(0) + precision
     schur[range(p), range(p)] *= 1.0 + damping + TINY
     schur[range(p), range(p)] += 1e-10
-    pull = (a[:, :p, -1] - np.einsum("wpl,wl->wp", cross, own)).sum(0) + precision * mean
+    pull = (a[:, :p, -1] - np.einsum("wpl,wl->wp", cross, own)).sum(0) + precision @ mean
     covariance = np.linalg.inv(schur)
     step = covariance @ pull
     numbers = own - back @ step
@@ -136,7 +136,7 @@ def solve(
     moved = np.concatenate([np.tile(step, (len(a), 1)), numbers[:, :q], effects - at, -np.ones((len(a), 1))], 1)
     misfit = ((windows.gram @ moved[:, None, :, None])[..., 0] * moved[:, None]).sum(-1)
     misfit *= windows.weight[:, None]
-    deviance = float((misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + precision @ (step - mean) ** 2)
+    deviance = float((misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + (step - mean) @ precision @ (step - mean))
     deviance += float(-np.linalg.slogdet(inverse)[1].sum())
     deviance += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
     return Solution(deviance, step, covariance, numbers[:, :q], effects, misfit, numbers[:, q:], inverse)

@@ -14,7 +14,7 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, read, states_read
 from stickslip.fitted.window import BELT, DWELL, LAGGED, STATES, STICK
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.likelihoods.shared import Number
+from stickslip.likelihoods.shared import Declared, Number, Prior
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
 
@@ -37,6 +37,7 @@ class RigWindows:
     data : the runs
     stretches : where the windows are
     numbers : what all windows, or those of a run, share
+    declared : what is known of the constants among them
     policy : what steers the windows
 
     A window's own numbers are x1, y1, y2 at its start, then its random effects: relative static friction, a relative
@@ -49,10 +50,12 @@ class RigWindows:
         data: Sequence[Data],
         stretches: Sequence[Stretch],
         numbers: Sequence[Number],
+        declared: Declared,
         policy: Policy = POLICY,
     ) -> None:
         self.model, self.data, self.stretches = model, list(data), list(stretches)
         self.numbers, self.policy = tuple(numbers), policy
+        self.prior = Prior(numbers, declared, policy.tail)
         self.effects = policy.knots + 2
         self.own = len(OWN) + self.effects
         self.channels = data[0].readings.shape[1]

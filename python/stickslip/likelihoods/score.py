@@ -13,7 +13,6 @@ from stickslip.likelihoods.mixed import Windows, products, solve
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.rig_windows import OWN
-from stickslip.likelihoods.shared import priors
 from stickslip.likelihoods.variances import estimate
 
 Floats = NDArray[np.float64]
@@ -64,9 +63,11 @@ def score(
     """
     k = count if count is not None else next(c.shape[2] for c in columns if c is not None)
     windows = beside(fit, columns, place, k)
-    away, held = priors(fit.windows.numbers, fit.at, policy.tail)
-    prior = np.concatenate([away, np.zeros(k)]), np.concatenate([held, np.full(k, precision)])
+    away, held = fit.windows.prior.at(fit.at)
     p = len(away)
+    wide = np.zeros((p + k, p + k))
+    wide[:p, :p], wide[range(p, p + k), range(p, p + k)] = held, precision
+    prior = np.concatenate([away, np.zeros(k)]), wide
     if not refit:
         roots = factor(fit.population, fit.windows.places)
         with_, without = (

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+JITTER = 1e-12  # relative, on the diagonal of a covariance whose numbers may follow from one another
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,6 @@ class Number:
     run : the one run that it belongs to; None: all
     low, high : bounds of the coordinate
     stride : the most that a step moves it
-    long_tail : whether the prior is Student's t
     """
 
     name: str
@@ -38,7 +38,6 @@ class Number:
     low: float = -math.inf
     high: float = math.inf
     stride: float = math.inf
-    long_tail: bool = False
 
     def value(self, at: float) -> float:
         """Return the number at a coordinate."""
@@ -49,25 +48,67 @@ class Number:
         return math.exp(at) if self.logarithmic else 1.0
 
 
-def priors(numbers: Sequence[Number], at: Floats, tail: float) -> tuple[Floats, Floats]:
+@dataclass(frozen=True)
+class Declared:
     """
-    Return how far the prior's centre lies from `at`, and its precision there, (p,) each.
+    What a laboratory says of its constants together: they follow from masses and stiffnesses that several share.
 
-    A long tail is a Gaussian whose precision falls with the distance.
+    Parameters
+    ----------
+    names : of the constants and gains
+    covariance : (n, n) of their coordinates
     """
-    away = np.array([n.centre for n in numbers]) - at
-    sd = np.array([n.sd for n in numbers])
-    away[~np.isfinite(sd)] = 0.0
-    precision = np.where(np.isfinite(sd), 1.0 / sd**2, 0.0)
-    long = np.array([n.long_tail for n in numbers])
-    weight = np.where(long, (tail + 1) / (tail + precision * away**2), 1.0)
-    return away, precision * weight
+
+    names: tuple[str, ...] = ()
+    covariance: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
 
-def penalty(numbers: Sequence[Number], at: Floats, tail: float) -> float:
-    """Return -2 log prior at `at`, without constants."""
-    away, _ = priors(numbers, at, tail)
-    sd = np.array([n.sd for n in numbers])
-    z = np.where(np.isfinite(sd), (away / sd) ** 2, 0.0)
-    long = np.array([n.long_tail for n in numbers])
-    return float(np.where(long, (tail + 1) * np.log1p(z / tail), z).sum())
+class Prior:
+    """
+    The prior of the shared numbers: each alone, and the declared constants together with long tails.
+
+    Parameters
+    ----------
+    numbers : in the order of a fit's vector
+    declared : of the constants among them
+    tail : degrees of freedom of Student's t, in the coordinates in which the constants are independent
+    """
+
+    def __init__(self, numbers: Sequence[Number], declared: Declared, tail: float) -> None:
+        self.tail = tail
+        self.centre = np.array([n.centre for n in numbers])
+        sd = np.array([n.sd for n in numbers])
+        self.alone = np.where(np.isfinite(sd), 1.0 / sd**2, 0.0)
+        places = {n.name: i for i, n in enumerate(numbers)}
+        kept = [i for i, name in enumerate(declared.names) if name in places]
+        self.group = np.array([places[declared.names[i]] for i in kept], dtype=np.int64)
+        self.alone[self.group] = 0.0
+        covariance = declared.covariance[np.ix_(kept, kept)]
+        # independent coordinates: a number that follows from others adds none
+        root = np.linalg.cholesky(covariance + np.diag(JITTER + 1e-9 * np.diag(covariance)))
+        self.whiten = np.linalg.inv(root)
+
+    def _away(self, at: Floats) -> Floats:
+        away = self.centre - at
+        held = self.alone > 0
+        held[self.group] = True
+        return np.where(held, away, 0.0)
+
+    def at(self, at: Floats) -> tuple[Floats, Floats]:
+        """
+        Return how far the centre lies from `at`, (p,), and the precision there, (p, p).
+
+        A long tail is a Gaussian whose precision falls with the distance.
+        """
+        away = self._away(at)
+        z = self.whiten @ away[self.group]
+        weight = (self.tail + 1) / (self.tail + z**2)
+        precision = np.diag(self.alone)
+        precision[np.ix_(self.group, self.group)] = self.whiten.T @ (weight[:, None] * self.whiten)
+        return away, precision
+
+    def penalty(self, at: Floats) -> float:
+        """Return -2 log prior at `at`, without constants."""
+        away = self._away(at)
+        z = self.whiten @ away[self.group]
+        return float(self.alone @ away**2 + (self.tail + 1) * np.log1p(z**2 / self.tail).sum())

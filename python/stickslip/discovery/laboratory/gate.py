@@ -43,7 +43,7 @@ class Gate:
 def gate(bench: Bench, fit: Fit, screen: Screen, seed: int) -> Gate:
     """Return the gate of a fitted hypothesis."""
     rng = np.random.default_rng(seed)
-    null = Null(fit, bench)
+    null = Null(fit)
     drawn = _drawn(bench, fit, null, screen, rng)
     count, best = len(bench.stretches), np.zeros(bench.policy.draws)
     shared = null.shared_pull(drawn, bench.policy.draws)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,9 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import HELD
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.rig_windows import GAINS, RigWindows
-from stickslip.likelihoods.shared import Number
+from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch
+from stickslip.measured.case import Case
 
 STRIDE_LAW, STRIDE_CONSTANT, STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.5, 0.3, 0.3, 0.02, 0.6
 STRIDE_SIZE = 0.5  # of a size's own start
@@ -39,14 +40,14 @@ class Bench:
     model : the declared model, without effects
     data : the runs
     stretches : their windows
-    uncertainty : relative standard uncertainty of each number of the rig, and of the gains
+    declared : how well the rig's numbers and the gains are known; what is exact is not among them
     policy : what steers
     """
 
     model: Model
     data: Sequence[Data]
     stretches: Sequence[Stretch]
-    uncertainty: Mapping[str, float]
+    declared: Declared
     policy: Policy
 
     def windows(self, terms: Sequence[Term] = ()) -> RigWindows:
@@ -55,7 +56,7 @@ class Bench:
             self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
         )
         numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one))]
-        return RigWindows(model, self.data, self.stretches, numbers, self.policy)
+        return RigWindows(model, self.data, self.stretches, numbers, self.declared, self.policy)
 
     def of_law(self) -> list[Number]:
         """Return the numbers of the law, held loosely about what is declared."""
@@ -75,15 +76,27 @@ class Bench:
     def of_rig(self) -> list[Number]:
         """Return the constants and gains that are not exact."""
         out = []
-        for name, sd in self.uncertainty.items():
-            if sd <= 0:
-                continue
+        for name in self.declared.names:
             if name in GAINS:
-                out.append(Number(name, 0.0, 0.0, sd, long_tail=True))
-            elif (value := self.model.parameters[name]) > 0:
-                at = math.log(value)
-                out.append(Number(name, at, at, sd, True, stride=STRIDE_CONSTANT, long_tail=True))
+                out.append(Number(name, 0.0, 0.0, math.inf))
+            else:
+                at = math.log(self.model.parameters[name])
+                out.append(Number(name, at, at, math.inf, True, stride=STRIDE_CONSTANT))
         return out
+
+
+def known(case: Case) -> Declared:
+    """Return what a case says of its constants and gains, less what is exact."""
+    gains = {f"gain.{channel}": channel for channel in case.uncertainty.gains}
+    names = [n for n in case.model().parameters if n in case.uncertainty.names and n not in gains.values()]
+    every = {**{n: n for n in names}, **gains}
+    covariance = case.uncertainty.covariance(list(every.values()))
+    kept = [
+        i
+        for i, n in enumerate(every)
+        if covariance[i, i] > 0 and (n in gains or case.model().parameters[n] > 0)
+    ]
+    return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[np.ix_(kept, kept)])
 
 
 def of_term(term: Term) -> list[Number]:

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.score import Columns
-from stickslip.likelihoods.shared import priors
 
 Floats = NDArray[np.float64]
 TINY = 1e-9  # share added to a diagonal, against columns that say the same
@@ -60,13 +58,13 @@ class Projected:
 class Null:
     """The null of a score test, its population held."""
 
-    def __init__(self, fit: Fit, bench: Bench) -> None:
+    def __init__(self, fit: Fit) -> None:
         assert fit.linear is not None
         self.fit, p, q = fit, len(fit.at), len(OWN)
         self.run = np.array(fit.windows.runs)
         roots = factor(fit.population, fit.windows.places)
-        away, precision = priors(fit.windows.numbers, fit.at, bench.policy.tail)
-        schur, self.pull = np.diag(precision), precision * away
+        away, schur = fit.windows.prior.at(fit.at)
+        self.pull = schur @ away
         self.rows: list[Row | None] = []
         for i, block in enumerate(fit.blocks):
             if block is None or fit.linear.weight[i] == 0:

@@ -103,7 +103,7 @@ def candidates(bench: Bench) -> list[EffectKind]:
 
 def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     """Return every effect that is not in the hypothesis."""
-    taken, null = {one.effect.name for one in terms}, Null(fit, bench)
+    taken, null = {one.effect.name for one in terms}, Null(fit)
     found: list[Candidate] = []
     scored: list[Shapes | Waves] = []
     for kind in candidates(bench):
