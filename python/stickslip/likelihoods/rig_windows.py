@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from stickslip import _core
 from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
-from stickslip.fitted.readings import Chain, read, states_read
+from stickslip.fitted.readings import Chain, no_slopes, read, states_read
 from stickslip.fitted.window import BELT, DWELL, LAGGED, STATES, STICK
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number, Prior
@@ -59,7 +60,7 @@ class RigWindows:
         self.effects = policy.knots + 2
         self.own = len(OWN) + self.effects
         self.channels = data[0].readings.shape[1]
-        knots = [_knots(run, policy) for run in data]
+        self.knots = knots = [_knots(run, policy) for run in data]
         # the way slipped from the breakaway on, 0 to 1
         self.places = [
             (k - k[0]) / (k[-1] - k[0]) if run.belt_speed < 0 else (k[-1] - k) / (k[-1] - k[0])
@@ -140,6 +141,35 @@ class RigWindows:
                     out[i] = block
         return out
 
+    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+        """Return each window as simulated; None where it fails."""
+        out: list[Motion | None] = [None] * len(self.stretches)
+        for run, members in enumerate(self.by_run):
+            if len(members):
+                made = _Run(self, run, members, at, own[members], (), False).motions()
+                for i, one in zip(members, made, strict=True):
+                    out[i] = one
+        return out
+
+
+@dataclass(frozen=True)
+class Motion:
+    """
+    One window as simulated.
+
+    Parameters
+    ----------
+    t : (n,) times of its samples
+    state : (n, 9) states
+    mode : (n,) -1, 0 in stick, 1
+    readings : (n, channels)
+    """
+
+    t: Floats
+    state: Floats
+    mode: NDArray[np.int8]
+    readings: Floats
+
 
 def _knots(run: Data, policy: Policy) -> Floats:
     """Return the places of x1 that friction has numbers at."""
@@ -201,6 +231,23 @@ class _Run:
             chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
         self._gains(chain)
         return self._weighed(chain, np.asarray(raw["outcome"]) == _core.Outcome.finished)
+
+    def motions(self) -> list[Motion | None]:
+        """Simulate and read."""
+        raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + STATES)))
+        state, mode = np.asarray(raw["state"]), np.asarray(raw["mode"])
+        nothing = no_slopes(len(self.samples))
+        t = self.data.t[self.samples]
+        chain = read(
+            t, state, nothing, (), self.values, self.data.belt_speed, self.of.channels, (), self.offset
+        )
+        self._own_belt(chain)
+        self._gains(chain)
+        done = np.asarray(raw["outcome"]) == _core.Outcome.finished
+        return [
+            Motion(t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
+            for a, b, ok in zip(self.offset[:-1], self.offset[1:], done, strict=True)
+        ]
 
     def _derived(self, values: dict[str, float], own: Floats) -> Floats:
         """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""

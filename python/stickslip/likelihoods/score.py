@@ -28,13 +28,13 @@ class Score:
     Parameters
     ----------
     gain : fall of -2 log marginal likelihood
-    size, std : of the columns' numbers, (k,)
+    size, covariance : of the columns' numbers, (k,), (k, k)
     step : of the shared numbers beside them, (p,)
     """
 
     gain: float
     size: Floats
-    std: Floats
+    covariance: Floats
     step: Floats
 
 
@@ -85,8 +85,7 @@ def score(
             plain(windows, p, k), fit.windows.places, fit.population, fit.noise, (away, held), fit.random, policy, 0
         )
         gain, found = null.deviance - best.deviance, best.solution
-    std = np.sqrt(np.abs(np.diag(found.covariance)[p:]))
-    return Score(float(gain), found.shared[p:], std, found.shared[:p])
+    return Score(float(gain), found.shared[p:], found.covariance[p:, p:], found.shared[:p])
 
 
 def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k: int) -> Windows:

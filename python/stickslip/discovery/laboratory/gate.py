@@ -20,6 +20,7 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.population import Population
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant
@@ -40,11 +41,19 @@ class Gate:
     threshold: float
 
 
-def gate(bench: Bench, fit: Fit, screen: Screen, seed: int) -> Gate:
-    """Return the gate of a fitted hypothesis."""
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, scatter: Population) -> Gate:
+    """
+    Return the gate of a fitted hypothesis.
+
+    Parameters
+    ----------
+    bench, fit, screen : the hypothesis, and what was scored beside it
+    seed : of the draws
+    scatter : population drawn from: the best rival's, as what a hypothesis lacks swells its own
+    """
     rng = np.random.default_rng(seed)
     null = Null(fit)
-    drawn = _drawn(bench, fit, null, screen, rng)
+    drawn = _drawn(bench, fit, null, screen, rng, scatter)
     count, best = len(bench.stretches), np.zeros(bench.policy.draws)
     shared = null.shared_pull(drawn, bench.policy.draws)
     for one in screen.scored:
@@ -61,11 +70,11 @@ def _quantile(best: Floats, probability: float) -> float:
 
 
 def _drawn(
-    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator
+    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator, scatter: Population
 ) -> list[Floats | None]:
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
-    effects = _effects(bench, fit, rng)
+    effects = _effects(bench, fit, rng, scatter)
     waves = _wobble(bench, screen, rng)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
@@ -82,13 +91,13 @@ def _drawn(
     return out
 
 
-def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
+def _effects(bench: Bench, fit: Fit, rng: np.random.Generator, p: Population) -> Floats:
     """Random effects of all windows, (w, effects, draws)."""
-    p, draws = fit.population, bench.policy.draws
+    draws = bench.policy.draws
     out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
     for run, members in enumerate(fit.windows.by_run):
         level, static = (_chain(len(members), _memory(fit, members, k), rng, draws) for k in (1, 0))
-        field = _field(bench, fit, run, members, rng)
+        field = _field(bench, fit, run, members, rng, p)
         for j, i in enumerate(members):
             out[i, 0] = p.static * static[j]
             out[i, 1:-1] = p.level * level[j] + p.curve * field[j]
@@ -114,14 +123,19 @@ def _chain(n: int, memory: float, rng: np.random.Generator, draws: int) -> Float
 
 
 def _field(
-    bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np.random.Generator
+    bench: Bench,
+    fit: Fit,
+    run: int,
+    members: NDArray[np.int64],
+    rng: np.random.Generator,
+    p: Population,
 ) -> Floats:
     """Friction along the belt at the places of each window's curve, of unit variance, (n, knots, draws)."""
     places = fit.windows.places[run]
     # one slip after the other: what is under the block when it sticks is there when it slips again
     along = np.array([j + places for j in range(len(members))])
     points = along.ravel()
-    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / fit.population.length
+    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / p.length
     kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
     root = np.linalg.cholesky(kernel)
     made = root @ rng.standard_normal((len(points), bench.policy.draws))

@@ -124,7 +124,8 @@ def _forward(
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    return Step(base, screen, trials, gate(bench, base.fit, screen, seed)), base
+    scatter = min([base, *trials], key=Trial.worth).fit.population
+    return Step(base, screen, trials, gate(bench, base.fit, screen, seed, scatter)), base
 
 
 def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:

@@ -1,0 +1,185 @@
+"""Curves that no name explains: a force, a factor of friction or a reading, as any smooth function of one variable.
+
+While the block slips, a force on it is a change of friction: the windows have columns of that at every place of the
+slip, so that a curve of anything costs no simulation. A force on the angle body is seen through that body alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.rig_windows import OWN, Motion
+from stickslip.likelihoods.score import Columns, score
+
+Floats = NDArray[np.float64]
+BASIS = 6  # shapes of a curve
+LEVEL = scipy.linalg.null_space(np.ones((1, BASIS)))  # turns shapes into those without a mean
+VARIABLES = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
+FEWEST = 3  # samples of a slip that a curve can be read along
+
+
+@dataclass(frozen=True)
+class Learned:
+    """
+    A curve that was scored.
+
+    Parameters
+    ----------
+    where, variable : the place it acts and what it depends on
+    gain : fall of -2 log marginal likelihood
+    x, value, std : (k,) the curve and its standard deviation
+    count : shapes that it is made of
+    columns : behind it
+    """
+
+    where: str
+    variable: str
+    gain: float
+    x: Floats
+    value: Floats
+    std: Floats
+    count: int
+    columns: Columns
+
+    def worth(self, windows: int) -> float:
+        """Return the gain less the price of the curve's shapes."""
+        return self.gain - self.count * math.log(windows)
+
+
+def learned(bench: Bench, fit: Fit) -> list[Learned]:
+    """Return every curve beside a hypothesis, best first."""
+    motions = fit.windows.motions(fit.at, fit.own)
+    out = []
+    for where, variable, x, columns in _every(bench, fit, motions):
+        # friction as a whole is the law's: a curve has none of its mean
+        free = LEVEL if where == "contact" else np.eye(BASIS)
+        reduced = [None if c is None else c @ free for c in columns]
+        found = score(fit, reduced, bench.policy)
+        std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
+        out.append(Learned(where, variable, found.gain, x, free @ found.size, std, free.shape[1], reduced))
+    return sorted(out, key=lambda one: -one.gain)
+
+
+def _every(
+    bench: Bench, fit: Fit, motions: list[Motion | None]
+) -> Iterator[tuple[str, str, Floats, Columns]]:
+    two = "alpha1" in bench.model.parameters
+    names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
+    for variable in names:
+        grid = _grid(motions, variable)
+        for where in ("contact", "block"):
+            yield where, "v_w" if (where, variable) == ("contact", "x2") else variable, grid, _of_slip(
+                bench, fit, motions, where, variable, grid
+            )
+        for channel, place in enumerate(("x1 channel", "y1 channel")[: 2 if two else 1]):
+            yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid)
+        if two:
+            yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid)
+
+
+def _at(motion: Motion, variable: str) -> Floats:
+    return motion.t if variable == "t" else motion.state[:, VARIABLES[variable]]
+
+
+def _grid(motions: list[Motion | None], variable: str) -> Floats:
+    """Places of a curve's knots: where slips pass often there are many, and none is far from the next."""
+    every = np.concatenate([_at(one, variable)[one.mode != 0] for one in motions if one is not None])
+    low, high = np.quantile(every, [0.002, 0.998])
+    often = np.quantile(every, np.linspace(0.002, 0.998, BASIS))
+    return np.asarray(0.5 * (often + np.linspace(low, high, BASIS)))
+
+
+def shapes(grid: Floats, x: Floats) -> Floats:
+    """Return the cardinal natural splines of a grid, held constant outside, (n, k)."""
+    spline = scipy.interpolate.CubicSpline(grid, np.eye(len(grid)), bc_type="natural")
+    return np.asarray(spline(np.clip(x, grid[0], grid[-1])))
+
+
+def _of_slip(
+    bench: Bench, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
+) -> Columns:
+    """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
+    p, k = len(fit.at), bench.policy.knots
+    first = p + len(OWN) + 1
+    out: list[Floats | None] = []
+    for i, (block, motion) in enumerate(zip(fit.blocks, motions, strict=True)):
+        if block is None or motion is None:
+            out.append(None)
+            continue
+        run = bench.stretches[i].run
+        at = _along_slip(motion, fit.windows.knots[run], variable, bench.data[run].belt_speed)
+        if at is None:
+            out.append(np.zeros((*block.shape[:2], len(grid))))
+            continue
+        values, speed = at
+        factor = shapes(grid, values)
+        if where == "block":
+            law = bench.model.friction
+            factor = -factor / (np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
+        out.append(block[:, :, first : first + k] @ factor)
+    return out
+
+
+def _along_slip(
+    motion: Motion, knots: Floats, variable: str, belt_speed: float
+) -> tuple[Floats, Floats] | None:
+    """What a variable and v_w are where the slip passes the places of the friction curve."""
+    slips = np.flatnonzero(motion.mode != 0)
+    if len(slips) < FEWEST:
+        return None
+    x, order = np.unique(motion.state[slips, 0], return_index=True)
+    if len(x) < FEWEST:
+        return None
+    values = np.interp(knots, x, _at(motion, variable)[slips][order])
+    speed = np.interp(knots, x, (motion.state[:, 1] - belt_speed)[slips][order])
+    return values, np.where(speed == 0, -np.sign(belt_speed) * 1e-9, speed)
+
+
+def _of_reading(
+    bench: Bench, fit: Fit, motions: list[Motion | None], channel: int, variable: str, grid: Floats
+) -> Columns:
+    """Columns of what is added to a reading."""
+    out: list[Floats | None] = []
+    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
+        if block is None or motion is None:
+            out.append(None)
+            continue
+        made = np.zeros((*block.shape[:2], len(grid)))
+        weight = bench.data[s.run].weight[s.start : s.stop, channel]
+        made[:, channel] = shapes(grid, _at(motion, variable)) * weight[:, None]
+        out.append(made)
+    return out
+
+
+def _of_angle(
+    bench: Bench, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats
+) -> Columns:
+    """Columns of a force on the angle body, seen through that body alone."""
+    p = fit.values()
+    system = scipy.signal.StateSpace(
+        [[0.0, 1.0], [-p["beta3"] / p["alpha2"], -p["eta12"] / p["alpha2"]]],
+        [[0.0], [1.0 / p["alpha2"]]],
+        [[1.0, 0.0]],
+        [[0.0]],
+    )
+    out: list[Floats | None] = []
+    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
+        if block is None or motion is None:
+            out.append(None)
+            continue
+        made = np.zeros((*block.shape[:2], len(grid)))
+        force = shapes(grid, _at(motion, variable))
+        t = np.linspace(0.0, motion.t[-1] - motion.t[0], len(motion.t))
+        weight = bench.data[s.run].weight[s.start : s.stop, 1]
+        for j in range(len(grid)):
+            made[:, 1, j] = scipy.signal.lsim(system, force[:, j], t)[1] * weight
+        out.append(made)
+    return out
