@@ -57,6 +57,13 @@ class Fit:
     steps: int = 0
 
     @property
+    def freedom(self) -> Floats:
+        """How many readings' worth of noise the windows' own numbers explain, by channel."""
+        assert self.linear is not None
+        assert self.solution is not None
+        return taken(self.linear, factor(self.population, self.windows.places), self.solution, self.noise)
+
+    @property
     def random(self) -> Floats:
         """Random effects of the windows, (w, effects)."""
         return self.own[:, len(OWN) :]

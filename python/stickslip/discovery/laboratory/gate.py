@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.hypothesis import Bench, wobble
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
@@ -75,7 +75,7 @@ def _drawn(
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
     effects = _effects(bench, fit, rng, scatter)
-    waves = _wobble(bench, screen, rng)
+    waves = _wobble(bench, screen, rng, wobble(bench, scatter))
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -142,11 +142,13 @@ def _field(
     return np.asarray(made.reshape(len(members), len(places), -1))
 
 
-def _wobble(bench: Bench, screen: Screen, rng: np.random.Generator) -> Sequence[tuple[Wave, Floats]]:
-    """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as belts wobble."""
+def _wobble(
+    bench: Bench, screen: Screen, rng: np.random.Generator, whole: float
+) -> Sequence[tuple[Wave, Floats]]:
+    """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as the belt wobbles."""
     waves = screen.of_belt()
     if not waves:
         return []
-    size = bench.policy.wobble / math.sqrt(len(waves))
+    size = whole / math.sqrt(len(waves))
     shape = (len(bench.data), 2, bench.policy.draws)
     return [(w, size * rng.standard_normal(shape)) for w in waves]

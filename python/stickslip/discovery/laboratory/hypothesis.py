@@ -13,12 +13,14 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import HELD
 from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.rig_windows import GAINS, RigWindows
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.measured.case import Case
 
 STRIDE_LAW, STRIDE_CONSTANT, STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.5, 0.3, 0.3, 0.02, 0.6
+SLOW = (0.3, 2.5)  # angular frequencies at which belts wobble
 STRIDE_SIZE = 0.5  # of a size's own start
 
 
@@ -83,6 +85,20 @@ class Bench:
                 at = math.log(self.model.parameters[name])
                 out.append(Number(name, at, at, math.inf, True, stride=STRIDE_CONSTANT))
         return out
+
+
+def wobble(bench: Bench, scatter: Population) -> float:
+    """
+    Return the relative standard deviation of a belt's slow waves.
+
+    A window's own speed shows their mean over it; what their mean keeps follows from how long windows last.
+    """
+    slow = np.linspace(*SLOW, 40)
+    length = np.array(
+        [bench.data[s.run].t[s.stop - 1] - bench.data[s.run].t[s.start] for s in bench.stretches]
+    )
+    kept = float(np.sqrt(np.mean(np.sinc(slow[:, None] * length / (2 * np.pi)) ** 2)))
+    return min(scatter.belt / kept, bench.policy.wobble)
 
 
 def known(case: Case) -> Declared:

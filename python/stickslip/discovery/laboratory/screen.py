@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
+from stickslip.discovery.laboratory.hypothesis import SLOW, Bench, Term, of_term, wobble
 from stickslip.discovery.laboratory.null import Null, Projected
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit import Fit
@@ -20,7 +20,6 @@ from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]
 GRID = 6  # values of a number that no score reaches
-SLOW = 2.5  # angular frequencies at which belts wobble
 SMALL = 0.02  # where the column of a time constant or of a force that is singular at 0 is taken
 
 
@@ -83,7 +82,7 @@ class Screen:
         """Return the slow waves of the belt's speed."""
         return tuple(
             w for one in self.scored if isinstance(one, Waves) and one.kind.where == "belt" for w in one.waves
-            if w.w < SLOW
+            if SLOW[0] <= w.w < SLOW[1]
         )
 
 
@@ -217,7 +216,7 @@ def _wave(bench: Bench, fit: Fit, kind: EffectKind, waves: Waves, null: Null) ->
     found = score(fit, made, bench.policy, place=place, count=2 * runs)
     known = 0.0
     if kind.where == "belt":  # a wave as small as belts wobble is no finding
-        precision = bench.policy.wobble**-2
+        precision = wobble(bench, fit.population) ** -2
         small = score(fit, made, bench.policy, place=place, count=2 * runs, precision=precision, refit=False)
         known = max(small.gain, 0.0)
     sine, cosine = found.size.reshape(runs, 2).T

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
 from stickslip.discovery.laboratory.null import Null, Projected
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.score import Columns
@@ -121,5 +121,5 @@ class Waves:
         asked = crosses.reshape(2 * runs, -1), squares, pulls.reshape(2 * runs, -1), shared
         gains = null.gains(*asked)
         if self.kind.where == "belt":  # a wave as small as belts wobble is no finding
-            gains = gains - null.gains(*asked, precision=self.bench.policy.wobble**-2)
+            gains = gains - null.gains(*asked, precision=wobble(self.bench, self.fit.population) ** -2)
         return gains

@@ -1,0 +1,354 @@
+"""What a search in a laboratory says, in the words that every report has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.discovery.laboratory.curves import Learned
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.search import Searched, Step, Trial
+from stickslip.discovery.residual import describe
+from stickslip.discovery.result import (
+    Alternative,
+    Curve,
+    Evidence,
+    FoundEffect,
+    Gate,
+    Interval,
+    Residual,
+    Rival,
+    RunView,
+)
+from stickslip.fitted.data import Data
+from stickslip.fitted.readings import reading_rate
+from stickslip.fitted.unknowns import SLIPPING
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.rig_windows import GAINS
+
+Floats = NDArray[np.float64]
+Z = 1.959963985  # of a 95 % interval
+TIED = 8.0  # difference in -2 log evidence below which two rivals are not told apart
+NEAR = 24.0  # and below which a rival is worth a line
+UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
+
+
+@dataclass(frozen=True)
+class _Span:
+    run: int
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True)
+class _Block:
+    r: Floats
+    mode: NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class _Engine:
+    data: Sequence[Data]
+
+
+@dataclass(frozen=True)
+class _Left:
+    """What a fit leaves, as `residual.describe` takes it."""
+
+    engine: _Engine
+    windows: Sequence[_Span]
+    blocks: Sequence[_Block]
+    readings: int
+    dof: float
+    chi2: float
+
+
+def left(bench: Bench, fit: Fit) -> _Left:
+    """Return what a fit leaves, its windows' own numbers counted as those they take from the noise."""
+    motions = fit.windows.motions(fit.at, fit.own)
+    spans, blocks = [], []
+    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
+        if block is not None and motion is not None:
+            spans.append(_Span(s.run, s.start, s.stop))
+            blocks.append(_Block(block[:, :, -1].ravel(), motion.mode))
+    assert fit.linear is not None
+    assert fit.solution is not None
+    count = int(fit.linear.count.sum())
+    taken = float(fit.freedom.sum()) + len(fit.at)
+    chi2 = float(sum(b.r @ b.r for b in blocks))
+    return _Left(_Engine(bench.data), spans, blocks, count, taken, chi2)
+
+
+def residual(bench: Bench, fit: Fit) -> Residual:
+    """Return what a fit leaves against the noise."""
+    return describe(left(bench, fit))
+
+
+def intervals(fit: Fit) -> dict[str, Interval]:
+    """Return every shared number with its 95 % interval; one that the prior alone holds has none."""
+    assert fit.solution is not None
+    _, precision = fit.windows.prior.at(fit.at)
+    out: dict[str, Interval] = {}
+    for i, (n, x) in enumerate(zip(fit.windows.numbers, fit.at, strict=True)):
+        if n.run is not None or n.name in out:
+            continue
+        variance, value = max(float(fit.solution.covariance[i, i]), 0.0), n.value(float(x))
+        half = Z * math.sqrt(variance)
+        if "." not in n.name and n.name not in _RIG and variance * precision[i, i] > UNKNOWN:
+            out[n.name] = Interval(value, None, None)
+            continue
+        out[n.name] = Interval(value, n.value(float(x) - half), n.value(float(x) + half))
+    return out
+
+
+_RIG = ("alpha1", "alpha2", "beta3", "eta1", "eta12", "mass", "stiffness", "damping")
+
+
+def law(fit: Fit) -> dict[str, Interval]:
+    """Return the law's numbers with their intervals, computed beside everything else."""
+    return {k: v for k, v in intervals(fit).items() if "." not in k and k not in _RIG}
+
+
+def model(bench: Bench, trial: Trial, declared: Model) -> Model:
+    """Return the model of a hypothesis: law, constants and effects as fitted, channels and noise as declared."""
+    values = trial.fit.values()
+    numbers = {k: v for k, v in values.items() if k in bench.model.parameters}
+    for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
+        if low in numbers and limit in numbers:
+            numbers[low] = min(numbers[low], numbers[limit])
+    effects = []
+    for one in trial.terms:
+        e = one.effect
+        if one.phases:
+            e = e.replace(phi=float(np.mod(one.phases[0], 2 * math.pi)))
+        if e.parameters.get("a", 0.0) < 0:
+            e = e.replace(a=-e.parameters["a"], phi=float(np.mod(e.parameters["phi"] + math.pi, 2 * math.pi)))
+        effects.append(e)
+    made = bench.model.replace(numbers)
+    return Model(
+        made.rig,
+        friction=made.friction,
+        effects=tuple(effects),
+        channels=declared.channels,
+        noise=declared.noise,
+    )
+
+
+def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
+    """Return the effects of the verdict, in order of weight."""
+    chosen, numbers = found.chosen, intervals(found.chosen.fit)
+    out = []
+    for i, one in enumerate(chosen.terms):
+        kind = CATALOGUE[one.effect.name]
+        own = {
+            k.partition(".")[2]: v for k, v in numbers.items() if k.startswith(f"{kind.name}.") and k != f"{kind.name}.phi"
+        }
+        a = own.get("a")
+        turned = a is not None and a.value < 0
+        if a is not None and turned:
+            own["a"] = Interval(-a.value, None if a.high is None else -a.high, None if a.low is None else -a.low)
+        phases = {
+            run.name: float(np.mod(p + (math.pi if turned else 0.0), 2 * math.pi))
+            for run, p in zip(bench.data, one.phases, strict=False)
+        }
+        proof = _evidence(found, kind.name, i)
+        rivals = _alternatives(found, kind.name)
+        out.append(
+            FoundEffect(kind.name, kind.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases)
+        )
+    return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+def _step_of(found: Searched, name: str) -> Step:
+    """The step that an effect was taken in, or the first in which it was fitted."""
+    for step in found.steps:
+        if any(t.names[-1] == name for t in step.trials):
+            return step
+    return found.steps[-1]
+
+
+def _without(found: Searched, name: str) -> Trial:
+    """The chosen hypothesis without one of its effects."""
+    if name in found.without:
+        return found.without[name]
+    return found.null if len(found.chosen.terms) == 1 else _step_of(found, name).base
+
+
+def _evidence(found: Searched, name: str, index: int) -> Evidence:
+    step, base = _step_of(found, name), _without(found, name)
+    gain = base.deviance - found.chosen.deviance
+    wrong = [t for t in step.trials if t.names[-1] != name]
+    control = min(wrong, key=lambda t: t.deviance, default=None)
+    fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
+    label = "" if control is None else control.names[-1]
+    words = f"lowers -2 log marginal likelihood by {gain:.4g} (scatter alone: {step.gate.threshold:.3g})"
+    if fall is not None:
+        words += f"; the best wrong effect, {label}, by {fall:.4g}"
+    return Evidence(
+        gain, base.worth() - found.chosen.worth(), None, fall, label, step.gate.threshold, words
+    )
+
+
+def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
+    step = _step_of(found, name)
+    own = next((t for t in step.trials if t.names[-1] == name), None)
+    if own is None:
+        return ()
+    out = []
+    for rival in step.trials:
+        label, delta = rival.names[-1], rival.worth() - own.worth()
+        if label == name or delta > NEAR or label in found.chosen.names:
+            continue
+        tied = delta < TIED
+        reason = "fits these runs as well as the winner" if tied else "fits almost as well; the odds are against it"
+        numbers = {
+            k.partition(".")[2]: v
+            for k, v in intervals(rival.fit).items()
+            if k.startswith(f"{label}.") and not k.endswith(".phi")
+        }
+        odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
+        out.append(Alternative(label, odds, delta, tied, False, reason, numbers))
+    return tuple(sorted(out, key=lambda one: one.delta))
+
+
+def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
+    """Return what no name explains: a place, a variable and a curve."""
+    terms = {
+        "contact": "friction factor minus 1",
+        "block": "force on the block",
+        "angle_body": "force on the angle body",
+        "x1 channel": "added to the x1 reading",
+        "y1 channel": "added to the y1 reading",
+    }
+    term = terms[curve.where]
+    words = f"a curve in {curve.variable} lowers -2 log marginal likelihood by {curve.gain:.4g}"
+    best = min((t for t in found.steps[0].trials), key=Trial.worth, default=None)
+    fall = None if best is None else max(found.null.deviance - best.deviance, 0.0)
+    label = "" if best is None else best.names[-1]
+    if fall is not None:
+        words += f"; the best name, {label}, by {fall:.4g}"
+    proof = Evidence(
+        curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, threshold, words
+    )
+    shape = Curve(
+        curve.where,
+        curve.variable,
+        term,
+        curve.x,
+        curve.value,
+        curve.value - Z * curve.std,
+        curve.value + Z * curve.std,
+        curve.x,
+        None,
+    )
+    return FoundEffect(
+        "unlisted", curve.where, (curve.variable,), {}, proof, (), f"{term}: a curve in {curve.variable}", shape
+    )
+
+
+def ranking(found: Searched) -> tuple[Rival, ...]:
+    """Return all that was fitted or scored, best first."""
+    rows: dict[tuple[str, ...], Rival] = {}
+    null, chosen = found.null, found.chosen
+    for t in [*found.trials, *found.without.values(), chosen]:
+        values = {
+            k: v for k, v in t.fit.values().items() if "." in k and k not in GAINS and not k.endswith(".phi")
+        }
+        row = Rival(t.names, _per_reading(t.fit), t.worth(), values, None, t.names == chosen.names)
+        if t.names not in rows or row.bic < rows[t.names].bic:
+            rows[t.names] = row
+    count = len(null.fit.own)
+    for one in found.steps[0].screen.ranked if found.steps else ():
+        names = (one.term.effect.name,)
+        if names not in rows:
+            rows[names] = Rival(
+                names, _per_reading(null.fit), null.worth() - one.worth(count), {}, max(one.gain, 0.0), False
+            )
+    least = min(row.bic for row in rows.values())
+    moved = [Rival(r.names, r.chi2, r.bic - least, r.parameters, r.score, r.chosen) for r in rows.values()]
+    return tuple(sorted(moved, key=lambda row: row.bic))
+
+
+def _per_reading(fit: Fit) -> float:
+    assert fit.linear is not None
+    return float(fit.linear.gram[:, :, -1, -1].sum() / max(fit.linear.count.sum(), 1.0))
+
+
+def gate(found: Searched) -> Gate:
+    """Return the first step's gate."""
+    step = found.steps[0]
+    best = max([found.null.worth() - t.worth() for t in step.trials] + [0.0])
+    over = step.gate.draws > step.gate.threshold
+    return Gate(best, step.gate.threshold, float(np.mean(over)), step.gate.draws)
+
+
+def train_views(bench: Bench, before: Fit, after: Fit) -> list[RunView]:
+    """Return the runs of the fit as the report draws them."""
+    return [_view(bench, r, before, after) for r in range(len(bench.data))]
+
+
+def _view(bench: Bench, number: int, before: Fit, after: Fit) -> RunView:
+    run = bench.data[number]
+    made = [_made(bench, number, fit) for fit in (before, after)]
+    (was, was_rate, was_state, was_mode), (now, now_rate, now_state, now_mode) = made
+    channels = run.channels
+    return RunView(
+        name=run.name,
+        role=run.role,
+        belt_speed=run.belt_speed,
+        t=run.t,
+        measured={c: run.readings[:, i] for i, c in enumerate(channels)},
+        noise={c: float(run.noise[i]) for i, c in enumerate(channels)},
+        before={c: was[:, i] for i, c in enumerate(channels)},
+        after={c: now[:, i] for i, c in enumerate(channels)},
+        rate_before=was_rate,
+        rate_after=now_rate,
+        state_before=was_state[:, :4],
+        state_after=now_state[:, :4],
+        mode_before=was_mode,
+        mode_after=now_mode,
+        force_before=_force(run, was_state, bench.model.rig),
+        force_after=_force(run, now_state, bench.model.rig),
+        speed_before=was_state[:, 1] - run.belt_speed - was_state[:, 6],
+        speed_after=now_state[:, 1] - run.belt_speed - now_state[:, 6],
+    )
+
+
+def _made(bench: Bench, number: int, fit: Fit) -> tuple[Floats, Floats, Floats, NDArray[np.int8]]:
+    run = bench.data[number]
+    n = len(run.t)
+    readings, rate = np.full(run.readings.shape, np.nan), np.full(n, np.nan)
+    state, mode = np.full((n, 9), np.nan), np.zeros(n, dtype=np.int8)
+    values = fit.values(number)
+    for s, motion in zip(bench.stretches, fit.windows.motions(fit.at, fit.own), strict=True):
+        if s.run != number or motion is None:
+            continue
+        rows = slice(s.start, s.stop)
+        readings[rows], state[rows], mode[rows] = motion.readings, motion.state, motion.mode
+        rate[rows] = reading_rate(motion.t, motion.state, values)
+    return readings, rate, state, mode
+
+
+def _force(run: Data, state: Floats, rig: object) -> Floats:
+    """T that the declared equation of motion needs for the simulated motion."""
+    acceleration = np.gradient(state[:, 1], run.t)
+    if isinstance(rig, BlockOnBelt):
+        return np.asarray(-(rig.mass * acceleration + rig.damping * state[:, 1] + rig.stiffness * state[:, 0]))
+    assert isinstance(rig, Rig)
+    sign = 1.0 if rig.coupling == "reciprocal" else -1.0
+    inertia = rig.alpha1 * (acceleration + state[:, 0])
+    return np.asarray(-(inertia + rig.eta1 * (state[:, 1] + state[:, 3]) + sign * state[:, 2]))
+
+
+def scatter(fit: Fit) -> Mapping[str, float]:
+    """Return the relative standard deviations of what differs from event to event."""
+    p = fit.population
+    kinetic = math.hypot(p.level, p.curve)
+    return {"static": math.hypot(kinetic, p.static), "kinetic": kinetic, "belt": p.belt, "length": p.length}
