@@ -24,6 +24,7 @@ from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate, largest_gain
 from stickslip.discovery.intervals import intervals, of_effect, phases
+from stickslip.discovery.laboratory import loop as laboratory
 from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks, unseen
 from stickslip.discovery.next_experiment import next_experiments
@@ -150,6 +151,8 @@ def _discover(
 ) -> Found:
     as_read = data
     count = len(case.train)
+    if verdicts := laboratory.searched(case, data[:count], tell, seed):
+        return laboratory.discovered(case, verdicts, data[count:], notes, tell, workers, seed, began)
     model = Model(case.rig, friction=case.friction)
     search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")

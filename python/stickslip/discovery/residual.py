@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.result import Part, Residual
-from stickslip.fitted.solve import Fit
+from stickslip.fitted.data import Data
 from stickslip.measured.findings import FINE
 from stickslip.measured.signals import quantisation
 
@@ -19,6 +20,60 @@ LAGS = 20
 LIMIT = 4.0  # sampling errors above noise at which something is left
 NEAR = 4  # samples on either side that belong to a transition
 BINS = 120
+
+
+class _Span(Protocol):
+    @property
+    def run(self) -> int: ...
+    @property
+    def start(self) -> int: ...
+    @property
+    def stop(self) -> int: ...
+
+
+class _Block(Protocol):
+    @property
+    def r(self) -> Floats: ...
+    @property
+    def mode(self) -> NDArray[np.int8]: ...
+
+
+class _Runs(Protocol):
+    @property
+    def data(self) -> Sequence[Data]: ...
+
+
+class Fitted(Protocol):
+    """A fit of windows, whichever engine made it."""
+
+    @property
+    def engine(self) -> _Runs:
+        """Hold the runs."""
+        ...
+    @property
+    def windows(self) -> Sequence[_Span]:
+        """Where the windows are."""
+        ...
+    @property
+    def blocks(self) -> Sequence[_Block]:
+        """Residuals and modes of each."""
+        ...
+    @property
+    def readings(self) -> int:
+        """How many readings there are."""
+        ...
+    @property
+    def dof(self) -> float:
+        """How many of them the fit takes."""
+        ...
+    @property
+    def chi2(self) -> float:
+        """Their chi-squared."""
+        ...
+    @property
+    def per_reading(self) -> float:
+        """chi-squared per reading."""
+        ...
 
 
 @dataclass
@@ -32,7 +87,7 @@ class _Samples:
     third: NDArray[np.int64]
 
 
-def describe(fit: Fit, limit: float = LIMIT) -> Residual:
+def describe(fit: Fitted, limit: float = LIMIT) -> Residual:
     """Residual of a fit, in all and in parts, worst first.
 
     It is clean where neither all readings nor those of a channel leave more than noise does, by `limit` sampling
@@ -51,7 +106,7 @@ def describe(fit: Fit, limit: float = LIMIT) -> Residual:
     return Residual(chi2, error, whiteness(fit), clean, tuple(parts), said, tuple(alike))
 
 
-def left_over(fit: Fit) -> float:
+def left_over(fit: Fitted) -> float:
     """chi-squared per reading above 1 in its sampling errors: of all readings, or of the channel that leaves most.
 
     A channel counts by itself where its noise is declared. One that was read off the readings is no measure so sharp.
@@ -65,7 +120,7 @@ def left_over(fit: Fit) -> float:
     return out
 
 
-def _of_channel(fit: Fit, c: int) -> tuple[float, int]:
+def _of_channel(fit: Fitted, c: int) -> tuple[float, int]:
     """Sum of squares of a channel's residuals over the noise, and how many there are."""
     power, count = 0.0, 0
     for w, b in zip(fit.windows, fit.blocks, strict=True):
@@ -76,7 +131,7 @@ def _of_channel(fit: Fit, c: int) -> tuple[float, int]:
     return power, count
 
 
-def correlation(fit: Fit) -> list[float]:
+def correlation(fit: Fitted) -> list[float]:
     """By channel, the largest correlation over lags 1 to 20 in its sampling errors: of a misfit it is positive.
 
     0 for a channel whose noise is no larger than twice its steps: these go on from reading to reading too.
@@ -113,7 +168,7 @@ def _sentence(chi2: float, error: float, clean: bool, parts: list[Part]) -> str:
     return f"chi-squared is {chi2:.4g} per reading where noise alone leaves 1 +- {error:.3f}; most in {words}"
 
 
-def _collect(fit: Fit) -> _Samples:
+def _collect(fit: Fitted) -> _Samples:
     columns: list[list[Floats]] = [[], [], [], [], []]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         run = fit.engine.data[w.run]
@@ -145,7 +200,7 @@ def _modes(mode: NDArray[np.int8]) -> NDArray[np.int64]:
     return out
 
 
-def _parts(fit: Fit, s: _Samples, share: float) -> Iterator[Part]:
+def _parts(fit: Fitted, s: _Samples, share: float) -> Iterator[Part]:
     channels = fit.engine.data[0].channels
     for c, name in enumerate(channels):
         yield from _part("channel", name, s.r[s.channel == c], share)
@@ -165,7 +220,7 @@ def _part(what: str, name: str, r: Floats, share: float) -> Iterator[Part]:
         yield Part(what, name, float(r @ r) / (len(r) * share), math.sqrt(2.0 / len(r)), len(r))
 
 
-def by_run(fit: Fit) -> list[Floats]:
+def by_run(fit: Fitted) -> list[Floats]:
     """Residuals in units of the noise, run by run as its readings are (n, c); NaN where a reading is not used."""
     out = [np.full(run.readings.shape, np.nan) for run in fit.engine.data]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
@@ -174,14 +229,14 @@ def by_run(fit: Fit) -> list[Floats]:
     return out
 
 
-def _series(fit: Fit) -> Iterator[Floats]:
+def _series(fit: Fitted) -> Iterator[Floats]:
     """Residual of each window and channel in time order."""
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         c = fit.engine.data[w.run].readings.shape[1]
         yield from b.r.reshape(-1, c).T
 
 
-def whiteness(fit: Fit) -> float:
+def whiteness(fit: Fitted) -> float:
     """Largest autocorrelation over lags 1 to 20, over the limit that white noise passes one time in twenty."""
     top, norm, count = np.zeros(LAGS), 0.0, 0
     for r in _series(fit):
@@ -194,7 +249,7 @@ def whiteness(fit: Fit) -> float:
     return float(np.max(np.abs(top)) / max(norm, 1e-300) / limit)
 
 
-def spectrum(before: Fit, after: Fit) -> Mapping[str, Floats]:
+def spectrum(before: Fitted, after: Fitted) -> Mapping[str, Floats]:
     """Mean normalised power of residuals over angular frequency, in even bins of its logarithm; white noise is 1."""
     w, was = _power(before)
     _, now = _power(after)
@@ -202,7 +257,7 @@ def spectrum(before: Fit, after: Fit) -> Mapping[str, Floats]:
     return {"frequency": w[filled], "before": was[filled], "after": now[filled]}
 
 
-def _power(fit: Fit) -> tuple[Floats, Floats]:
+def _power(fit: Fitted) -> tuple[Floats, Floats]:
     data = fit.engine.data
     dt = float(np.median([np.median(np.diff(run.t)) for run in data]))
     edges = np.geomspace(np.pi / max(float(run.t[-1]) for run in data), np.pi / dt, BINS + 1)

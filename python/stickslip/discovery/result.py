@@ -289,6 +289,8 @@ class Found:
     seconds : wall-clock time of the whole.
     constants : what the runs say of declared constants, each with all others as declared, where that was asked: by
         the model's number ("alpha2", "mass", ...), or by the channel of a gain, which is 1 where it is as declared.
+    scatter : relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the
+        "belt"; empty where every event is like every other.
     """
 
     title: str
@@ -309,6 +311,7 @@ class Found:
     messages: tuple[str, ...]
     seconds: float
     constants: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
+    scatter: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
 
     @property
     def model(self) -> Model:

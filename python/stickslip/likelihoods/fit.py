@@ -77,9 +77,7 @@ def begin(windows: RigWindows) -> Fit:
     """Return a fit at the declared numbers."""
     policy, count = windows.policy, len(windows.stretches)
     at = np.array([one.start for one in windows.numbers])
-    return Fit(
-        windows, at, windows.first(), start(policy), np.ones(windows.channels), np.full(count, np.inf)
-    )
+    return Fit(windows, at, windows.first(), start(policy), np.ones(windows.channels), np.full(count, np.inf))
 
 
 def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None = None) -> Fit:

@@ -133,10 +133,14 @@ def solve(
     step = covariance @ pull
     numbers = own - back @ step
     effects = np.einsum("wek,wk->we", roots, numbers[:, q:])
-    moved = np.concatenate([np.tile(step, (len(a), 1)), numbers[:, :q], effects - at, -np.ones((len(a), 1))], 1)
+    moved = np.concatenate(
+        [np.tile(step, (len(a), 1)), numbers[:, :q], effects - at, -np.ones((len(a), 1))], 1
+    )
     misfit = ((windows.gram @ moved[:, None, :, None])[..., 0] * moved[:, None]).sum(-1)
     misfit *= windows.weight[:, None]
-    deviance = float((misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + (step - mean) @ precision @ (step - mean))
+    deviance = float(
+        (misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + (step - mean) @ precision @ (step - mean)
+    )
     deviance += float(-np.linalg.slogdet(inverse)[1].sum())
     deviance += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
     return Solution(deviance, step, covariance, numbers[:, :q], effects, misfit, numbers[:, q:], inverse)
@@ -168,7 +172,11 @@ def taken(windows: Windows, factor: Floats, found: Solution, noise: Floats) -> F
         g = windows.gram[:, c, p:-1, p:-1] * (windows.weight / noise[c])[:, None, None]
         mixed, effects = g[:, :q, q:] @ turn, turn.transpose(0, 2, 1) @ g[:, q:, q:] @ turn
         whole = np.concatenate(
-            [np.concatenate([g[:, :q, :q], mixed], 2), np.concatenate([mixed.transpose(0, 2, 1), effects], 2)], 1
+            [
+                np.concatenate([g[:, :q, :q], mixed], 2),
+                np.concatenate([mixed.transpose(0, 2, 1), effects], 2),
+            ],
+            1,
         )
         out.append(float((whole * found.inverse).sum()))
     return np.array(out)

@@ -88,7 +88,8 @@ class RigWindows:
         self.fixed = dict(model.parameters)
         self.kept = np.array(states_read(known, self.channels), dtype=np.int32)
         self.by_run = [
-            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64) for r in range(len(data))
+            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
+            for r in range(len(data))
         ]
         self.sizes = np.array([w.stop - w.start for w in stretches])
 
@@ -195,7 +196,7 @@ class _Run:
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]
         self.places = [windows.stretches[i] for i in chosen]
-        self.shared = [j for j in shared]
+        self.shared = list(shared)
         self.values = windows.values(at, run)
         self.lengths = np.array([w.stop - w.start for w in self.places])
         self.offset = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
@@ -218,9 +219,9 @@ class _Run:
             np.add.at(folded.T, owner[owner >= 0], one.T[owner >= 0])
             self._chained(folded, one[:, owner < 0])
             slopes[k] = folded
-        names = tuple(
-            self.of.numbers[j].name if self.active(j) else "" for j in self.shared
-        ) + ("",) * (columns - p)
+        names = tuple(self.of.numbers[j].name if self.active(j) else "" for j in self.shared) + ("",) * (
+            columns - p
+        )
         chain = read(
             self.data.t[self.samples], np.asarray(raw["state"]), slopes, names, self.values,
             self.data.belt_speed, self.of.channels, (), self.offset,
@@ -274,7 +275,9 @@ class _Run:
         for j, one in enumerate(of.numbers):
             if self.active(j):
                 value = one.value(float(self.at[j]))
-                rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(one.name, 1.0)
+                rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
+                    one.name, 1.0
+                )
         rows[:, of.aging[0]] += self._limit() * self.own[:, len(OWN)] / self._aged(rows[0, of.aging[1]])
         rows[:, of.curve] = self.own[:, len(OWN) + 1 : -1]
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
@@ -411,4 +414,6 @@ class _Run:
         block = np.concatenate([chain.slopes, residual[:, :, None]], axis=2)
         block *= self.data.weight[self.samples][:, :, None]
         parts = [block[a:b] for a, b in zip(self.offset[:-1], self.offset[1:], strict=True)]
-        return [part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)]
+        return [
+            part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)
+        ]

@@ -82,7 +82,14 @@ def score(
             windows, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, TURNS
         )
         null = estimate(
-            plain(windows, p, k), fit.windows.places, fit.population, fit.noise, (away, held), fit.random, policy, 0
+            plain(windows, p, k),
+            fit.windows.places,
+            fit.population,
+            fit.noise,
+            (away, held),
+            fit.random,
+            policy,
+            0,
         )
         gain, found = null.deviance - best.deviance, best.solution
     return Score(float(gain), found.shared[p:], found.covariance[p:, p:], found.shared[:p])

@@ -81,7 +81,9 @@ class _Free:
     spread: Floats
 
     def solved(self, x: Floats) -> Solution:
-        return solve(self.windows, factor(Population.at(x[:5]), self.places), np.exp(x[5:]), *self.prior, self.at)
+        return solve(
+            self.windows, factor(Population.at(x[:5]), self.places), np.exp(x[5:]), *self.prior, self.at
+        )
 
     def deviance(self, x: Floats) -> tuple[float, Floats]:
         roots, noise = factor(Population.at(x[:5]), self.places), np.exp(x[5:])

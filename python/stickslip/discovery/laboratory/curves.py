@@ -76,8 +76,11 @@ def _every(
     for variable in names:
         grid = _grid(motions, variable)
         for where in ("contact", "block"):
-            yield where, "v_w" if (where, variable) == ("contact", "x2") else variable, grid, _of_slip(
-                bench, fit, motions, where, variable, grid
+            yield (
+                where,
+                "v_w" if (where, variable) == ("contact", "x2") else variable,
+                grid,
+                _of_slip(bench, fit, motions, where, variable, grid),
             )
         for channel, place in enumerate(("x1 channel", "y1 channel")[: 2 if two else 1]):
             yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid)
@@ -159,9 +162,7 @@ def _of_reading(
     return out
 
 
-def _of_angle(
-    bench: Bench, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats
-) -> Columns:
+def _of_angle(bench: Bench, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats) -> Columns:
     """Columns of a force on the angle body, seen through that body alone."""
     p = fit.values()
     system = scipy.signal.StateSpace(

@@ -124,7 +124,8 @@ def of_term(term: Term) -> list[Number]:
             continue
         if info.per_run:
             out += [
-                Number(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE) for r, phase in enumerate(term.phases)
+                Number(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE)
+                for r, phase in enumerate(term.phases)
             ]
         elif info.sought is None or info.spread is not None:
             stride = max(STRIDE_SIZE * abs(value), 1e-4)
@@ -145,8 +146,6 @@ def terms_at(terms: Sequence[Term], windows: RigWindows, at: np.ndarray) -> tupl
     for one in terms:
         found = windows.values(at, 0)
         numbers = {k: found[f"{one.effect.name}.{k}"] for k in one.effect.parameters}
-        phases = tuple(
-            windows.values(at, r)[f"{one.effect.name}.phi"] for r in range(len(one.phases))
-        )
+        phases = tuple(windows.values(at, r)[f"{one.effect.name}.phi"] for r in range(len(one.phases)))
         out.append(Term(one.effect.replace(**numbers), phases))
     return tuple(out)

@@ -19,6 +19,7 @@ from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
     Alternative,
     Curve,
+    ErrorBlock,
     Evidence,
     FoundEffect,
     Gate,
@@ -37,6 +38,7 @@ Floats = NDArray[np.float64]
 Z = 1.959963985  # of a 95 % interval
 TIED = 8.0  # difference in -2 log evidence below which two rivals are not told apart
 NEAR = 24.0  # and below which a rival is worth a line
+WORSE = 1.02  # growth of an error that is said aloud
 UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
 
 
@@ -59,7 +61,7 @@ class _Engine:
 
 
 @dataclass(frozen=True)
-class _Left:
+class Left:
     """What a fit leaves, as `residual.describe` takes it."""
 
     engine: _Engine
@@ -69,8 +71,13 @@ class _Left:
     dof: float
     chi2: float
 
+    @property
+    def per_reading(self) -> float:
+        """chi-squared per reading."""
+        return self.chi2 / max(self.readings - self.dof, 1)
 
-def left(bench: Bench, fit: Fit) -> _Left:
+
+def left(bench: Bench, fit: Fit) -> Left:
     """Return what a fit leaves, its windows' own numbers counted as those they take from the noise."""
     motions = fit.windows.motions(fit.at, fit.own)
     spans, blocks = [], []
@@ -83,12 +90,12 @@ def left(bench: Bench, fit: Fit) -> _Left:
     count = int(fit.linear.count.sum())
     taken = float(fit.freedom.sum()) + len(fit.at)
     chi2 = float(sum(b.r @ b.r for b in blocks))
-    return _Left(_Engine(bench.data), spans, blocks, count, taken, chi2)
+    return Left(_Engine(bench.data), spans, blocks, count, taken, chi2)
 
 
-def residual(bench: Bench, fit: Fit) -> Residual:
+def described(what: Left) -> Residual:
     """Return what a fit leaves against the noise."""
-    return describe(left(bench, fit))
+    return describe(what)
 
 
 def intervals(fit: Fit) -> dict[str, Interval]:
@@ -148,12 +155,16 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     for i, one in enumerate(chosen.terms):
         kind = CATALOGUE[one.effect.name]
         own = {
-            k.partition(".")[2]: v for k, v in numbers.items() if k.startswith(f"{kind.name}.") and k != f"{kind.name}.phi"
+            k.partition(".")[2]: v
+            for k, v in numbers.items()
+            if k.startswith(f"{kind.name}.") and k != f"{kind.name}.phi"
         }
         a = own.get("a")
         turned = a is not None and a.value < 0
         if a is not None and turned:
-            own["a"] = Interval(-a.value, None if a.high is None else -a.high, None if a.low is None else -a.low)
+            own["a"] = Interval(
+                -a.value, None if a.high is None else -a.high, None if a.low is None else -a.low
+            )
         phases = {
             run.name: float(np.mod(p + (math.pi if turned else 0.0), 2 * math.pi))
             for run, p in zip(bench.data, one.phases, strict=False)
@@ -161,7 +172,9 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
         proof = _evidence(found, kind.name, i)
         rivals = _alternatives(found, kind.name)
         out.append(
-            FoundEffect(kind.name, kind.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases)
+            FoundEffect(
+                kind.name, kind.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases
+            )
         )
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
 
@@ -191,9 +204,7 @@ def _evidence(found: Searched, name: str, index: int) -> Evidence:
     words = f"lowers -2 log marginal likelihood by {gain:.4g} (scatter alone: {step.gate.threshold:.3g})"
     if fall is not None:
         words += f"; the best wrong effect, {label}, by {fall:.4g}"
-    return Evidence(
-        gain, base.worth() - found.chosen.worth(), None, fall, label, step.gate.threshold, words
-    )
+    return Evidence(gain, base.worth() - found.chosen.worth(), None, fall, label, step.gate.threshold, words)
 
 
 def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
@@ -207,7 +218,11 @@ def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
         if label == name or delta > NEAR or label in found.chosen.names:
             continue
         tied = delta < TIED
-        reason = "fits these runs as well as the winner" if tied else "fits almost as well; the odds are against it"
+        reason = (
+            "fits these runs as well as the winner"
+            if tied
+            else "fits almost as well; the odds are against it"
+        )
         numbers = {
             k.partition(".")[2]: v
             for k, v in intervals(rival.fit).items()
@@ -234,9 +249,7 @@ def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
     label = "" if best is None else best.names[-1]
     if fall is not None:
         words += f"; the best name, {label}, by {fall:.4g}"
-    proof = Evidence(
-        curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, threshold, words
-    )
+    proof = Evidence(curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, threshold, words)
     shape = Curve(
         curve.where,
         curve.variable,
@@ -249,7 +262,14 @@ def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
         None,
     )
     return FoundEffect(
-        "unlisted", curve.where, (curve.variable,), {}, proof, (), f"{term}: a curve in {curve.variable}", shape
+        "unlisted",
+        curve.where,
+        (curve.variable,),
+        {},
+        proof,
+        (),
+        f"{term}: a curve in {curve.variable}",
+        shape,
     )
 
 
@@ -340,15 +360,55 @@ def _force(run: Data, state: Floats, rig: object) -> Floats:
     """T that the declared equation of motion needs for the simulated motion."""
     acceleration = np.gradient(state[:, 1], run.t)
     if isinstance(rig, BlockOnBelt):
-        return np.asarray(-(rig.mass * acceleration + rig.damping * state[:, 1] + rig.stiffness * state[:, 0]))
+        return np.asarray(
+            -(rig.mass * acceleration + rig.damping * state[:, 1] + rig.stiffness * state[:, 0])
+        )
     assert isinstance(rig, Rig)
     sign = 1.0 if rig.coupling == "reciprocal" else -1.0
     inertia = rig.alpha1 * (acceleration + state[:, 0])
     return np.asarray(-(inertia + rig.eta1 * (state[:, 1] + state[:, 3]) + sign * state[:, 2]))
 
 
-def scatter(fit: Fit) -> Mapping[str, float]:
-    """Return the relative standard deviations of what differs from event to event."""
+def scatter(fit: Fit) -> Mapping[str, Interval]:
+    """Return the relative standard deviations of what differs from event to event, and the length it does so over.
+
+    Intervals are those of the marginal likelihood's curvature: of a standard deviation from n events, a share of
+    1/sqrt(2 n) of it.
+    """
     p = fit.population
     kinetic = math.hypot(p.level, p.curve)
-    return {"static": math.hypot(kinetic, p.static), "kinetic": kinetic, "belt": p.belt, "length": p.length}
+    count = len(fit.own)
+    spread = math.exp(Z / math.sqrt(2 * count))
+    sizes = {"static": math.hypot(kinetic, p.static), "kinetic": kinetic, "belt": p.belt}
+    return {k: Interval(v, v / spread, v * spread) for k, v in sizes.items()}
+
+
+def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
+    """Return what the runs say of every declared constant and gain; a gain as 1 + e."""
+    found = intervals(fit)
+    out = {}
+    for name in bench.declared.names:
+        one = found.get(name)
+        if one is None:
+            continue
+        if name in GAINS:
+            low, high = (None if x is None else 1 + x for x in (one.low, one.high))
+            one = Interval(1 + one.value, low, high)
+        out[name.removeprefix("gain.")] = one
+    return out
+
+
+def remarks(bench: Bench, trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
+    """Return what a person should read beside the verdict."""
+    sizes = scatter(trial.fit)
+    out = [
+        f"friction differs from event to event: static by {100 * sizes['static'].value:.2g} %, kinetic by "
+        f"{100 * sizes['kinetic'].value:.2g} %, the belt's speed by {100 * sizes['belt'].value:.2g} % (standard "
+        "deviations); the law is that of the mean event"
+    ]
+    if trial.terms and error.after > WORSE * error.before:
+        out.append(
+            f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "
+            "not carry over to them"
+        )
+    return tuple(out)

@@ -81,7 +81,10 @@ class Screen:
     def of_belt(self) -> tuple[Wave, ...]:
         """Return the slow waves of the belt's speed."""
         return tuple(
-            w for one in self.scored if isinstance(one, Waves) and one.kind.where == "belt" for w in one.waves
+            w
+            for one in self.scored
+            if isinstance(one, Waves) and one.kind.where == "belt"
+            for w in one.waves
             if SLOW[0] <= w.w < SLOW[1]
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -52,7 +52,9 @@ class Trial:
 
     def numbers(self) -> int:
         """How many numbers its effects have."""
-        return len(self.fit.at) - sum("." not in n.name or n.name.startswith("gain") for n in self.fit.windows.numbers)
+        return len(self.fit.at) - sum(
+            "." not in n.name or n.name.startswith("gain") for n in self.fit.windows.numbers
+        )
 
     def worth(self) -> float:
         """Return -2 log evidence, the price of its numbers included."""
@@ -103,9 +105,7 @@ def search(bench: Bench, tell: Callable[[str], None], seed: int = 0) -> Searched
     return out
 
 
-def _forward(
-    bench: Bench, base: Trial, tell: Callable[[str], None], seed: int
-) -> tuple[Step, Trial]:
+def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) -> tuple[Step, Trial]:
     """Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second."""
     trials: list[Trial] = []
     for turn in range(2):
@@ -167,7 +167,11 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     at = np.clip(best.fit.at[:p], low, high)
     first = replace(best.fit, windows=windows, at=at)
     fit = fitted(first, bench.policy, STEPS, held=2)
-    return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at)) if fit.deviance < base.fit.deviance else base
+    return (
+        replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
+        if fit.deviance < base.fit.deviance
+        else base
+    )
 
 
 def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None]) -> Trial:
@@ -178,7 +182,7 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
             tell(f"once more without {one.effect.name}")
             rivals[one.effect.name] = without(bench, chosen, i)
         out.without = rivals
-        name, best = min(rivals.items(), key=lambda pair: pair[1].worth())
+        best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
         chosen = best

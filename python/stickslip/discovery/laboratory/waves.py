@@ -96,7 +96,9 @@ class Waves:
             best = np.maximum(best, gain)
         return best
 
-    def _every(self, null: Null, rights: list[Floats | None], shared: Floats) -> Iterator[tuple[float, Floats]]:
+    def _every(
+        self, null: Null, rights: list[Floats | None], shared: Floats
+    ) -> Iterator[tuple[float, Floats]]:
         half = 0.5 * float(self.coarse[1] - self.coarse[0])
         for wave in self.waves:
             pull = null.along(wave.projected.columns, rights, shared.shape[1])

@@ -1,0 +1,120 @@
+"""The loop in a laboratory: law, constants, scatter and effects together; the error before and after."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from stickslip.declared.model import Model
+from stickslip.discovery.errors import error_block
+from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.curves import Learned, learned
+from stickslip.discovery.laboratory.hypothesis import Bench, known
+from stickslip.discovery.laboratory.search import Searched, Trial, search
+from stickslip.discovery.residual import spectrum
+from stickslip.discovery.result import Found, Verdict
+from stickslip.discovery.views import validate_view
+from stickslip.discovery.workers import Workers
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.stretches import stretches
+from stickslip.measured.case import Case
+
+FEWEST = 12  # windows from mid-stick to mid-stick, below which scatter cannot be told
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """What was searched, and the curve that no name explains, if that is what was found."""
+
+    bench: Bench
+    searched: Searched
+    curve: Learned | None
+
+
+def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed: int) -> Verdicts | None:
+    """
+    Return what the train runs say where friction scatters; None where nothing does.
+
+    Parameters
+    ----------
+    case : declared
+    data : the train runs
+    tell : told what is being done
+    seed : of the gate's draws
+    """
+    cut = stretches(data)
+    if len(cut) < FEWEST:
+        return None
+    model = Model(case.rig, friction=case.friction)
+    bench = Bench(model, data, cut, known(case), POLICY)
+    found = search(bench, tell, seed)
+    if repeats(bench, found.chosen):
+        return None
+    tell("looking for a curve that no name explains")
+    return Verdicts(bench, found, _curve(bench, found))
+
+
+def repeats(bench: Bench, trial: Trial) -> bool:
+    """Whether every event is like every other, so that what is left is noise of the readings alone."""
+    p = trial.fit.population
+    return max(p.level, p.curve, p.static) < bench.policy.repeats
+
+
+def _curve(bench: Bench, found: Searched) -> Learned | None:
+    """The curve that explains more than every name does, its shapes paid for."""
+    count = len(bench.stretches)
+    best = max(learned(bench, found.null.fit), key=lambda one: one.worth(count))
+    threshold = found.steps[0].gate.threshold
+    named = found.null.worth() - found.chosen.worth()
+    return best if best.worth(count) > max(threshold, named) else None
+
+
+def discovered(
+    case: Case,
+    verdicts: Verdicts,
+    validate: Sequence[Data],
+    notes: tuple[str, ...],
+    tell: Callable[[str], None],
+    workers: Workers,
+    seed: int,
+    began: float,
+) -> Found:
+    """Return the report of a search."""
+    bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve
+    declared = case.model()
+    chosen = found.null if curve is not None else found.chosen
+    before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
+    tell("forecasting the validate runs")
+    error, forecasts = error_block(before, after, validate, case.validate, workers, seed)
+    effects = outcome.effects(bench, found)
+    if curve is not None:
+        effects = (outcome.unlisted(found, curve, found.steps[0].gate.threshold),)
+    verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
+    was, now = (outcome.left(bench, one.fit) for one in (found.null, chosen))
+    views = [
+        *outcome.train_views(bench, found.null.fit, chosen.fit),
+        *(validate_view(run, *forecasts[run.name], case.rig) for run in validate),
+    ]
+    return Found(
+        title=case.title,
+        verdict=verdict if effects else Verdict.no_effect,
+        effects=effects,
+        before=before,
+        after=after,
+        law=outcome.law(chosen.fit),
+        law_before=outcome.law(found.null.fit),
+        residual_before=outcome.described(was),
+        residual_after=outcome.described(now),
+        error=error,
+        ranking=outcome.ranking(found),
+        experiments=(),
+        gate=outcome.gate(found),
+        runs=tuple(views),
+        spectrum=spectrum(was, now),
+        messages=(*notes, *outcome.remarks(bench, chosen, error)),
+        seconds=time.monotonic() - began,
+        scatter=outcome.scatter(chosen.fit),
+        constants=outcome.constants(bench, chosen.fit),
+    )
