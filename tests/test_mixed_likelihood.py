@@ -3,41 +3,47 @@
 import numpy as np
 import pytest
 
-from stickslip.likelihoods.mixed import Floats, products, solve
-from stickslip.likelihoods.population import curve, factor, level
-from stickslip.likelihoods.score import gain
-from stickslip.likelihoods.variances import estimate
+from stickslip.likelihoods.mixed import Floats, products, solve, taken
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.population import Population, factor
+from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.variances import Deviance, estimate
 
-SHARED, OWN, EFFECTS = 2, 2, 5
-PARTS = (
-    level("level", range(EFFECTS), EFFECTS),
-    curve("curve", range(EFFECTS), EFFECTS, np.linspace(0.0, 1.0, EFFECTS), 0.4),
-)
-MEAN, PRECISION = np.array([0.1, 0.0]), np.array([4.0, 0.0])
+SHARED, OWN, KNOTS = 2, 2, 4
+EFFECTS = KNOTS + 2
+PLACES = [np.linspace(0.0, 1.0, KNOTS)]
+SCATTER = Population(level=0.3, curve=0.2, length=0.4, static=0.25, belt=0.1)
+MEAN, PRECISION = np.array([0.1, 0.0]), np.array([[4.0, 1.0], [1.0, 2.0]])
+FLAT = np.zeros((SHARED, SHARED))
 
 
 def drawn(
-    seed: int, windows: int, sd: tuple[float, float], noise: float = 1.0, readings: int = 30
-) -> list[Floats]:
-    """Columns [J, S, K, r] of windows whose truth is known."""
+    seed: int, windows: int, scatter: Population, noise: float = 1.0, readings: int = 30
+) -> tuple[list[Floats | None], Floats]:
+    """Columns [J, S, K, r] of windows whose truth is known, and where they are linearised."""
     rng = np.random.default_rng(seed)
-    root = factor(PARTS, np.array(sd))
-    blocks = []
-    for _ in range(windows):
+    root = factor(scatter, PLACES)[0]
+    blocks: list[Floats | None] = []
+    at = 0.1 * rng.normal(size=(windows, EFFECTS))
+    for w in range(windows):
         columns = rng.normal(size=(readings, 2, SHARED + OWN + EFFECTS))
-        truth = np.concatenate([[0.3, -0.2], rng.normal(size=OWN), root @ rng.normal(size=root.shape[1])])
+        truth = np.concatenate(
+            [[0.3, -0.2], rng.normal(size=OWN), root @ rng.normal(size=root.shape[1]) - at[w]]
+        )
         r = columns @ truth + np.sqrt(noise) * rng.normal(size=(readings, 2))
         blocks.append(np.concatenate([columns, r[:, :, None]], axis=2))
-    return blocks
+    return blocks, at
 
 
-def dense(blocks: list[Floats], root: Floats, noise: Floats) -> tuple[float, Floats]:
+def dense(blocks: list[Floats | None], at: Floats, root: Floats, noise: Floats) -> tuple[float, Floats]:
     """Deviance and shared step from the covariance of all readings of each window."""
-    normal, pull, total = np.diag(PRECISION), PRECISION * MEAN, PRECISION @ MEAN**2
-    for block in blocks:
+    normal, pull, total = PRECISION.copy(), PRECISION @ MEAN, float(MEAN @ PRECISION @ MEAN)
+    for block, here in zip(blocks, at, strict=True):
+        assert block is not None
         flat = block.reshape(-1, block.shape[2])
         j, s = flat[:, :SHARED], flat[:, SHARED : SHARED + OWN]
-        k, r = flat[:, SHARED + OWN : -1], flat[:, -1]
+        k = flat[:, SHARED + OWN : -1]
+        r = flat[:, -1] + k @ here
         v = np.diag(np.tile(noise, len(block))) + k @ root @ root.T @ k.T
         w = np.linalg.inv(v)
         free = s.T @ w @ s
@@ -48,56 +54,84 @@ def dense(blocks: list[Floats], root: Floats, noise: Floats) -> tuple[float, Flo
     return total - pull @ step, step
 
 
-@pytest.mark.parametrize("sd", [(0.3, 0.2), (0.3, 0.0), (0.0, 0.0)])
-def test_the_arrow_gives_the_dense_likelihood(sd: tuple[float, float]) -> None:
-    blocks, noise, root = drawn(1, 4, sd), np.array([0.8, 1.3]), factor(PARTS, np.array(sd))
-    found = solve(products(blocks, SHARED, OWN), root, noise, MEAN, PRECISION)
-    deviance, step = dense(blocks, root, noise)
-    assert found.deviance == pytest.approx(deviance, rel=1e-9)
-    assert found.shared == pytest.approx(step, rel=1e-8)
+@pytest.mark.parametrize("scatter", [SCATTER, SCATTER.without()])
+def test_the_arrow_gives_the_dense_likelihood(scatter: Population) -> None:
+    blocks, at = drawn(1, 4, scatter)
+    noise, root = np.array([0.8, 1.3]), factor(scatter, PLACES)
+    found = solve(products(blocks, [0] * 4, SHARED, OWN, 2), root, noise, MEAN, PRECISION, at)
+    deviance, step = dense(blocks, at, root[0], noise)
+    assert found.deviance == pytest.approx(deviance, rel=1e-7)
+    assert found.shared == pytest.approx(step, rel=1e-6)
 
 
-def test_no_scatter_gives_the_plain_fit() -> None:
-    blocks = drawn(2, 3, (0.0, 0.0))
-    found = solve(
-        products(blocks, SHARED, OWN), factor(PARTS, np.zeros(2)), np.ones(2), np.zeros(2), np.zeros(2)
-    )
-    rows = [b.reshape(-1, b.shape[2]) for b in blocks]
-    wide = np.zeros((sum(map(len, rows)), SHARED + OWN * len(rows)))
-    start = 0
-    for w, row in enumerate(rows):
-        wide[start : start + len(row), :SHARED] = row[:, :SHARED]
-        wide[start : start + len(row), SHARED + OWN * w : SHARED + OWN * (w + 1)] = row[
-            :, SHARED : SHARED + OWN
-        ]
-        start += len(row)
-    plain = np.linalg.lstsq(wide, np.concatenate([row[:, -1] for row in rows]), rcond=None)[0]
-    assert found.shared == pytest.approx(plain[:SHARED], rel=1e-9)
-    assert found.own.ravel() == pytest.approx(plain[SHARED:], rel=1e-8)
-    assert not found.effects.any()
+def test_a_window_that_failed_counts_for_nothing() -> None:
+    blocks, at = drawn(2, 5, SCATTER)
+    noise, root = np.ones(2), factor(SCATTER, PLACES)
+    less = solve(products(blocks[:4], [0] * 4, SHARED, OWN, 2), root, noise, MEAN, PRECISION, at[:4])
+    failed = solve(products([*blocks[:4], None], [0] * 5, SHARED, OWN, 2), root, noise, MEAN, PRECISION, at)
+    assert failed.shared == pytest.approx(less.shared, rel=1e-9)
+
+
+def test_the_slopes_of_the_deviance_are_those_of_differences() -> None:
+    blocks, at = drawn(3, 12, SCATTER)
+    windows = products(blocks, [0] * 12, SHARED, OWN, 2)
+
+    def deviance(x: Floats) -> float:
+        scatter = Population.at(x[:5])
+        return solve(windows, factor(scatter, PLACES), np.exp(x[5:]), MEAN, PRECISION, at).deviance
+
+    x = np.concatenate([SCATTER.coordinates() + 0.2, [0.1, -0.2]])
+    free = Deviance(windows, PLACES, (MEAN, PRECISION), at, x[:5], np.full(5, np.inf))
+    value, slope = free(x)
+    assert value == pytest.approx(deviance(x), rel=1e-12)
+    for i in range(len(x)):
+        step = np.zeros(len(x))
+        step[i] = 1e-5
+        said = (deviance(x + step) - deviance(x - step)) / 2e-5
+        assert slope[i] == pytest.approx(said, rel=2e-3, abs=1e-3), i
 
 
 def test_a_known_scatter_and_noise_are_recovered() -> None:
-    found = estimate(products(drawn(3, 150, (0.5, 0.3), noise=2.0), SHARED, OWN), PARTS, MEAN, PRECISION)
-    assert found.sd == pytest.approx([0.5, 0.3], rel=0.2)
+    scatter = Population(level=0.3, curve=0.2, length=0.4, static=0.25, belt=0.3)
+    blocks, at = drawn(4, 200, scatter, noise=2.0)
+    windows = products(blocks, [0] * 200, SHARED, OWN, 2)
+    found = estimate(windows, PLACES, SCATTER, np.ones(2), (MEAN, PRECISION), at, POLICY, 100)
+    assert found.population.level == pytest.approx(0.3, rel=0.25)
+    assert found.population.static == pytest.approx(0.25, rel=0.25)
+    assert found.population.belt == pytest.approx(0.3, rel=0.25)
     assert found.noise == pytest.approx([2.0, 2.0], rel=0.1)
 
 
-def test_scatter_that_is_not_there_is_about_nothing() -> None:
-    found = estimate(products(drawn(4, 150, (0.5, 0.0)), SHARED, OWN), PARTS, MEAN, PRECISION)
-    assert found.sd[0] == pytest.approx(0.5, rel=0.2)
-    assert found.sd[1] < 0.05
+def test_scatter_that_is_not_there_is_nothing() -> None:
+    blocks, at = drawn(5, 200, SCATTER.without())
+    windows = products(blocks, [0] * 200, SHARED, OWN, 2)
+    found = estimate(windows, PLACES, SCATTER, np.ones(2), (MEAN, PRECISION), at, POLICY, 100)
+    assert max(found.population.level, found.population.static, found.population.belt) < 0.05
 
 
-def test_the_score_is_the_gain_of_a_refit() -> None:
-    blocks, noise, root = drawn(5, 6, (0.3, 0.2)), np.ones(2), factor(PARTS, np.array([0.3, 0.2]))
-    flat = np.zeros(SHARED)
-    said = gain(products(blocks, SHARED, OWN), 1, root, noise, flat, flat)
-    step = solve(products(blocks, SHARED, OWN), root, noise, flat, flat).shared
-    null = [np.delete(b, 1, axis=2) for b in blocks]
-    moved = [n - np.eye(n.shape[2])[-1] * step[1] * b[:, :, 1:2] for n, b in zip(null, blocks, strict=True)]
-    before, after = (
-        solve(products(b, 1, OWN), root, noise, flat[:1], flat[:1]).deviance for b in (null, moved)
-    )
-    assert said == pytest.approx(before - after, rel=1e-6)
-    assert said > 0
+def test_own_numbers_take_what_they_are_worth() -> None:
+    blocks, at = drawn(6, 10, SCATTER.without())
+    windows = products(blocks, [0] * 10, SHARED, OWN, 2)
+    root = factor(SCATTER.without(), PLACES)
+    found = solve(windows, root, np.ones(2), MEAN, PRECISION, at)
+    assert taken(windows, root, found, np.ones(2)).sum() == pytest.approx(10 * OWN, rel=1e-6)
+
+
+def test_constants_that_follow_from_one_another_are_known_together() -> None:
+    numbers = [Number("a", 0.0, 0.0, np.inf), Number("law", 0.0, 1.0, 0.5), Number("b", 0.0, 0.0, np.inf)]
+    covariance = np.array([[0.04, 0.03], [0.03, 0.09]])
+    prior = Prior(numbers, Declared(("a", "b"), covariance), tail=1e9)
+    away, precision = prior.at(np.zeros(3))
+    assert away == pytest.approx([0.0, 1.0, 0.0])
+    assert precision[np.ix_([0, 2], [0, 2])] == pytest.approx(np.linalg.inv(covariance), rel=1e-6)
+    assert precision[1, 1] == pytest.approx(4.0)
+    at = np.array([0.1, 0.0, -0.2])
+    expected = at[[0, 2]] @ np.linalg.inv(covariance) @ at[[0, 2]] + 4.0
+    assert prior.penalty(at) == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_long_tail_lets_a_constant_that_is_far_off_go() -> None:
+    numbers = [Number("a", 0.0, 0.0, np.inf)]
+    prior = Prior(numbers, Declared(("a",), np.array([[1.0]])), tail=4.0)
+    near, far = (prior.at(np.array([x]))[1][0, 0] for x in (0.1, 10.0))
+    assert far < 0.1 * near

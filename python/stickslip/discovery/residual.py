@@ -50,26 +50,32 @@ class Fitted(Protocol):
     def engine(self) -> _Runs:
         """Hold the runs."""
         ...
+
     @property
     def windows(self) -> Sequence[_Span]:
         """Where the windows are."""
         ...
+
     @property
     def blocks(self) -> Sequence[_Block]:
         """Residuals and modes of each."""
         ...
+
     @property
     def readings(self) -> int:
         """How many readings there are."""
         ...
+
     @property
     def dof(self) -> float:
         """How many of them the fit takes."""
         ...
+
     @property
     def chi2(self) -> float:
         """Their chi-squared."""
         ...
+
     @property
     def per_reading(self) -> float:
         """chi-squared per reading."""

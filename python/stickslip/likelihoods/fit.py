@@ -254,8 +254,8 @@ def polished(fit: Fit, cost: _Cost, own: Floats, select: Mask, turns: int) -> Fl
     for _ in range(turns):
         trial = own.copy()
         for i in np.flatnonzero(select):
-            if blocks[i] is not None:
-                trial[i] += _local_step(blocks[i], own[i], cost.inverse[i], cost.noise, damping[i])
+            if (block := blocks[i]) is not None:
+                trial[i] += _local_step(block, own[i], cost.inverse[i], cost.noise, damping[i])
         new = windows.blocks(fit.at, trial, select, shared=())
         then = np.add(*cost.of(new, trial))
         better = select & (then < now)
@@ -297,7 +297,7 @@ def _rescued(fit: Fit, policy: Policy) -> Fit:
     for number, shift in enumerate(SHIFTS):
         trial = fit.own.copy()
         trial[lost, : len(OWN)] = fresh[lost, : len(OWN)]
-        for i in np.flatnonzero(lost):
+        for i in np.flatnonzero(lost).tolist():
             trial[i, len(OWN) :] = 0.0 if number == 0 or not near[i] else fit.own[near[i], len(OWN) :].mean(0)
             trial[i, len(OWN)] += shift
         trial = polished(fit, cost, trial, lost, 8)

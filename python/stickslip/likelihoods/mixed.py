@@ -122,7 +122,7 @@ def solve(
     states, random = np.arange(q), np.arange(q, q + white)
     inner[:, states, states] = inner[:, states, states] * (1.0 + damping + TINY) + 1e-12
     inner[:, random, random] += 1.0
-    inverse = np.linalg.inv(inner)
+    inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
     cross, right = a[:, :p, local], a[:, local, -1]
     back, own = inverse @ cross.transpose(0, 2, 1), np.einsum("wij,wj->wi", inverse, right)
     schur = (a[:, :p, :p] - cross @ back).sum(0) + precision

@@ -137,7 +137,8 @@ class RigWindows:
         for run, members in enumerate(self.by_run):
             chosen = members if select is None else members[select[members]]
             if len(chosen):
-                made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local).blocks()
+                with np.errstate(over="ignore", invalid="ignore"):  # such a window has failed
+                    made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local).blocks()
                 for i, block in zip(chosen, made, strict=True):
                     out[i] = block
         return out
@@ -147,7 +148,8 @@ class RigWindows:
         out: list[Motion | None] = [None] * len(self.stretches)
         for run, members in enumerate(self.by_run):
             if len(members):
-                made = _Run(self, run, members, at, own[members], (), False).motions()
+                with np.errstate(over="ignore", invalid="ignore"):
+                    made = _Run(self, run, members, at, own[members], (), False).motions()
                 for i, one in zip(members, made, strict=True):
                     out[i] = one
         return out
@@ -371,9 +373,9 @@ class _Run:
             if (moved != here).any():
                 out[i] = (moved - here) / step
         for k in (*range(len(OWN)), self.of.own - 1) if self.local else ():
-            step = np.zeros(self.of.own)
-            step[k] = NEARBY
-            moved = self._derived(self.values, self.own + step)
+            nudge = np.zeros(self.of.own)
+            nudge[k] = NEARBY
+            moved = self._derived(self.values, self.own + nudge)
             out[len(self.shared) + k] = (moved - here) / NEARBY
         return out
 

@@ -70,12 +70,9 @@ def score(
     prior = np.concatenate([away, np.zeros(k)]), wide
     if not refit:
         roots = factor(fit.population, fit.windows.places)
-        with_, without = (
-            solve(w, roots, fit.noise, *own, fit.random)
-            for w, own in ((windows, prior), (plain(windows, p, k), (away, held)))
-        )
-        gain = without.deviance - with_.deviance
-        found = with_
+        there = solve(windows, roots, fit.noise, *prior, fit.random)
+        without = solve(plain(windows, p, k), roots, fit.noise, away, held, fit.random)
+        gain, found = without.deviance - there.deviance, there
     else:
         # the null is at its best already
         best = estimate(
@@ -98,7 +95,8 @@ def score(
 def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k: int) -> Windows:
     """Return the fit's windows with `k` further shared numbers, the last ones."""
     assert fit.linear is not None
-    p, blocks = len(fit.windows.numbers), []
+    p = len(fit.windows.numbers)
+    blocks: list[Floats | None] = []
     for i, (block, column) in enumerate(zip(fit.blocks, columns, strict=True)):
         if block is None or column is None:
             blocks.append(None)

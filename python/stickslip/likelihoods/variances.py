@@ -59,18 +59,18 @@ def estimate(
     centre, spread = start(policy).coordinates(), spreads(policy)
     low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
     high = np.log([MOST, MOST, LONGEST, MOST, MOST])
-    free = _Free(windows, places, prior, at, centre, spread)
+    free = Deviance(windows, places, prior, at, centre, spread)
     first = np.concatenate([np.clip(population.coordinates(), low, high), np.log(noise)])
     bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]
     x = first
     if turns:
-        options = {"maxiter": turns}
-        x = minimize(free.deviance, first, method="L-BFGS-B", jac=True, bounds=bounds, options=options).x
-    return Estimate(Population.at(x[:5]), np.exp(x[5:]), free.solved(x), free.deviance(x)[0])
+        best = minimize(free, first, method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": turns})
+        x = np.asarray(best.x)
+    return Estimate(Population.at(x[:5]), np.exp(x[5:]), free.solved(x), free(x)[0])
 
 
 @dataclass
-class _Free:
+class Deviance:
     """The deviance of population and noise with its slopes; shared and own numbers at their best."""
 
     windows: Windows
@@ -81,11 +81,13 @@ class _Free:
     spread: Floats
 
     def solved(self, x: Floats) -> Solution:
+        """Return the windows solved at a population and a noise."""
         return solve(
             self.windows, factor(Population.at(x[:5]), self.places), np.exp(x[5:]), *self.prior, self.at
         )
 
-    def deviance(self, x: Floats) -> tuple[float, Floats]:
+    def __call__(self, x: Floats) -> tuple[float, Floats]:
+        """Return the deviance and its slopes."""
         roots, noise = factor(Population.at(x[:5]), self.places), np.exp(x[5:])
         found = solve(self.windows, roots, noise, *self.prior, self.at)
         away = (x[:5] - self.centre) / self.spread

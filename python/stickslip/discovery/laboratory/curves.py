@@ -181,6 +181,6 @@ def _of_angle(bench: Bench, fit: Fit, motions: list[Motion | None], variable: st
         t = np.linspace(0.0, motion.t[-1] - motion.t[0], len(motion.t))
         weight = bench.data[s.run].weight[s.start : s.stop, 1]
         for j in range(len(grid)):
-            made[:, 1, j] = scipy.signal.lsim(system, force[:, j], t)[1] * weight
+            made[:, 1, j] = scipy.signal.lsim(system, force[:, j], t)[1] * weight  # type: ignore[call-overload]
         out.append(made)
     return out

@@ -135,7 +135,9 @@ def _field(
     # one slip after the other: what is under the block when it sticks is there when it slips again
     along = np.array([j + places for j in range(len(members))])
     points = along.ravel()
-    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / p.length
+    # the fit tells a length poorly; a field that changes slowly looks more like an effect
+    length = max(p.length, bench.policy.curve_length)
+    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / length
     kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
     root = np.linalg.cholesky(kernel)
     made = root @ rng.standard_normal((len(points), bench.policy.draws))

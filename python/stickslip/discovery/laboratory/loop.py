@@ -113,7 +113,7 @@ def discovered(
         gate=outcome.gate(found),
         runs=tuple(views),
         spectrum=spectrum(was, now),
-        messages=(*notes, *outcome.remarks(bench, chosen, error)),
+        messages=(*notes, *outcome.remarks(chosen, error)),
         seconds=time.monotonic() - began,
         scatter=outcome.scatter(chosen.fit),
         constants=outcome.constants(bench, chosen.fit),

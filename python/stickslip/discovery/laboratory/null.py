@@ -143,7 +143,7 @@ class Null:
         pull = self.along(made.columns, self.rights, 1).sum(axis=0)
         left, off = self._left(made.cross.sum(axis=0), made.square.sum(axis=0), pull, self.pull[:, None])
         size = np.linalg.solve(left, off)
-        return float((off * size).sum()), size[:, 0]
+        return float((off * size).sum()), np.asarray(size[:, 0], dtype=np.float64)
 
     @property
     def rights(self) -> list[Floats | None]:

@@ -130,6 +130,8 @@ def model(bench: Bench, trial: Trial, declared: Model) -> Model:
     for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
         if low in numbers and limit in numbers:
             numbers[low] = min(numbers[low], numbers[limit])
+    if "eta12" in numbers:  # two dampings, each known alone: their difference is one, too
+        numbers["eta12"] = max(numbers["eta12"], numbers["eta1"])
     effects = []
     for one in trial.terms:
         e = one.effect
@@ -152,7 +154,7 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     """Return the effects of the verdict, in order of weight."""
     chosen, numbers = found.chosen, intervals(found.chosen.fit)
     out = []
-    for i, one in enumerate(chosen.terms):
+    for one in chosen.terms:
         kind = CATALOGUE[one.effect.name]
         own = {
             k.partition(".")[2]: v
@@ -169,7 +171,7 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
             run.name: float(np.mod(p + (math.pi if turned else 0.0), 2 * math.pi))
             for run, p in zip(bench.data, one.phases, strict=False)
         }
-        proof = _evidence(found, kind.name, i)
+        proof = _evidence(found, kind.name)
         rivals = _alternatives(found, kind.name)
         out.append(
             FoundEffect(
@@ -194,7 +196,7 @@ def _without(found: Searched, name: str) -> Trial:
     return found.null if len(found.chosen.terms) == 1 else _step_of(found, name).base
 
 
-def _evidence(found: Searched, name: str, index: int) -> Evidence:
+def _evidence(found: Searched, name: str) -> Evidence:
     step, base = _step_of(found, name), _without(found, name)
     gain = base.deviance - found.chosen.deviance
     wrong = [t for t in step.trials if t.names[-1] != name]
@@ -398,7 +400,7 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
     return out
 
 
-def remarks(bench: Bench, trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
+def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
     """Return what a person should read beside the verdict."""
     sizes = scatter(trial.fit)
     out = [

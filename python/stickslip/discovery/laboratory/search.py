@@ -33,7 +33,7 @@ class Trial:
     ----------
     terms : its effects, as fitted
     fit : where it stands
-    known : gain that it has from what every belt does
+    known : gain that it has from waves no larger than scatter and wobble have
     """
 
     terms: tuple[Term, ...]
@@ -146,7 +146,30 @@ def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
     assert best is not None
     fit = fitted(best[1], bench.policy, STEPS, held=2)
     found = terms_at((*base.terms, candidate.term), fit.windows, fit.at)
-    return Trial(found, fit, base.known + candidate.known)
+    return Trial(
+        found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
+    )
+
+
+def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
+    """
+    What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
+
+    Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation; of a belt's wobble
+    it may have all. What tells a wave from those is its amplitude over theirs, squared, in each run.
+    """
+    kind = CATALOGUE[term.effect.name]
+    if kind.wave is None:
+        return 0.0
+    p, runs = fit.population, len(bench.data)
+    events = max(len(bench.stretches) / runs, 1.0)
+    usual = bench.policy.wobble
+    if kind.where != "belt":
+        usual = math.hypot(p.level, p.curve, p.static) * math.sqrt(2.0 / events)
+        if kind.where == "block":
+            usual *= max(bench.model.friction.static_limits)
+    told = runs * (term.effect.parameters["a"] / usual) ** 2
+    return max(gain - told, 0.0)
 
 
 def _scaled(term: Term, scale: float) -> Term:
