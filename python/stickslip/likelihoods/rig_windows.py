@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, no_slopes, read, states_read
 from stickslip.fitted.window import BELT, DWELL, LAGGED, STATES, STICK
+from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number, Prior
 from stickslip.likelihoods.stretches import Stretch
@@ -153,25 +153,6 @@ class RigWindows:
                 for i, one in zip(members, made, strict=True):
                     out[i] = one
         return out
-
-
-@dataclass(frozen=True)
-class Motion:
-    """
-    One window as simulated.
-
-    Parameters
-    ----------
-    t : (n,) times of its samples
-    state : (n, 9) states
-    mode : (n,) -1, 0 in stick, 1
-    readings : (n, channels)
-    """
-
-    t: Floats
-    state: Floats
-    mode: NDArray[np.int8]
-    readings: Floats
 
 
 def _knots(run: Data, policy: Policy) -> Floats:

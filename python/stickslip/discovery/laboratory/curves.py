@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.likelihoods.fit import Fit
-from stickslip.likelihoods.rig_windows import OWN, Motion
+from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import Learned, learned
 from stickslip.discovery.laboratory.hypothesis import Bench, known
 from stickslip.discovery.laboratory.search import Searched, Trial, search
+from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.views import validate_view
@@ -94,7 +95,7 @@ def discovered(
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (outcome.left(bench, one.fit) for one in (found.null, chosen))
     views = [
-        *outcome.train_views(bench, found.null.fit, chosen.fit),
+        *train_views(bench, found.null.fit, chosen.fit),
         *(validate_view(run, *forecasts[run.name], case.rig) for run in validate),
     ]
     return Found(
