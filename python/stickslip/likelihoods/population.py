@@ -80,6 +80,12 @@ def factor(population: Population, places: Sequence[Floats]) -> Floats:
     return np.stack([_factor(population, one) for one in places])
 
 
+def whole(population: Population, places: Floats) -> float:
+    """Return the standard deviation of friction as a whole in a window: its level, and the mean of its curve."""
+    mean = _root(places, population.length).mean(axis=0)
+    return float(np.sqrt(population.level**2 + population.curve**2 * (mean @ mean)))
+
+
 def _factor(p: Population, places: Floats) -> Floats:
     k = len(places)
     out = np.zeros((k + 2, k + 3))

@@ -14,6 +14,7 @@ from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.likelihoods.fit import Fit, begin, closed, fitted, settled
+from stickslip.likelihoods.population import whole
 from stickslip.likelihoods.rig_windows import RigWindows
 
 Floats = NDArray[np.float64]
@@ -165,7 +166,7 @@ def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     events = max(len(bench.stretches) / runs, 1.0)
     usual = bench.policy.wobble
     if kind.where != "belt":
-        usual = math.hypot(p.level, p.curve, p.static) * math.sqrt(2.0 / events)
+        usual = whole(p, fit.windows.places[0]) * math.sqrt(2.0 / events)
         if kind.where == "block":
             usual *= max(bench.model.friction.static_limits)
     told = runs * (term.effect.parameters["a"] / usual) ** 2
