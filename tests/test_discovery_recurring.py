@@ -188,7 +188,7 @@ def test_the_first_value_of_what_repeats_is_the_last():
 @pytest.mark.slow
 def test_a_weak_wave_within_the_sampling_error_of_chi_squared_is_found():
     """Too little to show in chi-squared over all readings, and yet a sharp line."""
-    case = make_case((wave("angle_body", 0.012, 2.7),), length=96.0, seed=5)
+    case = make_case((wave("angle_body", 0.008, 2.7),), length=96.0, seed=5)
     search = search_of(case)
     null = declared(search)
     search.keep(null, ())

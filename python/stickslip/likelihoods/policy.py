@@ -25,7 +25,7 @@ class Policy:
     relative_tolerance, absolute_tolerance : of the integration
     most_transitions, most_integration_steps : of one window; beyond, its numbers are no rig's
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
-    repeats : relative scatter below which every event is like every other
+    repeats : relative scatter of friction within a run below which every event is like every other
     fullest : candidates that are fitted in full
     draws : of the bootstrap
     false_alarm : how often a rig that lacks nothing may be told an effect
@@ -52,7 +52,7 @@ class Policy:
     most_transitions: int = 300
     most_integration_steps: int = 20_000
     wobble: float = 0.005
-    repeats: float = 1e-3
+    repeats: float = 4e-3
     fullest: int = 4
     draws: int = 100
     false_alarm: float = 0.02

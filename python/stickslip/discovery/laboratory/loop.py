@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from stickslip.declared.model import Model
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.laboratory import outcome
@@ -22,6 +24,7 @@ from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
+ENOUGH = 3  # windows of a run that may differ
 FEWEST = 12  # windows from mid-stick to mid-stick, below which scatter cannot be told
 
 
@@ -58,9 +61,20 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
 
 
 def repeats(bench: Bench, trial: Trial) -> bool:
-    """Whether every event is like every other, so that what is left is noise of the readings alone."""
-    p = trial.fit.population
-    return max(p.level, p.curve, p.static) < bench.policy.repeats
+    """
+    Whether every event of a run is like every other, so that what is left is noise of the readings alone.
+
+    What no name explains also swells the population, but alike in all events of a run.
+    """
+    fit = trial.fit
+    apart = []
+    for members in fit.windows.by_run:
+        if len(members) < ENOUGH:
+            continue
+        u = fit.random[members]
+        whole = u[:, 1:-1].mean(axis=1)
+        apart.append((np.var(whole, ddof=1), np.var(whole + u[:, 0], ddof=1)))
+    return not apart or float(np.sqrt(np.mean(apart, axis=0)).max()) < bench.policy.repeats
 
 
 def _curve(bench: Bench, found: Searched) -> Learned | None:
