@@ -149,10 +149,33 @@ def _discover(
     began: float,
     workers: Workers,
 ) -> Found:
+    """Where friction scatters, what is found through the scatter; else what a law that repeats lacks.
+
+    A curve in a clean room may pose as scatter. Where the second search explains all, nothing has scattered.
+    """
+    count = len(case.train)
+    verdicts = laboratory.searched(case, data[:count], tell, seed)
+    if verdicts is None or verdicts.curve is not None:
+        found = _repeating(case, data, notes, tell, threads, seed, budget, began, workers)
+        if verdicts is None or found.residual_after.clean:
+            return found
+    return laboratory.discovered(case, verdicts, data[count:], notes, tell, workers, seed, began)
+
+
+def _repeating(
+    case: Case,
+    data: list[Data],
+    notes: tuple[str, ...],
+    tell: Callable[[str], None],
+    threads: int,
+    seed: int,
+    budget: float,
+    began: float,
+    workers: Workers,
+) -> Found:
+    """The search for what a law lacks whose events are all alike."""
     as_read = data
     count = len(case.train)
-    if verdicts := laboratory.searched(case, data[:count], tell, seed):
-        return laboratory.discovered(case, verdicts, data[count:], notes, tell, workers, seed, began)
     model = Model(case.rig, friction=case.friction)
     search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")

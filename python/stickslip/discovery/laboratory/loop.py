@@ -24,6 +24,7 @@ from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
+MOST_LOST = 0.2  # share of windows
 ENOUGH = 3  # windows of a run that may differ
 FEWEST = 12  # windows from mid-stick to mid-stick, below which scatter cannot be told
 
@@ -54,10 +55,15 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
     model = Model(case.rig, friction=case.friction)
     bench = Bench(model, data, cut, known(case), POLICY)
     found = search(bench, tell, seed)
-    if repeats(bench, found.chosen):
+    if _lost(found.chosen) or repeats(bench, found.chosen):
         return None
     tell("looking for a curve that no name explains")
     return Verdicts(bench, found, _curve(bench, found))
+
+
+def _lost(trial: Trial) -> bool:
+    """Whether no law of this kind moves like most windows: their scatter then says nothing."""
+    return sum(b is None for b in trial.fit.blocks) > MOST_LOST * len(trial.fit.blocks)
 
 
 def repeats(bench: Bench, trial: Trial) -> bool:
