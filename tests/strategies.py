@@ -171,7 +171,7 @@ def _landing(system, step, after):
 
 
 def run_end(system, step):
-    return reference._advance(system, step.side, step.t, step.z, step.end)
+    return reference.advance(system, step.side, step.t, step.z, step.end)
 
 
 def _summits(system, step):

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from matplotlib.figure import Figure
 
 import found_by_hand
 import stickslip as ss
+from quick_figures import saved_empty
 from stickslip.cli.commands import main
 from stickslip.cli.discover import folded
 from stickslip.discovery.result import Found
@@ -40,7 +42,7 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
             return found_by_hand.found(case, verdict=verdict)
 
         monkeypatch.setattr(ss, "discover", search)
-        monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
+        monkeypatch.setattr(Figure, "savefig", saved_empty)
 
     return use
 

@@ -17,7 +17,7 @@ from stickslip.discovery.discover import Verdict, discover
 from stickslip.discovery.loop import _ranking
 from stickslip.discovery.unlisted import guess
 from stickslip.errors import InputError
-from stickslip.fitted.forecast import SLACK, _interval, forecast
+from stickslip.fitted.forecast import forecast
 
 KEYS = {"verdict", "effects", "error", "ranking", "gate", "residual_before", "residual_after", "messages"}
 
@@ -183,11 +183,14 @@ def test_a_curve_that_is_not_plain_gets_no_formula():
 @pytest.mark.parametrize("dropped", [False, True])
 def test_rounded_times_cost_a_forecast_no_sample(interval, digits, dropped):
     """A file's times end somewhere: a horizon of so many samples has as many rows."""
-    t = interval * np.arange(1200)
+    run, count = make_case(length=40.0).validate[0], int(30.0 / interval)
+    t = np.round(interval * np.arange(count), digits)
     seen = np.delete(t, [400, 401, 700]) if dropped else t
-    found = _interval(np.round(seen, digits))
-    assert found == pytest.approx(interval, rel=2 * 10**-digits / t[-1])
-    assert int(np.floor(227 * interval / found + SLACK)) == 227
+    past = replace(run, t=seen, x1=np.interp(seen, run.t, run.x1), y1=np.interp(seen, run.t, run.y1))
+    table = forecast(Model(RIG, friction=LAW), past, belt_speed=run.belt_speed, horizon=227 * interval)
+    assert len(table) == 227
+    expected = t[-1] + interval * np.arange(1, 228)
+    np.testing.assert_allclose(table["t"], expected, atol=2 * 10**-digits)
 
 
 def test_a_forecast_has_a_row_for_each_sample_of_its_horizon():

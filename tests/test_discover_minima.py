@@ -11,7 +11,6 @@ from scipy.optimize import lsq_linear
 from scipy.signal import savgol_filter
 
 from discover_cases import LAW, RIG, make_case
-from stickslip import _core
 from stickslip.declared.effect import effect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
@@ -21,9 +20,9 @@ from stickslip.discovery.search import CLEAN, SHORT, Search
 from stickslip.discovery.trace import beside
 from stickslip.fitted import windows as of_windows
 from stickslip.fitted.data import prepare
-from stickslip.fitted.engine import MOST_STEPS, Engine
+from stickslip.fitted.engine import Engine
 from stickslip.fitted.relax import relaxed, rephased
-from stickslip.fitted.solve import Point, _shares, _total, _within, fit
+from stickslip.fitted.solve import Point, fit, shares, total, within
 from stickslip.fitted.window import SLIPPING, STICK
 from stickslip.fitted.windows import cut, with_hidden
 from stickslip.measured.case import Recording
@@ -35,17 +34,17 @@ def test_a_step_from_a_bound_is_the_constrained_one():
     root = rng.standard_normal((6, 4))
     A, target = root.T @ root, np.array([3.0, -2.0, 1.0, 0.5])
     low, high = np.full(4, -np.inf), np.array([0.0, np.inf, np.inf, np.inf])
-    step = _within(A, A @ target, low, high)
+    step = within(A, A @ target, low, high)
     known = lsq_linear(root, root @ target, (low, np.array([1e-12, np.inf, np.inf, np.inf])))
     assert step == pytest.approx(known.x, abs=1e-8)
 
 
 def test_beyond_the_knee_a_window_counts_by_its_logarithm():
     costs, knee = np.array([80.0, 300.0]), np.array([100.0, 100.0])
-    assert _total(costs, knee) == pytest.approx(80 + 100 * (1 + math.log(3)))
-    assert _total(costs, None) == 380
+    assert total(costs, knee) == pytest.approx(80 + 100 * (1 + math.log(3)))
+    assert total(costs, None) == 380
     h = 1e-5
-    slope = (_total(np.array([80.0, 300 + h]), knee) - _total(np.array([80.0, 300 - h]), knee)) / (2 * h)
+    slope = (total(np.array([80.0, 300 + h]), knee) - total(np.array([80.0, 300 - h]), knee)) / (2 * h)
     assert slope == pytest.approx(100 / 300, rel=1e-6)
 
 
@@ -58,7 +57,7 @@ def test_shares_are_the_slopes_of_the_total():
     assert point.soften()
     size = np.array([float(b.r @ b.r) for b in point.blocks])
     expected = np.where(size > point.knee, point.knee / size, 1.0)
-    assert _shares(point.blocks, point.knee) == pytest.approx(expected)
+    assert shares(point.blocks, point.knee) == pytest.approx(expected)
     assert expected.min() < 1.0
 
 
@@ -101,12 +100,11 @@ def from_stick(run: Recording) -> Recording:
     return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
 
 
-def test_a_window_that_starts_in_stick_does_not_know_for_how_long(monkeypatch):
-    monkeypatch.setattr(of_windows, "EARLY", 0.0)  # keep the beginnings
+def test_a_window_that_starts_in_stick_does_not_know_for_how_long():
     case = make_case((effect("static_aging", dT=0.8, tau=1.0),))
     data = prepare([from_stick(run) for run in case.train])
     h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.5, tau=1.5))])
-    windows = cut(data, h.model, 1.0)
+    windows = cut(data, h.model, 1.0, early=0.0)  # with the beginnings
     stuck = [w for w in windows if w.contact == 0]
 
     assert any(w.start == 0 for w in stuck)
@@ -139,12 +137,11 @@ def from_slow_slip(run: Recording) -> Recording:
     return replace(run, t=run.t[first:], x1=run.x1[first:], y1=run.y1[first:])
 
 
-def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip(monkeypatch):
-    monkeypatch.setattr(of_windows, "EARLY", 0.0)  # keep the beginnings
+def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip():
     case = make_case((effect("static_aging", dT=0.8, tau=1.0),), noise=2e-4)
     data = prepare([from_slow_slip(run) for run in case.train])
     h = hypothesis(Model(RIG, friction=LAW), [Start(effect("static_aging", dT=0.8, tau=1.0))])
-    windows = [w for w in cut(data, h.model, 1.0) if w.start == 0]
+    windows = [w for w in cut(data, h.model, 1.0, early=0.0) if w.start == 0]
     assert all(w.contact == STICK and 1 not in w.free for w in windows)
     engine = Engine(data, h, 2)
     found = relaxed(engine, h.start(len(data)), windows)
@@ -155,25 +152,13 @@ def test_a_window_that_only_seems_to_start_in_stick_is_found_to_slip(monkeypatch
     assert [(w.contact, w.free) for w in again] == [(w.contact, w.free) for w in found]
 
 
-def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up(monkeypatch):
+def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up():
     data = prepare(make_case().train)
     h = hypothesis(Model(RIG, friction=LAW), [])
-    engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
-    asked = []
-
-    def simulate(**given):
-        asked.append(given["max_steps"])
-        n, windows = len(given["t"]), len(given["set"])
-        return {
-            "outcome": np.full(windows, int(_core.Outcome.too_many_steps), dtype=np.int32),
-            "state": np.zeros((n, 9)),
-            "slopes": np.zeros((len(given["kept"]), n, given["columns"])),
-            "mode": np.zeros(n, dtype=np.int8),
-        }
-
-    monkeypatch.setattr(_core, "simulate_windows", simulate)
-    assert engine.residual(h.start(len(data)), windows[0]) is None
-    assert asked == [MOST_STEPS]
+    window = cut(data, h.model, 1.0)[0]
+    start = h.start(len(data))
+    assert Engine(data, h, 2).residual(start, window) is not None
+    assert Engine(data, h, 2, most_steps=5).residual(start, window) is None
 
 
 def test_a_stuck_name_is_fitted_from_where_a_curve_has_the_windows():

@@ -15,7 +15,7 @@ from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip.fitted.identified import estimate, stopped
 from stickslip.fitted.identify import covered_speeds, law_parameters
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings
-from stickslip.fitted.shooting import _above, shoot
+from stickslip.fitted.shooting import above_zero, shoot
 from stickslip.measured.fit_window import Window
 from stickslip.measured.sticks import track
 from stickslip.simulated.reference import integrate as reference
@@ -211,7 +211,7 @@ def test_a_step_below_a_number_declared_as_zero_is_the_constrained_one():
     for declared in ([1.0, 0, 3, 0], [1.0, 0.4, 3, 0]):
         low = np.where(np.array(declared) == 0, -shared, -np.inf)
         known = lsq_linear(root, root @ target, (low, np.inf), tol=1e-14)
-        step = _above(shared, target, A, -A @ target, np.array(declared))
+        step = above_zero(shared, target, A, -A @ target, np.array(declared))
         np.testing.assert_allclose(step, known.x, atol=1e-8)
         assert (step[1] == -0.4) == (declared[1] == 0)
 

@@ -117,15 +117,14 @@ def test_a_hyperbolic_law_is_found_slip_by_slip(tmp_path, law, noise):
 
 
 @pytest.mark.parametrize("true", [0.004, 0.2, 300.0])
-def test_the_decay_is_sought_beyond_the_range_that_it_begins_with(monkeypatch, true):
+def test_the_decay_is_sought_beyond_the_range_that_it_begins_with(true):
     noise = np.random.default_rng(0).standard_normal((100, 1))
     coulomb = SimpleNamespace(windows=[None], residuals=[noise])
 
     def fitted(at, *_):
         return SimpleNamespace(windows=[None], residuals=[noise * np.exp(np.log(at / true) ** 2)])
 
-    monkeypatch.setattr(decay, "_fitted", fitted)
-    _, found, _ = decay.hyperbolic(1.0, coulomb, ss.BlockOnBelt(), np.ones(1), ss.simulate, lambda *_: None)
+    _, found, _ = decay.profiled(1.0, coulomb, fitted, lambda *_: None)
     assert found == pytest.approx(true, rel=1e-6)
 
 

@@ -12,10 +12,12 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
+from quick_figures import not_saved, saved_empty
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
 from stickslip.files import RECORD, folder
@@ -144,14 +146,9 @@ def test_a_title_cannot_break_the_page(tmp_path: Path) -> None:
 
 def test_nothing_half_written_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found, case = made(tmp_path)
-
-    def fail(*_: object) -> str:
-        raise RuntimeError("no page today")
-
-    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
-    monkeypatch.setattr("stickslip.shown.report.write.page", fail)
+    monkeypatch.setattr(Figure, "savefig", not_saved)
     before = sorted(tmp_path.iterdir())
-    with pytest.raises(RuntimeError, match="no page today"):
+    with pytest.raises(RuntimeError, match="no figure today"):
         write_report(found, case, tmp_path / "out")
     assert sorted(tmp_path.iterdir()) == before
 
@@ -160,9 +157,9 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     found, case = made(tmp_path)
     out = tmp_path / "out"
     (out / "figures").mkdir(parents=True)
+    monkeypatch.setattr(Figure, "savefig", saved_empty)
     (out / "mine.txt").write_text("kept", encoding="utf-8")
     (out / "report.json").write_text("mine", encoding="utf-8")
-    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
     with pytest.raises(ss.InputError, match=r"holds 'report.json', which no former result put there"):
         write_report(found, case, out)
     assert (out / "report.json").read_text(encoding="utf-8") == "mine"
@@ -177,20 +174,17 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
     figures = tmp_path / "out" / "figures"
     figures.mkdir(parents=True)
     (figures / "sub").mkdir()
-    old = ("learned_curve.svg", "learned_curve.png", "weights.png")
+    old = ("learned_curve.svg", "learned_curve.png")
     mine = ("mine.png", "learned_curve.pdf", "sub/errors.png")
     for name in (*old, *mine):
         (figures / name).write_text("old", encoding="utf-8")
     record = {f"figures/{name}": hashlib.sha256(b"old").hexdigest() for name in old}
     (tmp_path / "out" / RECORD).write_text(json.dumps(record), encoding="utf-8")
-    monkeypatch.setattr(
-        "stickslip.shown.report.write.page", lambda *_: (_ for _ in ()).throw(RuntimeError("no page"))
-    )
-    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
-    with pytest.raises(RuntimeError, match="no page"):
+    monkeypatch.setattr(Figure, "savefig", not_saved)
+    with pytest.raises(RuntimeError, match="no figure"):
         write_report(found, case, tmp_path / "out")
     assert all((figures / name).exists() for name in (*old, *mine))
-    monkeypatch.setattr("stickslip.shown.report.write.page", lambda *_: "")
+    monkeypatch.setattr(Figure, "savefig", saved_empty)
     said = write_report(found, case, tmp_path / "out")
     assert not [name for name in old if (figures / name).exists()]
     assert all((figures / name).exists() for name in mine)

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
+from quick_figures import saved_empty
 from stickslip.cli import rotated_portrait as story
 from stickslip.discovery.result import Found
 
@@ -61,7 +63,7 @@ def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         return found_by_hand.found(hand)
 
     monkeypatch.setattr(ss, "discover", search)
-    monkeypatch.setattr("stickslip.shown.report.write.draw", lambda *_: {})
+    monkeypatch.setattr(Figure, "savefig", saved_empty)
     out = StringIO()
     told = story.story(tmp_path / "demo", Console(file=out, width=100))
     assert all(path.is_file() for path in told.paths)

@@ -54,7 +54,7 @@ def test_workers_of_another_instruction_set_are_refused() -> None:
 
 def test_a_worker_of_another_version_says_so() -> None:
     isa, version = sweep_cluster.build()
-    said = sweep_cluster._block(None, None, (isa, "0.0.0"))  # type: ignore[arg-type]  # it looks at neither
+    said = sweep_cluster.computed_here(None, None, (isa, "0.0.0"))  # type: ignore[arg-type]  # it looks at neither
     assert said == f"a worker has stickslip {version}, this process 0.0.0; install the same version on both"
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -68,23 +69,41 @@ def hyperbolic(
     simulator: Simulator,
     tell: Callable[[str, float], None],
 ) -> tuple[Shot, float, Profile]:
-    """Each slip with its own R(0) and level at speed under a common decay, which is profiled.
+    """Each slip with its own R(0) and level at speed under a common decay, which is profiled."""
 
-    `speed` is that of a typical slip. The profile is refined where it is lowest, until a parabola through three of its
-    points errs by less than chance.
+    def fitted(decay: float, near: Sequence[Shot] = ()) -> Shot:
+        return _fitted(decay, coulomb, rig, noise, simulator, near)
+
+    return profiled(speed, coulomb, fitted, tell)
+
+
+class Fitted(Protocol):
+    """All slips under one decay, started from fits under decays near it."""
+
+    def __call__(self, decay: float, near: Sequence[Shot] = ()) -> Shot:
+        """All slips fitted."""
+
+
+def profiled(
+    speed: float, coulomb: Shot, fitted: Fitted, tell: Callable[[str, float], None]
+) -> tuple[Shot, float, Profile]:
+    """The decay that slips `fitted` under it say most of, and its profile.
+
+    `speed` is that of a typical slip. The profile is widened until it rises on both sides, and refined where it is
+    lowest, until a parabola through three of its points errs by less than chance.
     """
     decays = np.array([0.1, 0.4, 1.5, 6.0, 24.0]) / speed
     shots = []
     for i, decay in enumerate(decays):
         tell("hyperbolic law", 0.5 + 0.04 * i)
-        shots.append(_fitted(decay, coulomb, rig, noise, simulator))
+        shots.append(fitted(decay))
     profile = Profile(decays, shots, np.array([scores_of(s, coulomb) for s in shots]))
     for _ in range(WIDER):
         at = int(np.argmin(profile.scores.sum(axis=1)))
         if 0 < at < len(profile.decays) - 1:
             break
         place, decay = (0, profile.decays[0] / 4) if at == 0 else (at + 1, profile.decays[-1] * 4)
-        profile = profile.joined(place, decay, _fitted(decay, coulomb, rig, noise, simulator), coulomb)
+        profile = profile.joined(place, decay, fitted(decay), coulomb)
     for level in range(REFINEMENTS):
         total = profile.scores.sum(axis=1)
         i = profile.lowest(total)
@@ -93,11 +112,11 @@ def hyperbolic(
         tell("hyperbolic law", 0.7 + 0.02 * level)
         for at in (i + 1, i):  # the later gap first: it does not move the earlier
             decay = float(np.sqrt(profile.decays[at - 1] * profile.decays[at]))
-            shot = _fitted(decay, coulomb, rig, noise, simulator, profile.shots[at - 1 : at + 1])
+            shot = fitted(decay, profile.shots[at - 1 : at + 1])
             profile = profile.joined(at, decay, shot, coulomb)
     decay = profile.best(np.ones(len(coulomb.windows)))
     near = profile.shots[profile.lowest(profile.scores.sum(axis=1))]
-    return _fitted(decay, coulomb, rig, noise, simulator, [near]), decay, profile
+    return fitted(decay, [near]), decay, profile
 
 
 def _fitted(

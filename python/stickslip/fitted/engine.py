@@ -79,6 +79,7 @@ class Engine:
     hypothesis: Hypothesis
     threads: int
     learned: tuple[Learned, ...] = ()
+    most_steps: int = MOST_STEPS
     _last: tuple[bytes, Floats, list[dict[str, float]]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -106,7 +107,7 @@ class Engine:
 
     def __reduce__(self) -> tuple[object, ...]:
         # what the core takes does not cross processes; it is made again
-        return type(self), (self.data, self.hypothesis, self.threads, self.learned)
+        return type(self), (self.data, self.hypothesis, self.threads, self.learned, self.most_steps)
 
     def parameters(self, vector: Floats, run: int) -> tuple[Floats, dict[str, float]]:
         """The core's parameter vector and the values by name."""
@@ -170,7 +171,7 @@ class Engine:
                 columns=columns,
                 kept=kept,
                 max_transitions=MOST_TRANSITIONS,
-                max_steps=MOST_STEPS,
+                max_steps=self.most_steps,
                 order=order,
                 threads=self.threads,
             )

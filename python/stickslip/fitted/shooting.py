@@ -301,7 +301,7 @@ def _improve(
     """One accepted step, or the old values once the damping says that there is none."""
     while damping < 1e8:
         A, g, follow = _eliminate(blocks, prior, prior @ (shared - centre), damping)
-        step = _above(shared, np.asarray(-np.linalg.solve(A, g), dtype=float), A, g, centre)
+        step = above_zero(shared, np.asarray(-np.linalg.solve(A, g), dtype=float), A, g, centre)
         moved = []
         for w, X in zip(windows, follow, strict=True):
             own = pack(w, p.state_names) - X[:, -1] - X[:, :-1] @ step
@@ -314,7 +314,7 @@ def _improve(
     return shared, windows, cost, damping
 
 
-def _above(shared: Array, step: Array, A: Array, g: Array, declared: Array) -> Array:
+def above_zero(shared: Array, step: Array, A: Array, g: Array, declared: Array) -> Array:
     """The step along the bound where it would take numbers declared as 0 below that: the others follow."""
     pinned = (declared == 0) & (shared + step < 0)
     if not pinned.any():

@@ -224,15 +224,15 @@ def _improve(engine: Engine, point: Point) -> tuple[Floats, list[Window], float,
     say = max(1.0, float(np.median([float(b.r @ b.r) / max(len(b.r), 1) for b in blocks])))
     precision = say * engine.precision
     pull = precision * (engine.centre - vector)
-    share = None if point.knee is None else _shares(blocks, point.knee)
+    share = None if point.knee is None else shares(blocks, point.knee)
     extra = (say - 1.0) * engine.penalty(vector)
     cost = point.cost + extra
     if not np.isfinite(cost):
-        cost = _total(engine.costs(vector, windows), point.knee) + say * engine.penalty(vector)
+        cost = total(engine.costs(vector, windows), point.knee) + say * engine.penalty(vector)
     for attempt in range(12):
         A, g, follow = reduced(engine, blocks, windows, np.diag(precision), pull, damping, share)
         try:
-            step = _within(A, g, low - vector, high - vector)
+            step = within(A, g, low - vector, high - vector)
         except np.linalg.LinAlgError:
             damping *= 10
             continue
@@ -243,17 +243,17 @@ def _improve(engine: Engine, point: Point) -> tuple[Floats, list[Window], float,
             for w, (own, cross) in zip(windows, follow, strict=True)
         ]
         costs = engine.costs(trial, shifted)
-        trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
+        trial_cost = total(costs, point.knee) + say * engine.penalty(trial)
         if trial_cost >= cost and attempt < RESCUES and np.isfinite(trial_cost):
             shifted, costs = followed(engine, trial, shifted, costs, blocks)
-            trial_cost = _total(costs, point.knee) + say * engine.penalty(trial)
+            trial_cost = total(costs, point.knee) + say * engine.penalty(trial)
         if trial_cost < cost:
             return trial, shifted, trial_cost - (say - 1.0) * engine.penalty(trial), max(damping / 10, 1e-7)
         damping = max(damping, 1e-6) * 6
     return None
 
 
-def _within(A: Floats, g: Floats, low: Floats, high: Floats) -> Floats:
+def within(A: Floats, g: Floats, low: Floats, high: Floats) -> Floats:
     """Solve A step = g with what stands at a bound and would leave it held there."""
     free = np.ones(len(g), dtype=bool)
     step = np.zeros(len(g))
@@ -268,13 +268,13 @@ def _within(A: Floats, g: Floats, low: Floats, high: Floats) -> Floats:
     return step
 
 
-def _shares(blocks: Sequence[Block], knee: Floats) -> Floats:
+def shares(blocks: Sequence[Block], knee: Floats) -> Floats:
     """The say of each window: d rho / d chi-squared."""
     cost = np.array([float(b.r @ b.r) for b in blocks])
     return np.asarray(np.minimum(1.0, knee / np.maximum(cost, 1e-300)))
 
 
-def _total(costs: Floats, knee: Floats | None) -> float:
+def total(costs: Floats, knee: Floats | None) -> float:
     """Sum over the windows, beyond the knee by the logarithm."""
     if knee is None:
         return float(costs.sum())

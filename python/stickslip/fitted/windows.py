@@ -23,15 +23,16 @@ FEWEST = 3  # slips of a record whose beginning may be left out
 EARLY = 0.2  # share of it that may be
 
 
-def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
+def cut(data: Sequence[Data], model: Model, cycles: float, *, early: float = EARLY) -> list[Window]:
     """Windows about `cycles` long, starting where the block slips fastest.
 
-    What comes before the first slip is left out, unless it is much of the record: how the block has come to where the
-    record begins, and for how long it has stuck there, is not known, and a window that begins wrongly misleads a fit.
+    What comes before the first slip is left out, unless it is more of the record than `early`: how the block has come
+    to where the record begins, and for how long it has stuck there, is not known, and a window that begins wrongly
+    misleads a fit.
     """
     out = []
     for number, run in enumerate(data):
-        starts = [_first(run)]
+        starts = [_first(run, early)]
         for at in run.slips:
             if run.t[at] - run.t[starts[-1]] >= (cycles - 0.5) * run.cycle:
                 starts.append(int(at))
@@ -42,12 +43,12 @@ def cut(data: Sequence[Data], model: Model, cycles: float) -> list[Window]:
     return out
 
 
-def _first(run: Data) -> int:
+def _first(run: Data, early: float) -> int:
     """Sample at which the first window starts."""
     if len(run.slips) < FEWEST:
         return 0
     at = int(run.slips[0])
-    return at if run.t[at] - run.t[0] <= EARLY * (run.t[-1] - run.t[0]) else 0
+    return at if run.t[at] - run.t[0] <= early * (run.t[-1] - run.t[0]) else 0
 
 
 def start_window(run: Data, number: int, model: Model, start: int, stop: int) -> Window:

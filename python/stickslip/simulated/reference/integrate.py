@@ -94,7 +94,7 @@ class Run:
 
     def at(self, t: ArrayLike) -> Floats:
         """Full state (n, d + h) at the times `t` (n,), integrated afresh from the start of its step."""
-        return np.array([_advance(self.system, s.side, s.t, s.z, x) for x, s in self._find(t)])
+        return np.array([advance(self.system, s.side, s.t, s.z, x) for x, s in self._find(t)])
 
     def mode_at(self, t: ArrayLike) -> NDArray[np.int64]:
         """Contact mode (n,) at the times `t` (n,)."""
@@ -284,7 +284,7 @@ def _land(system: System, guard: Guard, step: Step, a: float, b: float) -> tuple
     looks = np.linspace(a, b, 9)
     rise = system.rate(guard, looks, step.dense(looks), step.side)
     if rise.min() > 1e-3 * rise.max():
-        landed = _henon(system, guard, step.side, a, _advance(system, step.side, step.t, step.z, a))
+        landed = _henon(system, guard, step.side, a, advance(system, step.side, step.t, step.z, a))
         if landed is not None and a - ON_SURFACE <= landed[0] <= b + ON_SURFACE:
             return landed
 
@@ -292,7 +292,7 @@ def _land(system: System, guard: Guard, step: Step, a: float, b: float) -> tuple
         return float(guard(t, step.dense(t)))
 
     t = b if value(a) * value(b) > 0 else float(brentq(value, a, b, xtol=1e-15))
-    return t, _advance(system, step.side, step.t, step.z, t)
+    return t, advance(system, step.side, step.t, step.z, t)
 
 
 def _henon(system: System, guard: Guard, side: Side, t: float, z: Floats) -> tuple[float, Floats] | None:
@@ -314,7 +314,7 @@ def _henon(system: System, guard: Guard, side: Side, t: float, z: Floats) -> tup
     return float(tz[0]), np.asarray(tz[1:])
 
 
-def _advance(system: System, side: Side, t: float, z: Floats, end: float) -> Floats:
+def advance(system: System, side: Side, t: float, z: Floats, end: float) -> Floats:
     """State at `end`, from `t`, `z`, sides frozen."""
     if end == t:
         return z

@@ -89,7 +89,7 @@ def _round(request: Request, work: _Work, client: Client, deliver: Deliver) -> b
     def submit() -> None:
         block = work.following()
         if block is not None:
-            future = cluster.submit(_block, shared, block, build(), pure=False, retries=3)
+            future = cluster.submit(computed_here, shared, block, build(), pure=False, retries=3)
             where[future.key] = block
             flow.add(future)
 
@@ -131,7 +131,7 @@ def build() -> Build:
     return str(config["isa"]), str(config["version"])
 
 
-def _block(request: Request, block: Block, asked: Build) -> Arrays | str:
+def computed_here(request: Request, block: Block, asked: Build) -> Arrays | str:
     """Compute a chunk; or say, in a sentence and not as an error that dask would try again, why this worker may not."""
     here = build()
     return request.compute_block(block) if here == asked else _differs(here, asked)
