@@ -59,6 +59,11 @@ class ParameterInfo:
     sought: tuple[float, float] | None = None
     of_size: bool = False
 
+    def allows(self, value: float) -> bool:
+        """Whether a number may be declared of it."""
+        low, high = self.bounds
+        return low < value <= high if self.open_below else low <= value <= high
+
 
 @dataclass(frozen=True)
 class Wave:

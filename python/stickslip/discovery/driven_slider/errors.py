@@ -30,12 +30,12 @@ def error_block(
     ends = np.cumsum(validate.lengths)
     left = {"before": validate.unexplained(null), "after": validate.unexplained(chosen)}
     floor = validate.noise.std
-    rows, powers = [], {"before": 0.0, "after": 0.0, "floor": 0.0}
+    rows = []
     for run, stop, length in zip(case.validate, ends, validate.lengths, strict=True):
         part = slice(stop - length, stop)
         total = float(np.linalg.norm(validate.force[part]))
-        force = {k: float(np.linalg.norm(v[part])) / total for k, v in left.items()}
-        force["floor"] = floor * np.sqrt(length) / total
+        force = {k: share(float(np.linalg.norm(v[part])), total) for k, v in left.items()}
+        force["floor"] = share(floor * float(np.sqrt(length)), total)
         position = {
             "before": forecasts(before, run, AHEAD),
             "after": forecasts(after, run, AHEAD),
@@ -51,7 +51,7 @@ def error_block(
                 run.name,
                 0.0,
                 force,
-                {k: v / moved for k, v in position.items()},
+                {k: share(v, moved) for k, v in position.items()},
                 none,
                 none,
                 none,
@@ -60,11 +60,15 @@ def error_block(
                 unit,
             )
         )
-        for k, v in force.items():
-            powers[k] += (v * total) ** 2
     total = float(np.linalg.norm(validate.force))
-    share = {k: float(np.sqrt(v)) / total for k, v in powers.items()}
-    return ErrorBlock(METRIC, share["before"], share["after"], share["floor"], tuple(rows))
+    whole = {k: share(float(np.linalg.norm(v)), total) for k, v in left.items()}
+    noise = share(floor * float(np.sqrt(sum(validate.lengths))), total)
+    return ErrorBlock(METRIC, whole["before"], whole["after"], noise, tuple(rows))
+
+
+def share(part: float, whole: float) -> float:
+    """A part of a whole; nan where there is no whole: no drive, or no motion."""
+    return part / whole if whole > 0 else NAN
 
 
 def starts(run: Recording, steps: int) -> tuple[NDArray[np.intp], Floats, Floats]:

@@ -160,8 +160,7 @@ class Balance:
             widths.append(w.shape[1])
         parts += [last] if extra is None else [last, self.whitened(extra)]
         X = np.column_stack(parts)
-        scale = np.linalg.norm(X, axis=0)
-        scale[scale == 0] = 1.0
+        scale = lengths(X)
         b, rank = _solved(X / scale, wy)
         b /= scale
         numbers = b[: first.shape[1]]
@@ -275,6 +274,12 @@ class Balance:
             span = self.runs[-1].t[-1] - self.runs[0].t[0]
             return float(1 / (one.inside[0] * span))
         return 0.3
+
+
+def lengths(columns: Floats) -> Floats:
+    """Lengths (m,) of columns to divide them by: 1 of one that is zero."""
+    out = np.linalg.norm(columns, axis=0)
+    return np.where(out > 0, out, 1.0)
 
 
 def _solved(X: Floats, y: Floats) -> tuple[Floats, int]:

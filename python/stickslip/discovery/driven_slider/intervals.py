@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider import terms as tm
+from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit, lengths
 from stickslip.discovery.driven_slider.terms import Law
 from stickslip.discovery.result import Interval
 
@@ -29,31 +31,33 @@ def intervals(balance: Balance, fit: Fit) -> Numbers:
     """Intervals of the law and of every candidate's parameters.
 
     The numbers are drawn from the normal distribution that the least squares give, its variance multiplied by
-    chi-squared per reading where that is above 1: what is left over widens the intervals.
+    chi-squared per reading where that is above 1: what is left over widens the intervals. A scanned number is drawn
+    no further than the runs can tell: what moves nothing has the whole of that range.
     """
     X, steps = balance.design(fit)
     names = balance.law_names(fit)
     used = len(names) + sum(len(b) for b in fit.amplitudes)
-    scale = np.maximum(np.linalg.norm(X, axis=0), 1e-300)
-    q = np.linalg.pinv((X / scale).T @ (X / scale), rcond=1e-12, hermitian=True) / np.outer(scale, scale)
     keep = [*range(used), *range(X.shape[1] - len(steps), X.shape[1])]
-    covariance = q[np.ix_(keep, keep)] * max(fit.per_reading, 1.0)
     best = np.concatenate([fit.coefficients[:used], np.zeros(len(steps))])
-    drawn = np.random.default_rng(0).multivariate_normal(best, covariance, DRAWS, method="eigh")
+    drawn = _drawn(best, X, keep, used, max(fit.per_reading, 1.0))
     law = {
-        name: _interval(fit.coefficients[i], drawn[:, i]) for i, name in enumerate(names) if name != "mass"
+        name: Interval(float(fit.coefficients[i]), None, None)
+        if not X[:, i].any()  # a direction in which the slider never moved
+        else _interval(fit.coefficients[i], drawn[:, i])
+        for i, name in enumerate(names)
+        if name != "mass"
     }
     out = Numbers(law, {}, {})
+    grids = tm.grids(balance.runs, balance.band.cutoff)
     at, k = len(names), 0
     for one, b in zip(fit.choices, fit.amplitudes, strict=True):
         count = len(one.inside)
         values = one.term.parameters(one.inside, b, fit.law)
         many: dict[str, list[float]] = {name: [] for name in values}
-        for row in drawn:
-            shifted = one.inside * np.exp(steps[k : k + count] * row[used + k : used + k + count])
-            for name, value in one.term.parameters(
-                shifted, row[at : at + len(b)], _law(fit, names, row)
-            ).items():
+        shifted = _shifted(one, steps[k : k + count] * drawn[:, used + k : used + k + count], grids)
+        for row, inside in zip(drawn, shifted, strict=True):
+            numbers = one.term.parameters(inside, row[at : at + len(b)], _law(fit, names, row))
+            for name, value in numbers.items():
                 many[name].append(value)
         if one.name.startswith("tabulated"):
             out.deviations[one.name] = np.array([np.std(v) for v in many.values()])
@@ -62,6 +66,30 @@ def intervals(balance: Balance, fit: Fit) -> Numbers:
         }
         at, k = at + len(b), k + count
     return out
+
+
+def _drawn(best: Floats, X: Floats, keep: list[int], used: int, inflated: float) -> Floats:
+    """Draws (DRAWS, k) of the numbers whose columns of the design are `keep`.
+
+    The first `used` are coefficients, the rest shifts of scanned numbers: endless both ways where nothing moves.
+    """
+    scale = lengths(X)
+    q = np.linalg.pinv((X / scale).T @ (X / scale), rcond=1e-12, hermitian=True) / np.outer(scale, scale)
+    covariance = q[np.ix_(keep, keep)] * inflated
+    generator = np.random.default_rng(0)
+    # semidefinite but for rounding, whatever the sizes of its entries
+    out = generator.multivariate_normal(best, covariance, DRAWS, check_valid="ignore", method="eigh")
+    silent = used + np.flatnonzero(~X[:, keep[used:]].any(axis=0))
+    out[::2, silent], out[1::2, silent] = -np.inf, np.inf
+    return out
+
+
+def _shifted(one: Choice, logs: Floats, grids: Mapping[str, Floats]) -> Floats:
+    """Scanned numbers (DRAWS, k) whose logarithms are shifted, within what is tried of them."""
+    for i, (name, inside) in enumerate(zip(one.term.scanned, np.abs(one.inside), strict=True)):
+        tried = np.append(np.abs(grids[name]), inside)
+        logs[:, i] = np.clip(logs[:, i], *np.log(np.array([tried.min(), tried.max()]) / inside))
+    return np.asarray(one.inside * np.exp(logs))
 
 
 def _law(fit: Fit, names: tuple[str, ...], row: Floats) -> Law:

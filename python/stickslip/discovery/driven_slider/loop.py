@@ -15,7 +15,7 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import percent, plainly
-from stickslip.discovery.driven_slider.errors import error_block
+from stickslip.discovery.driven_slider.errors import error_block, share
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import Band, band, motion
@@ -114,6 +114,9 @@ def balance(runs: Sequence[Recording], over: Band, mass: float) -> Balance:
     for run in runs:
         assert run.drive is not None
         out.append(motion(run.name, run.t, run.x1, run.drive, over))
+    if all(one.rest.all() for one in out):
+        words = "no sample is beyond doubt in motion; a force balance needs a slider that slides"
+        raise InputError(f"no verdict: {', '.join(one.name for one in out)}: {words}")
     return Balance(out, over, mass)
 
 
@@ -203,13 +206,13 @@ def evidence(
     if other > control:
         control, name, best = other, where, None
     base = _power(validate, less)
-    ratio = float(np.sqrt(_power(validate, chosen) / base))
-    share = 100 * drop / max(search.excess, 1e-300)
-    words = f"it explains {plainly(share)} % of what the declared law leaves beyond the noise"
+    ratio = float(np.sqrt(share(_power(validate, chosen), base)))
+    explained = 100 * drop / max(search.excess, 1e-300)
+    words = f"it explains {plainly(explained)} % of what the declared law leaves beyond the noise"
     if best is None and name:
         words += f"; {name} would explain {percent(control / max(search.excess, 1e-300))}"
     if best is not None:
-        held = float(np.sqrt(_power(validate, best) / base))
+        held = float(np.sqrt(share(_power(validate, best), base)))
         words += f"; on the validate runs the error falls to {ratio:.3f} of what it was"
         words += f", with {name} instead to {held:.3f}"
     penalty = float(np.log(len(chosen.white))) * (chosen.freedom - less.freedom)

@@ -86,6 +86,11 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     """
     dt = float(np.median(np.diff(t)))
     a = mass * np.diff(x, 2) / dt**2
+    for what, values in (("the drive", force), ("the acceleration", a)):
+        if np.ptp(values) == 0:
+            raise InputError(
+                f"no verdict: {what} never changes; a force balance needs a drive that moves the slider"
+            )
     size = int(min(1024, max(64, len(a) // 16)))
     f, c = scipy.signal.coherence(force[1:-1], a, fs=1 / dt, nperseg=size)
     c = scipy.ndimage.median_filter(c, size=5)

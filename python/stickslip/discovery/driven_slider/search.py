@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import DRIVEN
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
 from stickslip.discovery.driven_slider.dictionary import Dictionary, Scorer
@@ -137,7 +138,7 @@ class Search:
             choice = self.dictionary.entries[i].choice
             self.tell(f"trying {' + '.join((*fit.names, choice.name))}")
             out.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
-        return tuple(sorted(out, key=self.score))
+        return tuple(sorted(filter(possible, out), key=self.score))
 
     def score(self, fit: Fit) -> float:
         """-2 log likelihood with the price of the numbers."""
@@ -153,7 +154,8 @@ class Search:
                 rivals = (learned[0], *rivals)
             if not rivals or not self.pays(fit, rivals[0]):
                 break
-            after = self.balance.sharpen(rivals[0].choices, rivals[0].law)
+            sharper = self.balance.sharpen(rivals[0].choices, rivals[0].law)
+            after = sharper if possible(sharper) else rivals[0]
             self.steps.append(Step(fit, after, rivals[1:]))
             fit = after
         return self._thinned(self._exchanged(fit))
@@ -167,7 +169,7 @@ class Search:
             rivals = self.joined(less, taken=(one.name, *RIPPLES))
             if rivals and self.score(rivals[0]) < self.score(fit):
                 other = self.balance.sharpen(rivals[0].choices, rivals[0].law)
-                if self.score(other) < self.score(fit):
+                if possible(other) and self.score(other) < self.score(fit):
                     fit = other
         return fit
 
@@ -192,9 +194,19 @@ class Search:
     def _thinned(self, fit: Fit) -> Fit:
         for one in list(fit.choices):
             less = self.without(fit, one.name)
-            if not self.pays(less, fit):
+            if possible(less) and not self.pays(less, fit):
                 fit = less
         return fit
+
+
+def possible(fit: Fit) -> bool:
+    """Whether every named effect of a fit has numbers within the bounds that the catalogue sets them."""
+    numbers = fit.parameters()
+    return all(
+        info.allows(numbers[name].get(info.name, 0.0))
+        for name in numbers.keys() & DRIVEN.keys()
+        for info in DRIVEN[name].parameters
+    )
 
 
 __all__ = ["Choice", "Gate", "Search", "Step"]

@@ -243,14 +243,20 @@ def terms() -> tuple[Term, ...]:
     )
 
 
+def usual_speed(run: Motion) -> float:
+    """Median speed; of the samples in motion, where the slider may be at rest at more than half of them."""
+    moving = ~run.rest if np.mean(run.rest) > 0.5 else slice(None)
+    return float(np.median(np.abs(run.v[moving])))
+
+
 def grids(runs: Sequence[Motion], cutoff: float) -> dict[str, Floats]:
     """Values to try of every scanned number, from what the runs can tell."""
     fastest = max(float(np.percentile(np.abs(run.v), 99)) for run in runs)
-    slow = min(float(np.percentile(np.abs(run.v), 50)) for run in runs)
+    slow = min(usual_speed(run) for run in runs if not run.rest.all())
     reach = max(float(np.ptp(run.x)) for run in runs)
     span = sum(float(run.t[-1] - run.t[0]) for run in runs)
     dt = runs[0].dt
-    waves = np.arange(FEWEST_WAVES / reach, cutoff / max(slow, 1e-12), 0.7 / reach)
+    waves = np.arange(FEWEST_WAVES / reach, cutoff / slow, 0.7 / reach)
     return {
         "v_s": np.geomspace(0.003 * fastest, fastest, 16),
         "d": np.geomspace(3e-5 * reach, 0.03 * reach, 16),
