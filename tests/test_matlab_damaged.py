@@ -1,8 +1,8 @@
 """A damaged MATLAB file is read or refused in one line; it never gives a traceback and never ends the process."""
 
 import io
+import os
 import random
-import signal
 import subprocess
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import pytest
 import scipy.io
 
 import stickslip as ss
+from stickslip.measured.readers import matlab_process
 from stickslip.measured.readers.tables import column_names, read_columns
 
 T = np.arange(300) * 0.05
@@ -57,10 +58,108 @@ def test_one_flipped_bit_or_a_cut_is_read_or_refused(tmp_path, kind):
     assert seen <= {"read", "one line"}
 
 
-def test_a_parser_that_is_ended_by_a_signal_is_one_line(tmp_path, monkeypatch):
+@pytest.fixture
+def parser_that(tmp_path, monkeypatch):
+    """Let the parser do something else than parse, within 1 s and 200 MB; it gives the file to read."""
+
+    def doing(words):
+        program = tmp_path / "child.py"
+        child = matlab_process.PROGRAM
+        program.write_text(
+            f"import sys; sys.path.insert(0, {str(child.parent)!r})\n"
+            f"import matlab_child\ndef answer(file, names):\n    {words}\n"
+            "matlab_child.answer = answer\nmatlab_child.main()\n"
+        )
+        monkeypatch.setattr(matlab_process, "PROGRAM", program)
+        monkeypatch.setattr(matlab_process, "SECONDS", 1)
+        monkeypatch.setattr(matlab_process, "MEMORY", 200 << 20)
+        matlab_process.PARSER.close()
+        file = tmp_path / "a.mat"
+        file.write_bytes(written())
+        return file
+
+    yield doing
+    matlab_process.PARSER.close()
+
+
+@pytest.mark.parametrize(
+    ("does", "said"),
+    [
+        ("import os; os.kill(os.getpid(), 11)", "a damaged MATLAB file (its parser was ended by signal 11)"),
+        ("import time; time.sleep(60)", "not parsed within 1 s"),
+        ("while True: pass", "not parsed within 1 s"),
+        ("import numpy; numpy.ones(10**9)", "it needs more than 0.195 GiB of memory"),
+        ("raise RuntimeError('odd')", "a damaged one (odd)"),
+        ("import os; os._exit(3)", "the process that parses MATLAB files failed"),
+        ("import os; os.write(1, b'{'); os._exit(0)", "the process that parses MATLAB files failed"),
+    ],
+)
+def test_a_parser_that_dies_hangs_or_eats_memory_is_one_line(parser_that, does, said):
+    file = parser_that(does)
+    for _ in range(2):  # the next one is as fresh
+        with pytest.raises(ss.InputError) as caught:
+            read_columns(file, ["t"])
+        assert said in str(caught.value)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_one_process_parses_all_files(tmp_path, monkeypatch):
+    started = []
+    real = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", lambda *a, **k: started.append(a) or real(*a, **k))
+    matlab_process.PARSER.close()
+    for name in "abc":
+        (tmp_path / f"{name}.mat").write_bytes(written(**KINDS["5"]))
+        column_names(tmp_path / f"{name}.mat")
+        read_columns(tmp_path / f"{name}.mat", ["t"])
+    assert len(started) == 1
+
+
+def test_a_parser_that_ended_between_two_files_is_replaced(tmp_path):
     file = tmp_path / "a.mat"
     file.write_bytes(written())
-    fallen = subprocess.CompletedProcess([], -signal.SIGSEGV, b"", b"")
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: fallen)
-    with pytest.raises(ss.InputError, match="damaged MATLAB file"):
+    read_columns(file, ["t"])
+    child = matlab_process.PARSER._child
+    child.kill()
+    child.wait()
+    np.testing.assert_array_equal(read_columns(file, ["t"]).values["t"], T)
+
+
+def test_a_forked_copy_and_its_origin_read_side_by_side(tmp_path):
+    file = tmp_path / "a.mat"
+    file.write_bytes(written())
+    read_columns(file, ["t"])
+    child = os.fork()
+    if child == 0:
+        good = all((read_columns(file, ["x1"]).values["x1"] == SIGNALS["x1"]).all() for _ in range(3))
+        os._exit(0 if good else 1)
+    for _ in range(3):
+        np.testing.assert_array_equal(read_columns(file, ["t"]).values["t"], T)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+OUTLINES = {
+    "nothing": b"",
+    "text": b"t,x1,y1\n" * 100,
+    "zeros": bytes(400),
+    "a cut": written()[:-5],
+    "a long element": written()[:132] + b"\xff\xff\xff\x7f" + written()[136:],
+    "a cut of version 4": written(format="4")[:200],
+    "version 7.3": b"MATLAB 7.3 MAT-file".ljust(512),
+}
+
+
+@pytest.mark.parametrize("kind", OUTLINES)
+def test_what_cannot_be_a_whole_file_starts_no_parser(tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("a parser was started"))
+    matlab_process.PARSER.close()
+    file = tmp_path / "a.mat"
+    file.write_bytes(OUTLINES[kind])
+    with pytest.raises(ss.InputError, match=r"MATLAB"):
         read_columns(file, ["t"])
+
+
+def test_a_pipe_is_no_file(tmp_path):
+    os.mkfifo(tmp_path / "a.mat")
+    with pytest.raises(ss.InputError, match="no file on a disk"):
+        read_columns(tmp_path / "a.mat", ["t"])

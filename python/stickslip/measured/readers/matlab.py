@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
+import stat
+import struct
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, Place, quoted
+from stickslip.measured.readers.matlab_process import PARSER, ParserError
 
 Floats = NDArray[np.float64]
 
-_CHILD = Path(__file__).with_name("matlab_child.py")
+_HEADER = 128  # bytes of words and a version, before the variables of version 5 and later
+_ELEMENTS = (14, 15)  # a variable, plain or compressed
+_NUMBERS = (8, 4, 4, 2, 2, 1)  # bytes of a number of version 4, by the type of its header
 
 
 def read(file: Path, names: Sequence[str] = ()) -> tuple[list[str], dict[str, Floats]]:
@@ -24,25 +26,58 @@ def read(file: Path, names: Sequence[str] = ()) -> tuple[list[str], dict[str, Fl
     Raises
     ------
     InputError
-        The file is damaged, of version 7.3 or not of MATLAB; a variable is no real vector.
+        The file is damaged, of version 7.3 or not of MATLAB; it takes too long, or too much memory; a variable is no
+        real vector.
     """
-    command = [sys.executable, "-P", str(_CHILD), str(file.absolute()), *names]
-    pipe = subprocess.PIPE
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, check=False)
-    if done.returncode < 0:
-        words = f"a damaged MATLAB file (its parser was ended by signal {-done.returncode}); save it again"
-        raise InputError(words, place=Place(str(file)))
-    if done.returncode:
-        last = (done.stderr.decode(errors="replace").strip().splitlines() or ["no words"])[-1]
-        words = f"the process that parses MATLAB files failed: {quoted(last, 120)}"
-        raise InputError(words, place=Place(str(file)))
-    end = done.stdout.index(b"\n") + 1
-    head = json.loads(done.stdout[:end])
-    if "fault" in head:
-        place = Place(str(file), column=head.get("column"))
-        raise InputError(quoted(head["fault"], 180), place=place)
-    values: dict[str, Floats] = {}
-    for name, size in head["columns"]:
-        values[name] = np.frombuffer(done.stdout, np.float64, size, end).copy()
-        end += 8 * size
-    return list(head["known"]), values
+    if wrong := _outside(file):
+        raise InputError(wrong, place=Place(str(file)))
+    try:
+        return PARSER.ask(file, names)
+    except ParserError as error:
+        words = quoted(error.words, 180)
+        raise InputError(words, place=Place(str(file), column=error.column)) from None
+
+
+def _outside(file: Path) -> str | None:
+    """What is wrong with a file as far as its outline shows; None if it may be sound.
+
+    Only headers and lengths are read: what is no MATLAB file, or is cut, starts no parser.
+    """
+    try:
+        if not stat.S_ISREG(file.stat().st_mode):
+            return "no file on a disk; give the MATLAB file itself"
+        with file.open("rb") as stream:
+            head, size = stream.read(_HEADER), file.stat().st_size
+            if head.startswith(b"\x89HDF") or head[:19] == b"MATLAB 7.3 MAT-file":
+                return "a MATLAB 7.3 file; save it with -v7"
+            if size < 20:
+                return f"not a MATLAB file: it has {size} bytes"
+            if 0 in head[:4]:  # words begin later versions
+                return _first_of_version_4(head, size)
+            if size < _HEADER or head[126:128] not in (b"IM", b"MI"):
+                return "not a MATLAB file, or a damaged one: no mark of its byte order"
+            order = "<" if head[126:128] == b"IM" else ">"
+            at = _HEADER
+            while at < size:
+                stream.seek(at)
+                tag = stream.read(8)
+                kind, length = struct.unpack(f"{order}II", tag) if len(tag) == 8 else (0, 0)
+                if kind not in _ELEMENTS or at + 8 + length > size:
+                    return f"a damaged MATLAB file: no whole variable begins at byte {at}; save it again"
+                at += 8 + length
+    except OSError as error:
+        return f"cannot be read ({error.strerror})"
+    return None
+
+
+def _first_of_version_4(head: bytes, size: int) -> str | None:
+    """What is wrong with the first variable of a version 4 file, by its header."""
+    for order in "<>":
+        kind, rows, columns, imaginary, name = struct.unpack(f"{order}5i", head[:20])
+        number = kind // 10 % 10
+        if not (0 <= kind < 5000 and number < len(_NUMBERS) and rows >= 0 and columns >= 0 and name > 0):
+            continue
+        data = rows * columns * _NUMBERS[number] * (2 if imaginary else 1)
+        if imaginary in (0, 1) and (kind % 10 == 2 or 20 + name + data <= size):  # a sparse one is shorter
+            return None
+    return "not a MATLAB file, or a damaged one: its first variable does not fit into it"
