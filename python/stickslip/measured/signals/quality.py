@@ -13,6 +13,7 @@ from stickslip.measured.signals._input import Booleans, Floats, finite_vector, p
 
 _CUBIC = (-1.0 / 6.0, 4.0 / 6.0, 0.0, 4.0 / 6.0, -1.0 / 6.0)  # the middle of five by its four neighbours
 _CUBIC_STD = math.sqrt(1.0 + sum(w * w for w in _CUBIC))  # of x - prediction, for unit white noise
+_AT_ONCE = 1 << 14  # samples whose differences are weighted at once: each takes some 500 bytes
 _WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
 
 
@@ -57,19 +58,29 @@ def noise_std(x: ArrayLike, *, t: ArrayLike | None = None, cut: float = 3.5) -> 
         On samples that are not finite, too few, or times that do not increase.
     """
     values = finite_vector(x, "x", at_least=12)
-    n = values.size - 3
-    if t is None:
-        weights = np.broadcast_to(np.array([-1.0, 3.0, -3.0, 1.0]) / math.sqrt(20.0), (n, 4))
-    else:
+    times = None
+    if t is not None:
         times = finite_vector(t, "t", at_least=12)
         if times.shape != values.shape or not (np.diff(times) > 0.0).all():
             raise InputError(f"t must increase and have the shape of x, {values.shape}")
-        quads = np.lib.stride_tricks.sliding_window_view(times, 4)
+    found = np.empty(values.size - 3)
+    for first in range(0, found.size, _AT_ONCE):
+        part = slice(first, first + _AT_ONCE + 3)
+        found[first : first + _AT_ONCE] = _differences(values[part], None if times is None else times[part])
+    return _trimmed_std(found, positive(cut, "cut"))
+
+
+def _differences(x: Floats, t: Floats | None) -> Floats:
+    """Third differences (n - 3,) scaled to unit weight."""
+    windows = np.lib.stride_tricks.sliding_window_view(x, 4)
+    if t is None:
+        weights = np.broadcast_to(np.array([-1.0, 3.0, -3.0, 1.0]) / math.sqrt(20.0), windows.shape)
+    else:
+        quads = np.lib.stride_tricks.sliding_window_view(t, 4)
         apart = quads[:, :, None] - quads[:, None, :] + np.eye(4) * (quads[:, 3:] - quads[:, :1])[:, :, None]
         divided = 1.0 / np.prod(apart / (quads[:, 3:] - quads[:, :1])[:, :, None], axis=2)
         weights = divided / np.linalg.norm(divided, axis=1, keepdims=True)
-    windows = np.lib.stride_tricks.sliding_window_view(values, 4)
-    return _trimmed_std(np.einsum("ij,ij->i", weights, windows), positive(cut, "cut"))
+    return np.asarray(np.einsum("ij,ij->i", weights, windows))
 
 
 @dataclass(frozen=True, eq=False)
