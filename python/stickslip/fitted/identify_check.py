@@ -12,6 +12,7 @@ from stickslip.fitted.identify_words import spread_share
 from stickslip.fitted.plausible import plausible
 from stickslip.fitted.shooting import Shot
 from stickslip.measured.case import Case
+from stickslip.measured.constants import block_constants
 from stickslip.measured.fit_window import Array
 
 LONG = 60  # samples of a run that the check can look at
@@ -24,10 +25,11 @@ def checked(case: Case) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        As `discover` refuses a wrong unit, sign or column, or a run of another rig.
+        As `discover` refuses a wrong unit, sign or column, a constant in another unit, or a run of another rig.
     """
     one_rig(case.rig, case.train)
     if not isinstance(case.rig, Rig):
+        block_constants(case)
         return ()
     runs = [run for run in case.train if run.y1 is not None and len(run.t) >= LONG]
     if not runs:

@@ -17,15 +17,16 @@ from stickslip.declared.rig import Rig
 from stickslip.declared.units import default_speed_unit, factor
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data
+from stickslip.fitted.rig_constants import rig_constants
 from stickslip.measured.case import Case
 from stickslip.measured.findings import FindingKind
+from stickslip.measured.prefixes import RATIO
 from stickslip.measured.stick_speed import commonest_rate
 
 Floats = NDArray[np.float64]
 BUMP = 0.6  # length of a test function, in cycles
 SURE = 0.97  # correlation of the two sides of the angle body's equation above which their ratio is believed
 CLOSE = 0.995  # the same where the equation holds but for noise
-RATIO = 1.6  # a ratio of y1 to x1 that no sensor of the list has
 SPEED = 2.5  # the same for the speed of the sticking block over the belt's
 ODD, ALIKE = 0.33, 0.03  # in the logarithm: a run's speed that is off, where the others' are right
 GAIN = 1.15  # a belt channel off by more, where block and set-point agree, is not believed
@@ -160,6 +161,8 @@ def plausible(case: Case, data: Sequence[Data]) -> tuple[list[Data], tuple[str, 
     if not ratio.sure:
         _odd_run(data, rig)
         _columns(case, data)
+    rig_constants(case, data, lambda other, faster: body_ratio(data, other, time=faster).right)
+    if not ratio.sure:
         _inertia(data, rig)
     if speed is not None and not 1 / SPEED < speed < SPEED:
         raise InputError(_belt(case, data, speed, ratio))

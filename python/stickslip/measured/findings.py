@@ -8,6 +8,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.measured.prefixes import power, put_right
 from stickslip.measured.signals import check_time_base, find_clipping, find_glitches, quantisation
 
 Floats = NDArray[np.float64]
@@ -149,9 +150,12 @@ def drive_findings(t: Floats, x: Floats, force: Floats, mass: float) -> list[Fin
     told = float(np.linalg.lstsq(columns, mean, rcond=None)[0][0])
     if 1 / 3 < told / mass < 3:
         return []
-    words = (
-        f"drive: it and the acceleration tell of a mass of {told:.3g} where {mass:.3g} is declared;"
-        " is a unit, the drive's scale, or a sign wrong, or a column another's?"
+    words = f"drive: it and the acceleration tell of a mass of {told:.3g} where {mass:.3g} is declared"
+    n = power(told / mass)
+    words += (
+        f"; {put_right({'mass': mass}, 'kg', n)}"
+        if n
+        else "; is a unit, the drive's scale, or a sign wrong, or a column another's?"
     )
     return [Finding(FindingKind.SIZE, "drive", words)]
 

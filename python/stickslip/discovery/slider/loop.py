@@ -25,6 +25,7 @@ from stickslip.discovery.slider.weigh import PRICE, Weighed
 from stickslip.errors import InputError
 from stickslip.fitted.block_events.table import Measured, measure, prepare
 from stickslip.measured.case import Case, Recording
+from stickslip.measured.constants import block_constants
 from stickslip.measured.stick_speed import why_idle
 
 
@@ -51,9 +52,10 @@ def discover(
     Raises
     ------
     InputError
-        Too few events, or a belt that stands still.
+        Too few events, a belt that stands still, or a mass or stiffness in another unit.
     """
     began = time.monotonic()
+    block_constants(case)
     tell = progress or (lambda _: None)
     tell("finding events")
     train, validate = ([measure(prepare(one)) for one in runs] for runs in (case.train, case.validate))
