@@ -159,7 +159,8 @@ def test_what_cannot_be_a_whole_file_starts_no_parser(tmp_path, monkeypatch, kin
         read_columns(file, ["t"])
 
 
-def test_a_pipe_is_no_file(tmp_path):
-    os.mkfifo(tmp_path / "a.mat")
+@pytest.mark.parametrize("name", ["a.mat", "a.csv"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
+    os.mkfifo(tmp_path / name)
     with pytest.raises(ss.InputError, match="no file on a disk"):
-        read_columns(tmp_path / "a.mat", ["t"])
+        read_columns(tmp_path / name, ["t"])

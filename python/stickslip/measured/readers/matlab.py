@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -44,8 +43,6 @@ def _outside(file: Path) -> str | None:
     Only headers and lengths are read: what is no MATLAB file, or is cut, starts no parser.
     """
     try:
-        if not stat.S_ISREG(file.stat().st_mode):
-            return "no file on a disk; give the MATLAB file itself"
         with file.open("rb") as stream:
             head, size = stream.read(_HEADER), file.stat().st_size
             if head.startswith(b"\x89HDF") or head[:19] == b"MATLAB 7.3 MAT-file":

@@ -132,4 +132,6 @@ def _existing(path: str | os.PathLike[str]) -> Path:
         siblings = [one.name for one in file.parent.glob(f"*{file.suffix}")] if file.parent.is_dir() else []
         hint = f"; {did_you_mean(file.name, sorted(siblings)[:8])}" if siblings else ""
         raise InputError(f"no such file{hint}", place=Place(str(file)))
+    if not file.is_file():  # a pipe would be waited for, a device never ends
+        raise InputError("no file on a disk; save the recording as one", place=Place(str(file)))
     return file
