@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass
-class _Made:
+class Made:
     """What a model makes of a run: readings (n, c), the rate of x1's (n,), states (n, 9), modes (n,); NaN for none."""
 
     readings: Floats
@@ -30,18 +30,18 @@ class _Made:
 
 def train_view(run: Data, number: int, before: Fit, after: Fit) -> RunView:
     """A run of the fit."""
-    return _view(run, _fitted(before, number), _fitted(after, number), before.engine.hypothesis.model.rig)
+    return view(run, _fitted(before, number), _fitted(after, number), before.engine.hypothesis.model.rig)
 
 
 def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> RunView:
     """A run that was forecast; NaN before the first forecast."""
-    return _view(run, _forecast(run, before), _forecast(run, after), rig)
+    return view(run, _forecast(run, before), _forecast(run, after), rig)
 
 
-def _fitted(fit: Fit, number: int) -> _Made:
+def _fitted(fit: Fit, number: int) -> Made:
     """A run in the fit; NaN where no window is."""
     run = fit.engine.data[number]
-    made = _nothing(run)
+    made = nothing(run)
     p = fit.engine.parameters(fit.vector, number)[1]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         if w.run != number:
@@ -56,16 +56,17 @@ def _fitted(fit: Fit, number: int) -> _Made:
     return made
 
 
-def _nothing(run: Data) -> _Made:
+def nothing(run: Data) -> Made:
+    """A run of which a model makes nothing."""
     n = len(run.t)
     none = np.full(n, np.nan)
-    return _Made(
+    return Made(
         np.full(run.readings.shape, np.nan), none, np.full((n, 9), np.nan), np.zeros(n, dtype=np.int8)
     )
 
 
-def _forecast(run: Data, measured: Measured) -> _Made:
-    made, got = _nothing(run), measured.prediction
+def _forecast(run: Data, measured: Measured) -> Made:
+    made, got = nothing(run), measured.prediction
     made.readings[measured.samples] = got.readings
     made.rate[measured.samples] = got.rate
     made.state[measured.samples] = got.state
@@ -73,7 +74,8 @@ def _forecast(run: Data, measured: Measured) -> _Made:
     return made
 
 
-def _view(run: Data, before: _Made, after: _Made, rig: object) -> RunView:
+def view(run: Data, before: Made, after: Made, rig: object) -> RunView:
+    """A run as measured and as two models have it."""
     channels = run.channels
     return RunView(
         name=run.name,

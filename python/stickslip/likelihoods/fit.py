@@ -23,6 +23,7 @@ STEPS = (1.0, 0.4, 0.1)
 LOST = 100.0  # chi-squared per reading of a window that cannot be simulated
 WORSE = (5.0, 0.02)  # growth of a window's cost, absolute and relative, from which it is polished alone
 SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is sought anew with
+LAST_TURNS = 40  # of it at the end of a fit
 TURNS = 6  # of the population's optimiser in a step
 BLANK = 1e-9
 
@@ -97,7 +98,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     for step in range(most):
         fit = _linearised(fit, policy)
         if step in (3, 7, 11, 15):
-            sought = _rescued(fit, policy)
+            sought = _rescued(fit)
             if sought is not fit:
                 fit = _linearised(sought, policy)
         trial, cost = _stepped(fit, policy, damping, free=step >= held)
@@ -115,24 +116,41 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
 
 
 def closed(fit: Fit, policy: Policy) -> Fit:
-    """Return the fit linearised where it stands, with its population and deviance."""
-    fit = _linearised(fit, policy)
-    found = _estimate(fit, policy, 40)
-    extra = np.where(fit.linear.weight < 1, _soft(_chi(fit), fit.knee) - fit.knee, 0.0).sum()  # type: ignore[union-attr]
-    prior = _tail_correction(fit)
-    return replace(
-        fit,
-        population=found.population,
-        noise=found.noise,
-        deviance=found.deviance + float(extra) + prior,
-        solution=found.solution,
-    )
+    """
+    Return the fit linearised where it stands, with its population and deviance.
+
+    The deviance is that of the windows as simulated. Where a fit has not settled, what the linearised windows promise
+    of a further step is no likelihood; that step is taken if it holds.
+    """
+    here = _linearised(fit, policy)
+    moved = _moved(here, _estimate(here, policy, LAST_TURNS), policy)
+    stayed = _valued(here, _estimate(here, policy, 0))
+    return min(moved, stayed, key=lambda one: one.deviance)
 
 
-def _tail_correction(fit: Fit) -> float:
-    """What the Gaussian that stands for a long tail leaves out of the prior."""
-    away, precision = fit.windows.prior.at(fit.at)
-    return fit.windows.prior.penalty(fit.at) - float(away @ precision @ away)
+def _moved(fit: Fit, found: Estimate, policy: Policy) -> Fit:
+    """The fit a whole step on, under another population."""
+    assert fit.linear is not None
+    solution = found.solution
+    low, high = (np.array([getattr(n, k) for n in fit.windows.numbers]) for k in ("low", "high"))
+    own = fit.own.copy()
+    own[:, : len(OWN)] += solution.own
+    own[:, len(OWN) :] = solution.effects
+    at = np.clip(fit.at + solution.shared, low, high)
+    there = replace(fit, at=at, own=own, population=found.population, noise=found.noise)
+    blocks = fit.windows.blocks(at, own, shared=(), local=False)
+    if sum(b is None for b in blocks) > sum(b is None for b in fit.blocks):
+        return replace(there, deviance=np.inf)
+    there = _linearised(there, policy)
+    return _valued(there, _estimate(there, policy, 0))
+
+
+def _valued(fit: Fit, found: Estimate) -> Fit:
+    """The fit with its deviance: the cost of the windows as simulated, their own numbers integrated."""
+    cost = _Cost(fit, fit.population, fit.noise)
+    _, total = cost.total(fit.blocks, fit.own, fit.at)
+    deviance = total + found.solution.volume + found.held
+    return replace(fit, deviance=deviance, solution=found.solution)
 
 
 def _linearised(fit: Fit, policy: Policy) -> Fit:
@@ -174,8 +192,8 @@ def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate:
 class _Cost:
     """Penalised cost of windows at a population."""
 
-    def __init__(self, fit: Fit, policy: Policy, population: Population, noise: Floats) -> None:
-        self.fit, self.policy, self.noise = fit, policy, noise
+    def __init__(self, fit: Fit, population: Population, noise: Floats) -> None:
+        self.fit, self.noise = fit, noise
         roots = factor(population, fit.windows.places)
         covariance = roots @ roots.transpose(0, 2, 1)
         e = covariance.shape[1]
@@ -211,7 +229,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     roots = factor(population, windows.places)
     prior = windows.prior.at(fit.at)
     solution = solve(fit.linear, roots, noise, *prior, fit.random, damping)
-    cost = _Cost(fit, policy, population, noise)
+    cost = _Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
     stride = np.array([n.stride for n in windows.numbers])
     share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
@@ -282,7 +300,7 @@ def _local_step(block: Floats, own: Floats, inverse: Floats, noise: Floats, damp
     return np.asarray(np.linalg.solve(gram, pull))
 
 
-def _rescued(fit: Fit, policy: Policy) -> Fit:
+def _rescued(fit: Fit) -> Fit:
     """The fit with its worst windows sought anew from several starts of their own."""
     assert fit.linear is not None
     windows = fit.windows
@@ -290,7 +308,7 @@ def _rescued(fit: Fit, policy: Policy) -> Fit:
     lost = per > max(1.5 * float(np.median(per)), 1.3)
     if not lost.any():
         return fit
-    cost = _Cost(fit, policy, fit.population, fit.noise)
+    cost = _Cost(fit, fit.population, fit.noise)
     best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
     fresh = windows.first()
     near = _neighbours(windows, lost)
@@ -316,9 +334,9 @@ def _neighbours(windows: RigWindows, lost: Mask) -> dict[int, list[int]]:
     return out
 
 
-def settled(fit: Fit, policy: Policy, turns: int = 2) -> tuple[float, Floats]:
+def settled(fit: Fit, turns: int = 2) -> tuple[float, Floats]:
     """Return the cost of a start and its own numbers once each window has settled alone."""
-    cost = _Cost(fit, policy, fit.population, fit.noise)
+    cost = _Cost(fit, fit.population, fit.noise)
     own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
     blocks = fit.windows.blocks(fit.at, own, shared=(), local=False)
     return cost.total(blocks, own, fit.at)[1], own

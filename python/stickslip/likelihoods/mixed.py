@@ -49,6 +49,7 @@ class Solution:
     covariance : its covariance
     own : (windows, own) steps of the initial states
     effects : (windows, effects) random effects, as expected given the readings
+    volume : what integrating a window's own numbers, and the noise's size, add to the deviance
     misfit : (windows, channels) weighted sums of squares that are left
     white : (windows, white) the random effects' white numbers
     inverse : (windows, own + white, own + white) covariance of a window's own numbers, the shared ones held
@@ -59,6 +60,7 @@ class Solution:
     covariance: Floats
     own: Floats
     effects: Floats
+    volume: float
     misfit: Floats
     white: Floats
     inverse: Floats
@@ -141,9 +143,11 @@ def solve(
     deviance = float(
         (misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + (step - mean) @ precision @ (step - mean)
     )
-    deviance += float(-np.linalg.slogdet(inverse)[1].sum())
-    deviance += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
-    return Solution(deviance, step, covariance, numbers[:, :q], effects, misfit, numbers[:, q:], inverse)
+    volume = float(-np.linalg.slogdet(inverse)[1].sum())
+    volume += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
+    return Solution(
+        deviance + volume, step, covariance, numbers[:, :q], effects, volume, misfit, numbers[:, q:], inverse
+    )
 
 
 def _turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:

@@ -24,13 +24,15 @@ class Estimate:
     ----------
     population, noise : what was estimated; variances of the channels
     solution : what the windows say there
-    deviance : -2 log marginal likelihood with the population's prior
+    deviance : -2 log marginal likelihood with the population's prior, of the linearised windows
+    held : the prior's part of it
     """
 
     population: Population
     noise: Floats
     solution: Solution
     deviance: float
+    held: float
 
 
 def estimate(
@@ -66,7 +68,9 @@ def estimate(
     if turns:
         best = minimize(free, first, method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": turns})
         x = np.asarray(best.x)
-    return Estimate(Population.at(x[:5]), np.exp(x[5:]), free.solved(x), free(x)[0])
+    solved = free.solved(x)
+    held = free.held(x)
+    return Estimate(Population.at(x[:5]), np.exp(x[5:]), solved, solved.deviance + held, held)
 
 
 @dataclass
@@ -102,6 +106,10 @@ class Deviance:
         count = (self.windows.count * self.windows.weight[:, None]).sum(axis=0)
         slope[5:] = count - found.misfit.sum(axis=0) / noise - taken(self.windows, roots, found, noise)
         return found.deviance + float(away @ away), slope
+
+    def held(self, x: Floats) -> float:
+        """Return -2 log prior of a population."""
+        return float((((x[:5] - self.centre) / self.spread) ** 2).sum())
 
     def _of_length(self, x: Floats, here: float) -> float:
         moved = x.copy()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit import Fit
-from stickslip.likelihoods.population import Population
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant
@@ -41,7 +40,7 @@ class Gate:
     threshold: float
 
 
-def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, scatter: Population) -> Gate:
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit) -> Gate:
     """
     Return the gate of a fitted hypothesis.
 
@@ -49,17 +48,19 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, scatter: Population)
     ----------
     bench, fit, screen : the hypothesis, and what was scored beside it
     seed : of the draws
-    scatter : population drawn from: the best rival's, as what a hypothesis lacks swells its own
+    best : the best rival's fit. What a hypothesis lacks swells its own scatter and noise; records are drawn, and
+        scored, with those of the best rival
     """
     rng = np.random.default_rng(seed)
+    fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit)
-    drawn = _drawn(bench, fit, null, screen, rng, scatter)
-    count, best = len(bench.stretches), np.zeros(bench.policy.draws)
+    drawn = _drawn(bench, fit, null, screen, rng)
+    count, most = len(bench.stretches), np.zeros(bench.policy.draws)
     shared = null.shared_pull(drawn, bench.policy.draws)
     for one in screen.scored:
         gains = one.gains(null, drawn, shared)
-        best = np.maximum(best, gains - one.count * math.log(count))
-    return Gate(best, _quantile(best, bench.policy.false_alarm))
+        most = np.maximum(most, gains - one.count * math.log(count))
+    return Gate(most, _quantile(most, bench.policy.false_alarm))
 
 
 def _quantile(best: Floats, probability: float) -> float:
@@ -70,12 +71,12 @@ def _quantile(best: Floats, probability: float) -> float:
 
 
 def _drawn(
-    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator, scatter: Population
+    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator
 ) -> list[Floats | None]:
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
-    effects = _effects(bench, fit, rng, scatter)
-    waves = _wobble(bench, screen, rng, wobble(bench, scatter))
+    effects = _effects(bench, fit, rng)
+    waves = _wobble(bench, screen, rng, wobble(bench, fit.population))
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -91,13 +92,13 @@ def _drawn(
     return out
 
 
-def _effects(bench: Bench, fit: Fit, rng: np.random.Generator, p: Population) -> Floats:
+def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
     """Random effects of all windows, (w, effects, draws)."""
-    draws = bench.policy.draws
+    p, draws = fit.population, bench.policy.draws
     out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
     for run, members in enumerate(fit.windows.by_run):
         level, static = (_chain(len(members), _memory(fit, members, k), rng, draws) for k in (1, 0))
-        field = _field(bench, fit, run, members, rng, p)
+        field = _field(bench, fit, run, members, rng)
         for j, i in enumerate(members):
             out[i, 0] = p.static * static[j]
             out[i, 1:-1] = p.level * level[j] + p.curve * field[j]
@@ -122,21 +123,14 @@ def _chain(n: int, memory: float, rng: np.random.Generator, draws: int) -> Float
     return out
 
 
-def _field(
-    bench: Bench,
-    fit: Fit,
-    run: int,
-    members: NDArray[np.int64],
-    rng: np.random.Generator,
-    p: Population,
-) -> Floats:
+def _field(bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np.random.Generator) -> Floats:
     """Friction along the belt at the places of each window's curve, of unit variance, (n, knots, draws)."""
     places = fit.windows.places[run]
     # one slip after the other: what is under the block when it sticks is there when it slips again
     along = np.array([j + places for j in range(len(members))])
     points = along.ravel()
     # the fit tells a length poorly; a field that changes slowly looks more like an effect
-    length = max(p.length, bench.policy.curve_length)
+    length = max(fit.population.length, bench.policy.curve_length)
     gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / length
     kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
     root = np.linalg.cholesky(kernel)

@@ -22,6 +22,7 @@ from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.stretches import stretches
+from stickslip.likelihoods.variances import MOST
 from stickslip.measured.case import Case
 
 MOST_LOST = 0.2  # share of windows
@@ -65,8 +66,11 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
 
 
 def _lost(trial: Trial) -> bool:
-    """Whether no law of this kind moves like most windows: their scatter then says nothing."""
-    return sum(b is None for b in trial.fit.blocks) > MOST_LOST * len(trial.fit.blocks)
+    """Whether the hypothesis is no model of these windows: many cannot be simulated, or scatter ends at its bound."""
+    p, failed = trial.fit.population, sum(b is None for b in trial.fit.blocks)
+    return (
+        failed > MOST_LOST * len(trial.fit.blocks) or max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
+    )
 
 
 def repeats(bench: Bench, trial: Trial) -> bool:

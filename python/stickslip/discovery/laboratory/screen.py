@@ -13,7 +13,7 @@ from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import SLOW, Bench, Term, of_term, wobble
-from stickslip.discovery.laboratory.null import Null, Projected
+from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.score import Columns, score
@@ -53,12 +53,13 @@ class Shapes:
     """Columns of an effect that does not come and go, one set for each value of what no score reaches."""
 
     count: int
-    sets: tuple[Projected, ...]
+    sets: tuple[Columns, ...]
 
     def gains(self, null: Null, drawn: list[Floats | None], shared: Floats) -> Floats:
         """Return the largest gain over all sets, for each draw."""
         best = np.zeros(shared.shape[1])
-        for one in self.sets:
+        for made in self.sets:
+            one = null.projected(made)
             pull = null.along(one.columns, drawn, shared.shape[1]).sum(axis=0)
             best = np.maximum(best, null.gains(one.cross.sum(axis=0), one.square.sum(axis=0), pull, shared))
         return best
@@ -112,7 +113,7 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
         if kind.name in taken:
             continue
         if kind.wave:
-            waves = Waves(bench, fit, terms, kind, null)
+            waves = Waves(bench, fit, terms, kind)
             found.append(_wave(bench, fit, kind, waves, null))
             scored.append(waves)
         else:
@@ -147,10 +148,10 @@ def _shape(
     for numbers, sizes in _starts(bench, kind):
         names = tuple(f"{kind.name}.{n}" for n in sizes)
         made = columns(bench, fit, terms, Term(effect(kind.name, **numbers)), names)
-        sets.append(null.projected(made))
+        sets.append(made)
         # what is 0 by declaration and stays 0 is no number
         count = sum(i.name in sizes or numbers[i.name] != 0 for i in kind.parameters)
-        gain, size = null.scored(sets[-1])
+        gain, size = null.scored(null.projected(made))
         if not _impossible(kind, sizes, size) and (best is None or gain > best[0]):
             best = gain, size, numbers, sizes, made
     shapes = Shapes(count, tuple(sets))

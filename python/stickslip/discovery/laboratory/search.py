@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.likelihoods.fit import Fit, begin, closed, fitted, settled
+from stickslip.likelihoods.fit import Fit, begin, fitted, settled
 from stickslip.likelihoods.population import whole
-from stickslip.likelihoods.rig_windows import RigWindows
 
-Floats = NDArray[np.float64]
-SCALES = (1.0, 0.4)  # of a predicted size, tried
 MOST = 3  # effects in a verdict
 STEPS = 16  # of a candidate's fit
 SHARED = 0.5  # of a candidate's gain: what the null gains from its start was no gain of its own
@@ -125,8 +121,8 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    scatter = min([base, *trials], key=Trial.worth).fit.population
-    return Step(base, screen, trials, gate(bench, base.fit, screen, seed, scatter)), base
+    best_fit = min([base, *trials], key=Trial.worth).fit
+    return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
 
 
 def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
@@ -141,15 +137,27 @@ def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
             stride = np.array([n.stride for n in windows.numbers[:p]])
             at[:p] += np.clip(candidate.step, -stride, stride)
         first = replace(base.fit, windows=windows, at=at)
-        cost, own = settled(first, bench.policy)
+        cost, own = settled(first)
         if best is None or cost < best[0]:
             best = cost, replace(first, own=own)
     assert best is not None
     fit = fitted(best[1], bench.policy, STEPS, held=2)
+    for start in _afresh(bench, base, candidate):
+        if base.fit.deviance - fit.deviance >= candidate.gain:
+            break
+        # less than its score promised: the fit failed, as a null that is far off is no place to start from
+        fit = min(fit, fitted(start, bench.policy), key=lambda one: one.deviance)
     found = terms_at((*base.terms, candidate.term), fit.windows, fit.at)
     return Trial(
         found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
     )
+
+
+def _afresh(bench: Bench, base: Trial, candidate: Candidate) -> Iterator[Fit]:
+    """Starts from the readings alone, with the size by the score: at the declared law, then at the null's."""
+    first = begin(bench.windows((*base.terms, candidate.term)))
+    yield first
+    yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
 
 
 def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
@@ -191,11 +199,9 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     at = np.clip(best.fit.at[:p], low, high)
     first = replace(best.fit, windows=windows, at=at)
     fit = fitted(first, bench.policy, STEPS, held=2)
-    return (
-        replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
-        if fit.deviance < base.fit.deviance
-        else base
-    )
+    if fit.deviance >= base.fit.deviance:
+        return base
+    return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 
 
 def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None]) -> Trial:
@@ -221,6 +227,3 @@ def without(bench: Bench, trial: Trial, index: int) -> Trial:
     kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
     fit = fitted(replace(trial.fit, windows=windows, at=trial.fit.at[kept]), bench.policy, STEPS, held=2)
     return Trial(terms_at(terms, windows, fit.at), fit, trial.known)
-
-
-__all__ = ["RigWindows", "Searched", "Step", "Trial", "closed", "full", "search", "without"]

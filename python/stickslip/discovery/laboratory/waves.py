@@ -29,17 +29,16 @@ SMALL = 1e-7  # amplitude that responses are taken at; they are linear in it
 
 @dataclass(frozen=True)
 class Wave:
-    """A sine and a cosine of a coarse frequency as a window's readings see them, and their projections."""
+    """A sine and a cosine of a coarse frequency as a window's readings see them."""
 
     w: float
     columns: Columns
-    projected: Projected
 
 
 class Waves:
     """The columns of one periodic effect beside a fit."""
 
-    def __init__(self, bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null) -> None:
+    def __init__(self, bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind) -> None:
         assert kind.wave is not None
         self.bench, self.fit, self.terms, self.kind, self.wave = bench, fit, terms, kind, kind.wave
         self.count = 2 * len(bench.data) + 1  # a sine and a cosine in each run, and how often
@@ -49,10 +48,7 @@ class Waves:
         whole = max(self._length(r, 0, len(run.t)) for r, run in enumerate(bench.data))
         ends = (2 * math.pi / LONGEST, 2 * math.pi / SHORTEST) if self.wave.along_belt else (SLOWEST, FASTEST)
         self.coarse, self.step = np.arange(*ends, TURN / long), FINE / whole
-        self.waves = []
-        for w in self.coarse:
-            made = self.columns(float(w))
-            self.waves.append(Wave(float(w), made, null.projected(made)))
+        self.waves = [Wave(float(w), self.columns(float(w))) for w in self.coarse]
 
     def _place(self, run: int, start: int, stop: int) -> float:
         data = self.bench.data[run]
@@ -101,10 +97,11 @@ class Waves:
     ) -> Iterator[tuple[float, Floats]]:
         half = 0.5 * float(self.coarse[1] - self.coarse[0])
         for wave in self.waves:
-            pull = null.along(wave.projected.columns, rights, shared.shape[1])
+            made = null.projected(wave.columns)
+            pull = null.along(made.columns, rights, shared.shape[1])
             for off in np.arange(-half, half, self.step):
                 if wave.w + off > 0:
-                    yield wave.w + float(off), self._turned(null, wave.projected, pull, shared, float(off))
+                    yield wave.w + float(off), self._turned(null, made, pull, shared, float(off))
 
     def _turned(self, null: Null, made: Projected, pull: Floats, shared: Floats, off: float) -> Floats:
         """Gains of a sine and a cosine in each run, turned in each window as another frequency asks."""
@@ -123,5 +120,5 @@ class Waves:
         asked = crosses.reshape(2 * runs, -1), squares, pulls.reshape(2 * runs, -1), shared
         gains = null.gains(*asked)
         if self.kind.where == "belt":  # a wave as small as belts wobble is no finding
-            gains = gains - null.gains(*asked, precision=wobble(self.bench, self.fit.population) ** -2)
+            gains = gains - null.gains(*asked, precision=wobble(self.bench, null.fit.population) ** -2)
         return gains
