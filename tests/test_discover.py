@@ -14,7 +14,7 @@ from discover_cases import LAW, RIG, make_case
 from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.discovery.discover import Verdict, discover
-from stickslip.discovery.loop import _ranking
+from stickslip.discovery.outcome import ranking
 from stickslip.discovery.unlisted import guess
 from stickslip.errors import InputError
 from stickslip.fitted.forecast import forecast
@@ -78,7 +78,7 @@ def test_what_was_given_up_leaves_no_more_than_what_is_left_without_it():
     b, both = trial(("b",), 6000.0, {"b.k": 9.0}), trial(("b", "a"), 2500.0, {"a.k": 2.0, "b.k": 8.0})
     better = trial(("a",), 1990.0, {"a.k": 4.0})  # crude, on half of the windows
     search = SimpleNamespace(tried={(): null, ("a",): a}, screened=[b, both, better], freed=[])
-    rows = {one.names: one for one in _ranking(search, SimpleNamespace(null=null, trial=a, trials=[a]))}
+    rows = {one.names: one for one in ranking(search, SimpleNamespace(null=null, trial=a, trials=[a]))}
     assert list(rows) == [("a",), ("b", "a"), (), ("b",)]
     assert [one.bic for one in rows.values()] == [0.0, 7.0, 2993.0, 3000.0]
     assert [one.chi2 for one in rows.values()] == [2.0, 2.0, 5.0, 5.0]

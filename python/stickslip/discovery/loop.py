@@ -5,17 +5,15 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
-from stickslip.declared.effect import CATALOGUE
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig
-from stickslip.discovery import drifting, lagging, rig_numbers, unlisted
-from stickslip.discovery import evidence as ev
+from stickslip.discovery import outcome, rig_numbers
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.driven_slider import loop as driven
@@ -23,21 +21,14 @@ from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate, largest_gain
-from stickslip.discovery.intervals import intervals, of_effect, phases
 from stickslip.discovery.laboratory import loop as laboratory
 from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks, unseen
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe, spectrum
 from stickslip.discovery.result import (
-    Evidence,
     Found,
-    FoundEffect,
-    Interval,
-    Residual,
-    Rival,
     RunView,
-    Verdict,
 )
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.set_points import doubtful_set_points
@@ -48,7 +39,6 @@ from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError, number
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
-from stickslip.fitted.unknowns import of_law
 from stickslip.measured.case import Case
 
 MOST_CORES = 8  # what a search can keep busy
@@ -122,7 +112,7 @@ def discover(
         data, notes = _checked(case)
         workers = Workers(count, __name__)  # not for a case that is refused
         try:
-            return _discover(case, data, notes, tell, count, seed, budget, began, workers)
+            return _discover(_Asked(case, data, notes, tell, count, seed, budget, began, workers))
         except BaseException:
             workers.stop()
             raise
@@ -138,51 +128,48 @@ def _checked(case: Case) -> tuple[list[Data], tuple[str, ...]]:
     return data, (*found, *notes)
 
 
-def _discover(
-    case: Case,
-    data: list[Data],
-    notes: tuple[str, ...],
-    tell: Callable[[str], None],
-    threads: int,
-    seed: int,
-    budget: float,
-    began: float,
-    workers: Workers,
-) -> Found:
+@dataclass(frozen=True)
+class _Asked:
+    """A case with its runs, and how it is to be searched."""
+
+    case: Case
+    data: list[Data]
+    notes: tuple[str, ...]
+    tell: Callable[[str], None]
+    threads: int
+    seed: int
+    budget: float
+    began: float
+    workers: Workers
+
+
+def _discover(asked: _Asked) -> Found:
     """Where friction scatters, what is found through the scatter; else what a law that repeats lacks.
 
     A curve in a clean room may pose as scatter. Where the second search explains all, nothing has scattered.
     """
-    count = len(case.train)
-    verdicts = laboratory.searched(case, data[:count], tell, seed)
+    case, count = asked.case, len(asked.case.train)
+    verdicts = laboratory.searched(case, asked.data[:count], asked.tell, asked.seed)
     if verdicts is None or verdicts.curve is not None:
-        found = _repeating(case, data, notes, tell, threads, seed, budget, began, workers)
+        found = _repeating(asked)
         if verdicts is None or found.residual_after.clean:
             return found
-    return laboratory.discovered(case, verdicts, data[count:], notes, tell, workers, seed, began)
+    return laboratory.discovered(
+        case, verdicts, asked.data[count:], asked.notes, asked.tell, asked.workers, asked.seed, asked.began
+    )
 
 
-def _repeating(
-    case: Case,
-    data: list[Data],
-    notes: tuple[str, ...],
-    tell: Callable[[str], None],
-    threads: int,
-    seed: int,
-    budget: float,
-    began: float,
-    workers: Workers,
-) -> Found:
+def _repeating(asked: _Asked) -> Found:
     """The search for what a law lacks whose events are all alike."""
-    as_read = data
-    count = len(case.train)
+    case, data, tell = asked.case, asked.data, asked.tell
+    as_read, count, budget = data, len(case.train), asked.budget
     model = Model(case.rig, friction=case.friction)
-    search = Search(data[:count], model, threads, tell, NAMES * budget, budget)
+    search = Search(data[:count], model, asked.threads, tell, NAMES * budget, budget)
     tell("fitting the declared law")
     data, corrected, known = _cleaned(case, data, search)
     data, as_read, thin, known = thinned_if_filtered(case, data, as_read, search, [known] if known else [])
     search = search.afresh(data[:count])
-    search.workers = workers
+    search.workers = asked.workers
     trials = decide_single(search, known)
     if not thin:
         data, as_read, thin, known = thinned_if_filtered(case, data, as_read, search, trials[:LIKELY])
@@ -211,7 +198,9 @@ def _repeating(
             *corrected,
             f"left out of the fits: {which} from both sides ({100 * share:.2g} % of all)",
         )
-    return _found(case, choice, search, data[count:], tell, seed, began, (*notes, *corrected))
+    return _found(
+        case, choice, search, data[count:], tell, asked.seed, asked.began, (*asked.notes, *corrected)
+    )
 
 
 def _cleaned(
@@ -255,7 +244,7 @@ def _found(
     after = None if choice.trial is choice.null else final(search, choice.trial)
     before = task.result()
     after = before if after is None else after
-    before_model, after_model = _model(case, before), _model(case, after)
+    before_model, after_model = outcome.model(case, before), outcome.model(case, after)
     tell("forecasting the validate runs")
     error, forecasts = error_block(before_model, after_model, validate, case.validate, search.workers, seed)
     passed = gate(
@@ -265,7 +254,7 @@ def _found(
         seed,
     )
     tell("weighing the evidence")
-    effects = _effects(search, choice, after, passed.threshold)
+    effects = outcome.effects(search, choice, after, passed.threshold)
     curve = next((one.curve for one in effects if one.curve is not None), None)
     if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied, curve):
         notes = (*notes, doubt)
@@ -273,16 +262,16 @@ def _found(
     notes = (*notes, *doubtful_set_points(case, [*search.data, *validate], effects, now, error))
     found = Found(
         title=case.title,
-        verdict=_verdict(choice),
+        verdict=outcome.verdict(choice),
         effects=effects,
         before=before_model,
         after=after_model,
-        law=_law(after),
-        law_before=_law(before),
+        law=outcome.law(after),
+        law_before=outcome.law(before),
         residual_before=was,
         residual_after=now,
         error=error,
-        ranking=_ranking(search, choice),
+        ranking=outcome.ranking(search, choice),
         experiments=next_experiments(search, choice.trial, effects),
         gate=passed,
         runs=_views(case, before, after, validate, forecasts),
@@ -309,125 +298,3 @@ def _views(
 ) -> tuple[RunView, ...]:
     train = [train_view(run, i, before.fit, after.fit) for i, run in enumerate(before.fit.engine.data)]
     return (*train, *(validate_view(run, *forecasts[run.name], case.rig) for run in validate))
-
-
-def _verdict(choice: Choice) -> Verdict:
-    if choice.term is not None or choice.place is not None or choice.trial.names in rig_numbers.KINDS:
-        return Verdict.unlisted_effect
-    return Verdict.effect_found if choice.trial.names else Verdict.no_effect
-
-
-def _model(case: Case, trial: Trial) -> Model:
-    own, found = case.model(), trial.model
-    terms = []
-    for one in found.effects:
-        if "phi" in one.parameters and "a" in one.parameters:
-            a, phi = one.parameters["a"], one.parameters["phi"]
-            turned = phi + (np.pi if a < 0 else 0.0)
-            one = one.replace(a=abs(a), phi=float(np.mod(turned, 2 * np.pi)))
-        terms.append(one)
-    return replace(found, effects=tuple(terms), channels=own.channels, noise=own.noise)
-
-
-def _law(trial: Trial) -> dict[str, Interval]:
-    return {k: v for k, v in intervals(trial.fit).items() if of_law(k)}
-
-
-def _effects(search: Search, choice: Choice, after: Trial, threshold: float) -> tuple[FoundEffect, ...]:
-    if choice.place is not None:
-        formula = "not described"
-        words = (
-            "no listed effect and no learned curve explains the residual; the place is the likeliest by score"
-        )
-        if choice.trial.names:
-            names = " + ".join(choice.trial.names)
-            words = (
-                f"no listed effect explains the residual: {names} come nearest, and leave {after.chi2:.3g}"
-            )
-            formula = f"not described; in the model {names} stand in for it"
-        if choice.drift is not None:
-            words, formula = drifting.told(choice.drift, after)
-        elif choice.lag is not None:
-            words, formula = lagging.told(choice.lag, after)
-        proof = Evidence(None, None, None, None, "", threshold, words)
-        where, variables = choice.place
-        own: Mapping[str, Interval] = {} if choice.lag is None else {"tau": choice.lag}
-        return (FoundEffect("unlisted", where, variables, own, proof, (), formula, choice.drift),)
-    if not choice.trial.names:
-        return ()
-    tried = list(search.tried.values())
-    if choice.trial.names in rig_numbers.KINDS:
-        return (_wrong_number(search, choice, after, threshold),)
-    out = []
-    for name in choice.trial.names:
-        proof = ev.evidence(search, choice.null, choice.trial, name, tried, threshold, choice.held)
-        others = ev.alternatives(choice.trial, [*tried, *choice.trials], name)
-        if unlisted.is_tabulated(name):
-            assert choice.term is not None
-            where, variable = choice.term.where, choice.term.variable
-            learned = unlisted.curve(choice.term, after)
-            again = f" that repeats every {learned.period:.4g}" if learned.period else ""
-            formula = f"{learned.term}: a curve in {variable}{again}" + (
-                f", {learned.guess}" if learned.guess else ""
-            )
-            own = {key: one for key, one in of_effect(after.fit, name).items() if key == "w"}
-            out.append(
-                FoundEffect(
-                    "unlisted", where, (variable,), own, proof, others, formula, learned,
-                    phases(after.fit, name),
-                )
-            )  # fmt: skip
-            continue
-        kind = CATALOGUE[name]
-        numbers = of_effect(after.fit, name)
-        out.append(
-            FoundEffect(
-                name, kind.where, kind.depends_on, numbers, proof, others, kind.formula, None,
-                phases(after.fit, name),
-            )
-        )  # fmt: skip
-    return tuple(sorted(out, key=lambda one: (one.name != "unlisted", -one.evidence.weight)))
-
-
-def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float) -> FoundEffect:
-    kind, found = rig_numbers.KINDS[choice.trial.names], rig_numbers.numbers(after)
-    name = rig_numbers.called(choice.trial.names)
-    rivals = [  # each under one name
-        replace(t, names=(rig_numbers.called(t.names),))
-        for t in (*search.freed, *search.tried.values())
-        if t.names in rig_numbers.KINDS or len(t.names) == 1
-    ]
-    chosen = replace(choice.trial, names=(name,))
-    proof = ev.evidence(search, choice.null, chosen, name, rivals, threshold, choice.held)
-    others = ev.alternatives(chosen, rivals, name)
-    words = rig_numbers.formula(search.model.rig, found)
-    return FoundEffect("unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True)
-
-
-def _ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:
-    """All that was fitted, best first.
-
-    What was given up above what its effects leave when one or all of them are nothing leaves that: it is no worse.
-    """
-    readings, chosen = choice.null.fit.readings, frozenset(choice.trial.names)
-    fitted = sorted([*choice.trials, *search.tried.values(), *search.freed], key=lambda one: one.bic)
-    crude = sorted(search.screened, key=lambda one: one.bic_of(readings))
-    best: dict[frozenset[str], Trial] = {}
-    for t in (*fitted, *crude):
-        best.setdefault(frozenset(t.names), t)
-    rows = []
-    for names, t in best.items():
-        within = min(
-            (u for less, u in best.items() if less < names), key=lambda u: u.cost_of(readings), default=t
-        )
-        idle = within.cost_of(readings) < t.cost_of(readings)
-        chi2, cost = (within.chi2, within.cost_of(readings)) if idle else (t.chi2, t.cost_of(readings))
-        bic = t.bic_of(readings) - t.cost_of(readings) + cost
-        values = {} if idle else t.fit.engine.hypothesis.values(t.fit.vector, 0)
-        numbers = {k: v for k, v in values.items() if not of_law(k) and not unlisted.is_tabulated(k)}
-        rows.append(Rival(t.names, chi2, bic, numbers, None, names == chosen))
-    least = min(one.bic for one in rows)
-    return tuple(sorted((replace(one, bic=one.bic - least) for one in rows), key=lambda one: one.bic))
-
-
-__all__ = ["Residual", "discover"]

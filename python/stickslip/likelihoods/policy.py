@@ -26,7 +26,21 @@ class Policy:
     most_transitions, most_integration_steps : of one window; beyond, its numbers are no rig's
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
     repeats : relative scatter of friction within a run below which every event is like every other
+    lost_windows : share of windows that may fail before a hypothesis is no model of them
+    fewest_windows : below which scatter cannot be told
+    most_effects : in a verdict
     fullest : candidates that are fitted in full
+    candidate_steps : of a candidate's fit, and of the null's from there
+    stuck : share of the best gain that the null gains too from its rival's place; all is then scored again
+    noticed : fall of the null's deviance below which it is not
+    frequencies : angular, in time, that are sought
+    wavelengths : along the belt, that are sought
+    coarse_turn : radians over the longest window between frequencies that are simulated
+    fine_turn : radians over the longest run between frequencies that are scored
+    slow : angular frequencies at which belts wobble
+    grid : values tried of a number that no score reaches
+    singular : where the score of a time constant, or of a force that is singular at 0, is taken
+    curve_shapes : of a curve that no name explains
     draws : of the bootstrap
     false_alarm : how often a rig that lacks nothing may be told an effect
     """
@@ -53,7 +67,21 @@ class Policy:
     most_integration_steps: int = 20_000
     wobble: float = 0.005
     repeats: float = 4e-3
+    lost_windows: float = 0.2
+    fewest_windows: int = 12
+    most_effects: int = 3
     fullest: int = 4
+    candidate_steps: int = 16
+    stuck: float = 0.5
+    noticed: float = 20.0
+    frequencies: tuple[float, float] = (0.3, 6.5)
+    wavelengths: tuple[float, float] = (0.8, 15.0)
+    coarse_turn: float = 1.5
+    fine_turn: float = 2.5
+    slow: tuple[float, float] = (0.3, 2.5)
+    grid: int = 6
+    singular: float = 0.02
+    curve_shapes: int = 6
     draws: int = 100
     false_alarm: float = 0.02
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +13,17 @@ from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, no_slopes, read, states_read
-from stickslip.fitted.window import BELT, DWELL, LAGGED, STATES, STICK
+from stickslip.fitted.window import STICK
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number, Prior
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
+from stickslip.simulated.states import BELT, COUNT, DWELL, LAGGED, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
-OWN = (0, 2, 3)  # x1, y1, y2 where a window begins; the block moves with the belt
-DERIVED = (1, BELT, LAGGED)  # states at the start that follow from the numbers
+OWN = (X1, Y1, Y2)  # where a window begins; the block moves with the belt
+DERIVED = (X2, BELT, LAGGED)  # states at the start that follow from the numbers
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
 NEARBY = 1e-6  # step of the derivatives of the derived states
 GAINS = ("gain.x1", "gain.y1")
@@ -218,7 +220,7 @@ class _Run:
 
     def motions(self) -> list[Motion | None]:
         """Simulate and read."""
-        raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + STATES)))
+        raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + COUNT)))
         state, mode = np.asarray(raw["state"]), np.asarray(raw["mode"])
         nothing = no_slopes(len(self.samples))
         t = self.data.t[self.samples]
@@ -276,7 +278,7 @@ class _Run:
     def _simulated(self, derived: Floats, seeds: Floats) -> dict[str, object]:
         """Run the core."""
         policy = self.of.policy
-        initial = np.zeros((len(self.places), STATES))
+        initial = np.zeros((len(self.places), COUNT))
         initial[:, OWN] = self.own[:, : len(OWN)]
         initial[:, DERIVED] = derived
         initial[:, DWELL] = [w.dwell for w in self.places]
@@ -309,14 +311,14 @@ class _Run:
             name = self.of.numbers[j].name
             places = self.lowered.slots.get(name, ()) if self.active(j) else ()
             if places:
-                row = np.zeros(WIDTH + STATES)
+                row = np.zeros(WIDTH + COUNT)
                 row[list(places)] = self.lowered.factors.get(name, 1.0)
                 rows.append(row)
                 owner.append(i)
         if self.local:
             entries = [WIDTH + k for k in OWN] + [self.of.aging[0], *self.of.curve, SLOTS["belt_speed"]]
             for k, entry in enumerate(entries):
-                row = np.zeros(WIDTH + STATES)
+                row = np.zeros(WIDTH + COUNT)
                 row[entry] = 1.0 if k != len(OWN) else self._limit()
                 if entry == SLOTS["belt_speed"]:
                     row[entry] = self.data.belt_speed
@@ -324,11 +326,11 @@ class _Run:
                 owner.append(len(self.shared) + k)
         if self.local or self.shared:
             for state in DERIVED:
-                row = np.zeros(WIDTH + STATES)
+                row = np.zeros(WIDTH + COUNT)
                 row[WIDTH + state] = 1.0
                 rows.append(row)
                 owner.append(-1)
-        seeds = np.array(rows) if rows else np.zeros((0, WIDTH + STATES))
+        seeds = np.array(rows) if rows else np.zeros((0, WIDTH + COUNT))
         return seeds, np.array(owner, dtype=np.int64)
 
     def _chained(self, folded: Floats, along: Floats) -> None:
@@ -336,14 +338,9 @@ class _Run:
         for column, rate in self._rates.items():
             folded[:, column] += (along * np.repeat(rate, self.lengths, axis=0)).sum(axis=1)
 
-    @property
+    @cached_property
     def _rates(self) -> dict[int, Floats]:
         """Derivatives of the derived states by column, (w, 3) each, where they are any."""
-        if not hasattr(self, "_kept_rates"):
-            self._kept_rates = self._all_rates()
-        return self._kept_rates
-
-    def _all_rates(self) -> dict[int, Floats]:
         out, here = {}, self._derived(self.values, self.own)
         for i, j in enumerate(self.shared):
             name = self.of.numbers[j].name

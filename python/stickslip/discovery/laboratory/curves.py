@@ -19,11 +19,9 @@ from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.score import Columns, score
+from stickslip.simulated import states
 
 Floats = NDArray[np.float64]
-BASIS = 6  # shapes of a curve
-LEVEL = scipy.linalg.null_space(np.ones((1, BASIS)))  # turns shapes into those without a mean
-VARIABLES = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 FEWEST = 3  # samples of a slip that a curve can be read along
 
 
@@ -58,10 +56,12 @@ class Learned:
 def learned(bench: Bench, fit: Fit) -> list[Learned]:
     """Return every curve beside a hypothesis, best first."""
     motions = fit.windows.motions(fit.at, fit.own)
+    every = np.eye(bench.policy.curve_shapes)
+    level = scipy.linalg.null_space(np.ones((1, len(every))))  # turns shapes into those without a mean
     out = []
     for where, variable, x, columns in _every(bench, fit, motions):
         # friction as a whole is the law's: a curve has none of its mean
-        free = LEVEL if where == "contact" else np.eye(BASIS)
+        free = level if where == "contact" else every
         reduced = [None if c is None else c @ free for c in columns]
         found = score(fit, reduced, bench.policy)
         std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
@@ -75,7 +75,7 @@ def _every(
     two = "alpha1" in bench.model.parameters
     names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
     for variable in names:
-        grid = _grid(motions, variable)
+        grid = _grid(motions, variable, bench.policy.curve_shapes)
         for where in ("contact", "block"):
             yield (
                 where,
@@ -90,15 +90,15 @@ def _every(
 
 
 def _at(motion: Motion, variable: str) -> Floats:
-    return motion.t if variable == "t" else motion.state[:, VARIABLES[variable]]
+    return motion.t if variable == "t" else motion.state[:, states.AT[variable]]
 
 
-def _grid(motions: list[Motion | None], variable: str) -> Floats:
+def _grid(motions: list[Motion | None], variable: str, count: int) -> Floats:
     """Places of a curve's knots: where slips pass often there are many, and none is far from the next."""
     every = np.concatenate([_at(one, variable)[one.mode != 0] for one in motions if one is not None])
     low, high = np.quantile(every, [0.002, 0.998])
-    often = np.quantile(every, np.linspace(0.002, 0.998, BASIS))
-    return np.asarray(0.5 * (often + np.linspace(low, high, BASIS)))
+    often = np.quantile(every, np.linspace(0.002, 0.998, count))
+    return np.asarray(0.5 * (often + np.linspace(low, high, count)))
 
 
 def shapes(grid: Floats, x: Floats) -> Floats:

@@ -142,7 +142,7 @@ def _wobble(
     bench: Bench, screen: Screen, rng: np.random.Generator, whole: float
 ) -> Sequence[tuple[Wave, Floats]]:
     """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as the belt wobbles."""
-    waves = screen.of_belt()
+    waves = screen.of_belt(bench.policy.slow)
     if not waves:
         return []
     size = whole / math.sqrt(len(waves))

@@ -20,7 +20,6 @@ from stickslip.likelihoods.stretches import Stretch
 from stickslip.measured.case import Case
 
 STRIDE_LAW, STRIDE_CONSTANT, STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.5, 0.3, 0.3, 0.02, 0.6
-SLOW = (0.3, 2.5)  # angular frequencies at which belts wobble
 STRIDE_SIZE = 0.5  # of a size's own start
 
 
@@ -93,7 +92,7 @@ def wobble(bench: Bench, scatter: Population) -> float:
 
     A window's own speed shows their mean over it; what their mean keeps follows from how long windows last.
     """
-    slow = np.linspace(*SLOW, 40)
+    slow = np.linspace(*bench.policy.slow, 40)
     length = np.array(
         [bench.data[s.run].t[s.stop - 1] - bench.data[s.run].t[s.start] for s in bench.stretches]
     )

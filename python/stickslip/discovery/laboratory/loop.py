@@ -25,9 +25,7 @@ from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.variances import MOST
 from stickslip.measured.case import Case
 
-MOST_LOST = 0.2  # share of windows
 ENOUGH = 3  # windows of a run that may differ
-FEWEST = 12  # windows from mid-stick to mid-stick, below which scatter cannot be told
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
     seed : of the gate's draws
     """
     cut = stretches(data)
-    if len(cut) < FEWEST:
+    if len(cut) < POLICY.fewest_windows:
         return None
     model = Model(case.rig, friction=case.friction)
     bench = Bench(model, data, cut, known(case), POLICY)
@@ -59,18 +57,18 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
         found = search(bench, tell, seed)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
-    if _lost(found.chosen) or repeats(bench, found.chosen):
+    if _lost(bench, found.chosen) or repeats(bench, found.chosen):
         return None
     tell("looking for a curve that no name explains")
     return Verdicts(bench, found, _curve(bench, found))
 
 
-def _lost(trial: Trial) -> bool:
+def _lost(bench: Bench, trial: Trial) -> bool:
     """Whether the hypothesis is no model of these windows: many cannot be simulated, or scatter ends at its bound."""
-    p, failed = trial.fit.population, sum(b is None for b in trial.fit.blocks)
-    return (
-        failed > MOST_LOST * len(trial.fit.blocks) or max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
-    )
+    p, blocks = trial.fit.population, trial.fit.blocks
+    if sum(b is None for b in blocks) > bench.policy.lost_windows * len(blocks):
+        return True
+    return max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
 
 
 def repeats(bench: Bench, trial: Trial) -> bool:

@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.model import Model
+from stickslip.discovery.evidence import TIED
+from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.curves import Learned
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
+from stickslip.discovery.messages import WORSE
 from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
     Alternative,
@@ -27,15 +30,12 @@ from stickslip.discovery.result import (
     Rival,
 )
 from stickslip.fitted.data import Data
-from stickslip.fitted.unknowns import SLIPPING
+from stickslip.fitted.unknowns import SLIPPING, of_law
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.rig_windows import GAINS
 
 Floats = NDArray[np.float64]
-Z = 1.959963985  # of a 95 % interval
-TIED = 8.0  # difference in -2 log evidence below which two rivals are not told apart
-NEAR = 24.0  # and below which a rival is worth a line
-WORSE = 1.02  # growth of an error that is said aloud
+NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line
 UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
 
 
@@ -105,19 +105,16 @@ def intervals(fit: Fit) -> dict[str, Interval]:
             continue
         variance, value = max(float(fit.solution.covariance[i, i]), 0.0), n.value(float(x))
         half = Z * math.sqrt(variance)
-        if "." not in n.name and n.name not in _RIG and variance * precision[i, i] > UNKNOWN:
+        if of_law(n.name) and variance * precision[i, i] > UNKNOWN:
             out[n.name] = Interval(value, None, None)
             continue
         out[n.name] = Interval(value, n.value(float(x) - half), n.value(float(x) + half))
     return out
 
 
-_RIG = ("alpha1", "alpha2", "beta3", "eta1", "eta12", "mass", "stiffness", "damping")
-
-
 def law(fit: Fit) -> dict[str, Interval]:
     """Return the law's numbers with their intervals, computed beside everything else."""
-    return {k: v for k, v in intervals(fit).items() if "." not in k and k not in _RIG}
+    return {k: v for k, v in intervals(fit).items() if of_law(k)}
 
 
 def model(bench: Bench, trial: Trial, declared: Model) -> Model:

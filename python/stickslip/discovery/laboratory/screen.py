@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.discovery.laboratory.hypothesis import SLOW, Bench, Term, of_term, wobble
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]
-GRID = 6  # values of a number that no score reaches
-SMALL = 0.02  # where the column of a time constant or of a force that is singular at 0 is taken
 
 
 @dataclass(frozen=True)
@@ -79,14 +77,14 @@ class Screen:
     ranked: tuple[Candidate, ...]
     scored: tuple[Shapes | Waves, ...]
 
-    def of_belt(self) -> tuple[Wave, ...]:
-        """Return the slow waves of the belt's speed."""
+    def of_belt(self, slow: tuple[float, float]) -> tuple[Wave, ...]:
+        """Return the waves of the belt's speed between two angular frequencies."""
         return tuple(
             w
             for one in self.scored
             if isinstance(one, Waves) and one.kind.where == "belt"
             for w in one.waves
-            if SLOW[0] <= w.w < SLOW[1]
+            if slow[0] <= w.w < slow[1]
         )
 
 
@@ -189,8 +187,9 @@ def _starts(bench: Bench, kind: EffectKind) -> Iterator[tuple[dict[str, float], 
         return
     shapes = [i for i in kind.parameters if i.name not in sizes and not i.optional]
     if not sizes and len(shapes) == 1:
-        low, high = shapes[0].sought or (SMALL, SMALL)
-        yield {**_optional(kind), shapes[0].name: min(max(SMALL, low), high)}, (shapes[0].name,)
+        small = bench.policy.singular
+        low, high = shapes[0].sought or (small, small)
+        yield {**_optional(kind), shapes[0].name: min(max(small, low), high)}, (shapes[0].name,)
         return
     size = sizes[0] if sizes else shapes[0].name
     grid = [i for i in shapes if i.name != size]
@@ -207,8 +206,8 @@ def _grid(bench: Bench, sought: tuple[float, float], of_size: bool) -> Floats:
     """Values over what is sought, where the readings can tell."""
     if of_size:
         y = np.concatenate([run.readings[run.weight[:, 1] > 0, 1] for run in bench.data])
-        return float(np.quantile(np.abs(y), 0.995)) * np.linspace(0.15, 0.9, GRID)
-    return np.geomspace(2 * sought[0], sought[1] / 2, GRID)
+        return float(np.quantile(np.abs(y), 0.995)) * np.linspace(0.15, 0.9, bench.policy.grid)
+    return np.geomspace(2 * sought[0], sought[1] / 2, bench.policy.grid)
 
 
 def _wave(bench: Bench, fit: Fit, kind: EffectKind, waves: Waves, null: Null) -> Candidate:

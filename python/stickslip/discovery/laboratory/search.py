@@ -15,11 +15,6 @@ from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.likelihoods.fit import Fit, begin, fitted, settled
 from stickslip.likelihoods.population import whole
 
-MOST = 3  # effects in a verdict
-STEPS = 16  # of a candidate's fit
-SHARED = 0.5  # of a candidate's gain: what the null gains from its start was no gain of its own
-NOTICED = 20.0  # fall of the null's deviance from which all is scored again
-
 
 @dataclass(frozen=True)
 class Trial:
@@ -89,7 +84,7 @@ def search(bench: Bench, tell: Callable[[str], None], seed: int = 0) -> Searched
     null = Trial((), fitted(begin(bench.windows()), bench.policy))
     out = Searched(null, null)
     base = null
-    while len(base.terms) < MOST:
+    while len(base.terms) < bench.policy.most_effects:
         step, base = _forward(bench, base, tell, seed)
         if not base.terms:
             out.null = base
@@ -116,7 +111,7 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
             trials.append(full(bench, base, one))
         again = _again(bench, base, min(trials, key=Trial.worth)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
-        stuck = fell > NOTICED and fell > SHARED * (base.deviance - best)
+        stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
         base = again if fell > 0 else base
         if not stuck or turn:
             break
@@ -141,7 +136,7 @@ def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
         if best is None or cost < best[0]:
             best = cost, replace(first, own=own)
     assert best is not None
-    fit = fitted(best[1], bench.policy, STEPS, held=2)
+    fit = fitted(best[1], bench.policy, bench.policy.candidate_steps, held=2)
     for start in _afresh(bench, base, candidate):
         if base.fit.deviance - fit.deviance >= candidate.gain:
             break
@@ -198,7 +193,7 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     low, high = (np.array([getattr(n, k) for n in windows.numbers]) for k in ("low", "high"))
     at = np.clip(best.fit.at[:p], low, high)
     first = replace(best.fit, windows=windows, at=at)
-    fit = fitted(first, bench.policy, STEPS, held=2)
+    fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
     if fit.deviance >= base.fit.deviance:
         return base
     return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
@@ -225,5 +220,10 @@ def without(bench: Bench, trial: Trial, index: int) -> Trial:
     windows = bench.windows(terms)
     gone = trial.terms[index].effect.name + "."
     kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
-    fit = fitted(replace(trial.fit, windows=windows, at=trial.fit.at[kept]), bench.policy, STEPS, held=2)
+    fit = fitted(
+        replace(trial.fit, windows=windows, at=trial.fit.at[kept]),
+        bench.policy,
+        bench.policy.candidate_steps,
+        held=2,
+    )
     return Trial(terms_at(terms, windows, fit.at), fit, trial.known)

@@ -20,10 +20,6 @@ from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
-SLOWEST, FASTEST = 0.3, 6.5  # angular frequencies in time that a motion shows
-LONGEST, SHORTEST = 15.0, 0.8  # wavelengths along the belt
-TURN = 1.5  # radians over the longest window, between neighbours of the coarse grid
-FINE = 2.5  # radians over the longest run, between neighbours of the fine grid
 SMALL = 1e-7  # amplitude that responses are taken at; they are linear in it
 
 
@@ -46,8 +42,10 @@ class Waves:
         self.middle = np.array([self._place(s.run, s.start, s.stop) for s in bench.stretches])
         long = float(np.max([self._length(s.run, s.start, s.stop) for s in bench.stretches]))
         whole = max(self._length(r, 0, len(run.t)) for r, run in enumerate(bench.data))
-        ends = (2 * math.pi / LONGEST, 2 * math.pi / SHORTEST) if self.wave.along_belt else (SLOWEST, FASTEST)
-        self.coarse, self.step = np.arange(*ends, TURN / long), FINE / whole
+        policy = bench.policy
+        short, far = policy.wavelengths
+        ends = (2 * math.pi / far, 2 * math.pi / short) if self.wave.along_belt else policy.frequencies
+        self.coarse, self.step = np.arange(*ends, policy.coarse_turn / long), policy.fine_turn / whole
         self.waves = [Wave(float(w), self.columns(float(w))) for w in self.coarse]
 
     def _place(self, run: int, start: int, stop: int) -> float:
