@@ -108,7 +108,8 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
             if one.worth(len(bench.stretches)) <= 0 and trials:
                 break
             tell(f"fitting {one.term.effect.name}")
-            trials.append(full(bench, base, one))
+            reached = min((t.fit.deviance for t in trials), default=np.inf)
+            trials.append(full(bench, base, one, reached))
         again = _again(bench, base, min(trials, key=Trial.worth)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
@@ -120,8 +121,16 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
 
 
-def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
-    """Return a candidate beside a hypothesis, fitted from the best of several starts."""
+def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Trial:
+    """
+    Return a candidate beside a hypothesis, fitted from the best of several starts.
+
+    Parameters
+    ----------
+    bench, base, candidate : the hypothesis, and what is to stand beside it
+    reached : deviance of the best rival so far
+    """
+    promised = base.fit.deviance - candidate.gain
     best: tuple[float, Fit] | None = None
     for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
         term = _scaled(candidate.term, scale)
@@ -138,7 +147,7 @@ def full(bench: Bench, base: Trial, candidate: Candidate) -> Trial:
     assert best is not None
     fit = fitted(best[1], bench.policy, bench.policy.candidate_steps, held=2)
     for start in _afresh(bench, base, candidate):
-        if base.fit.deviance - fit.deviance >= candidate.gain:
+        if fit.deviance <= promised or reached <= promised:
             break
         # less than its score promised: the fit failed, as a null that is far off is no place to start from
         fit = min(fit, fitted(start, bench.policy), key=lambda one: one.deviance)
