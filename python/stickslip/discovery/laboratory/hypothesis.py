@@ -56,7 +56,7 @@ class Bench:
         model = Model(
             self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
         )
-        numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one))]
+        numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one, self.policy))]
         return RigWindows(model, self.data, self.stretches, numbers, self.declared, self.policy)
 
     def of_law(self) -> list[Number]:
@@ -114,7 +114,7 @@ def known(case: Case) -> Declared:
     return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[np.ix_(kept, kept)])
 
 
-def of_term(term: Term) -> list[Number]:
+def of_term(term: Term, policy: Policy) -> list[Number]:
     """Return the numbers of an effect: sizes flat, what must be positive by its logarithm, phases by run."""
     out = []
     for info in term.effect.kind.parameters:
@@ -130,10 +130,11 @@ def of_term(term: Term) -> list[Number]:
             stride = max(STRIDE_SIZE * abs(value), 1e-4)
             out.append(Number(name, value, 0.0, info.spread or math.inf, low=info.bounds[0], stride=stride))
         else:
-            low, high = (math.log(x) for x in info.sought)
+            wave, sought, stride = term.effect.kind.wave, info.sought, STRIDE_SHAPE
+            if wave and info.name == wave.parameter:  # beyond what is scored it is a trend, or noise
+                sought, stride = (policy.wavelengths if wave.along_belt else policy.frequencies), STRIDE_WAVE
+            low, high = (math.log(x) for x in sought)
             at = min(max(math.log(max(value, 1e-12)), low), high)
-            wave = term.effect.kind.wave
-            stride = STRIDE_WAVE if wave and info.name == wave.parameter else STRIDE_SHAPE
             middle, width = 0.5 * (low + high), 0.5 * (high - low)
             out.append(Number(name, at, middle, width, True, low=low, high=high, stride=stride))
     return out

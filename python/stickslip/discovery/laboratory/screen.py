@@ -126,7 +126,7 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
 def columns(bench: Bench, fit: Fit, terms: Sequence[Term], term: Term, names: Sequence[str]) -> Columns:
     """Return the derivatives of the readings by numbers of a further effect, at the fit."""
     windows = bench.windows((*terms, term))
-    own = of_term(term)
+    own = of_term(term, bench.policy)
     at = np.concatenate([fit.at, [n.start for n in own]])
     first = len(fit.at)
     wanted = [first + i for i, n in enumerate(own) if n.name in names]

@@ -70,7 +70,7 @@ class Waves:
                 (phi,) * len(self.bench.data),
             )
             windows = self.bench.windows((*self.terms, term))
-            at = np.concatenate([self.fit.at, [n.start for n in of_term(term)]])
+            at = np.concatenate([self.fit.at, [n.start for n in of_term(term, self.bench.policy)]])
             made.append(windows.blocks(at, self.fit.own, shared=[len(self.fit.at)], local=False))
         return [
             None if a is None or b is None else np.concatenate([a[:, :, :1], b[:, :, :1]], axis=2)
