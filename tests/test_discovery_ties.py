@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import evidence, loop
+from stickslip.discovery import evidence
 from stickslip.discovery.choice import Choice
 from stickslip.discovery.evidence import TIED, alternatives
 from stickslip.discovery.unlisted import READINGS, TERMS, Term, called
@@ -61,18 +61,18 @@ def test_a_learned_curve_is_held_against_names_and_curves_alike(monkeypatch):
     chosen, other, named = (
         trial((n,), 1000.0) for n in ("tabulated_block_x1", "tabulated_contact_x1", "belt_seam")
     )
-    monkeypatch.setattr(loop.ev, "evidence", lambda *_: SimpleNamespace(weight=1.0))
+    monkeypatch.setattr(outcome.ev, "evidence", lambda *_: SimpleNamespace(weight=1.0))
     monkeypatch.setattr(
-        loop.ev, "alternatives", lambda _, rivals, name: (name, *(one.names[0] for one in rivals))
+        outcome.ev, "alternatives", lambda _, rivals, name: (name, *(one.names[0] for one in rivals))
     )
     monkeypatch.setattr(
-        loop.unlisted, "curve", lambda *_: SimpleNamespace(term="f(x1)", period=None, guess=None)
+        outcome.unlisted, "curve", lambda *_: SimpleNamespace(term="f(x1)", period=None, guess=None)
     )
-    monkeypatch.setattr(loop, "of_effect", lambda *_: {})
-    monkeypatch.setattr(loop, "phases", lambda *_: {})
+    monkeypatch.setattr(outcome, "of_effect", lambda *_: {})
+    monkeypatch.setattr(outcome, "phases", lambda *_: {})
     made = Choice(trial((), 9000.0), chosen, Term("block", "x1", (0.0, 1.0)), [chosen, other])
     search = SimpleNamespace(tried={named.names: named})
-    (found,) = loop._effects(search, made, chosen, 10.0)
+    (found,) = outcome.effects(search, made, chosen, 10.0)
     name, *rivals = found.alternatives
     assert name == "tabulated_block_x1"
     assert set(rivals) == {"belt_seam", "tabulated_block_x1", "tabulated_contact_x1"}
