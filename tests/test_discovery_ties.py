@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.discovery import evidence
+from stickslip.discovery import evidence, outcome
 from stickslip.discovery.choice import Choice
 from stickslip.discovery.evidence import TIED, alternatives
 from stickslip.discovery.unlisted import READINGS, TERMS, Term, called
