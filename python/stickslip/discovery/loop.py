@@ -150,7 +150,7 @@ def _discover(asked: _Asked) -> Found:
     """
     case, count = asked.case, len(asked.case.train)
     verdicts = laboratory.searched(case, asked.data[:count], asked.tell, asked.seed)
-    if verdicts is None or verdicts.curve is not None:
+    if verdicts is None or verdicts.doubtful:
         found = _repeating(asked)
         if verdicts is None or found.residual_after.clean:
             return found

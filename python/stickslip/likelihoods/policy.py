@@ -27,13 +27,14 @@ class Policy:
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
     repeats : relative scatter of friction within a run below which every event is like every other
     lost_windows : share of windows that may fail before a hypothesis is no model of them
+    noise_left : chi-squared per reading above which what was found is held against a law that repeats
     fewest_windows : below which scatter cannot be told
     most_effects : in a verdict
     fullest : candidates that are fitted in full
     candidate_steps : of a candidate's fit, and of the null's from there
     stuck : share of the best gain that the null gains too from its rival's place; all is then scored again
     noticed : fall of the null's deviance below which it is not
-    frequencies : angular, in time, that are sought
+    frequencies : angular, in time, that are sought: up to what a motion shows
     wavelengths : along the belt, that are sought
     coarse_turn : radians over the longest window between frequencies that are simulated
     fine_turn : radians over the longest run between frequencies that are scored
@@ -68,13 +69,14 @@ class Policy:
     wobble: float = 0.005
     repeats: float = 4e-3
     lost_windows: float = 0.2
+    noise_left: float = 1.5
     fewest_windows: int = 12
     most_effects: int = 3
     fullest: int = 4
     candidate_steps: int = 16
     stuck: float = 0.5
     noticed: float = 20.0
-    frequencies: tuple[float, float] = (0.3, 6.5)
+    frequencies: tuple[float, float] = (0.3, 14.0)
     wavelengths: tuple[float, float] = (0.8, 15.0)
     coarse_turn: float = 1.5
     fine_turn: float = 2.5

@@ -36,6 +36,13 @@ class Verdicts:
     searched: Searched
     curve: Learned | None
 
+    @property
+    def doubtful(self) -> bool:
+        """Whether no name was found that leaves noise alone: a law that repeats may do better."""
+        chosen = self.searched.chosen
+        left = outcome.per_reading(chosen.fit)
+        return self.curve is not None or (bool(chosen.terms) and left > self.bench.policy.noise_left)
+
 
 def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed: int) -> Verdicts | None:
     """

@@ -277,7 +277,7 @@ def ranking(found: Searched) -> tuple[Rival, ...]:
         values = {
             k: v for k, v in t.fit.values().items() if "." in k and k not in GAINS and not k.endswith(".phi")
         }
-        row = Rival(t.names, _per_reading(t.fit), t.worth(), values, None, t.names == chosen.names)
+        row = Rival(t.names, per_reading(t.fit), t.worth(), values, None, t.names == chosen.names)
         if t.names not in rows or row.bic < rows[t.names].bic:
             rows[t.names] = row
     count = len(null.fit.own)
@@ -285,14 +285,15 @@ def ranking(found: Searched) -> tuple[Rival, ...]:
         names = (one.term.effect.name,)
         if names not in rows:
             rows[names] = Rival(
-                names, _per_reading(null.fit), null.worth() - one.worth(count), {}, max(one.gain, 0.0), False
+                names, per_reading(null.fit), null.worth() - one.worth(count), {}, max(one.gain, 0.0), False
             )
     least = min(row.bic for row in rows.values())
     moved = [Rival(r.names, r.chi2, r.bic - least, r.parameters, r.score, r.chosen) for r in rows.values()]
     return tuple(sorted(moved, key=lambda row: row.bic))
 
 
-def _per_reading(fit: Fit) -> float:
+def per_reading(fit: Fit) -> float:
+    """Return chi-squared per reading of windows as they are linearised."""
     assert fit.linear is not None
     return float(fit.linear.gram[:, :, -1, -1].sum() / max(fit.linear.count.sum(), 1.0))
 

@@ -110,7 +110,8 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
             tell(f"fitting {one.term.effect.name}")
             reached = min((t.fit.deviance for t in trials), default=np.inf)
             trials.append(full(bench, base, one, reached))
-        again = _again(bench, base, min(trials, key=Trial.worth)) if trials else base
+        trials = _leader_anew(bench, base, trials)
+        again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
         base = again if fell > 0 else base
@@ -146,20 +147,38 @@ def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Tri
             best = cost, replace(first, own=own)
     assert best is not None
     fit = fitted(best[1], bench.policy, bench.policy.candidate_steps, held=2)
-    for start in _afresh(bench, base, candidate):
+    for start in _afresh(bench, base, candidate.term):
         if fit.deviance <= promised or reached <= promised:
             break
         # less than its score promised: the fit failed, as a null that is far off is no place to start from
         fit = min(fit, fitted(start, bench.policy), key=lambda one: one.deviance)
-    found = terms_at((*base.terms, candidate.term), fit.windows, fit.at)
+    return _trial(bench, base, fit, candidate.term)
+
+
+def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
+    """A hypothesis and one term more, as fitted."""
+    found = terms_at((*base.terms, term), fit.windows, fit.at)
     return Trial(
         found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
     )
 
 
-def _afresh(bench: Bench, base: Trial, candidate: Candidate) -> Iterator[Fit]:
-    """Starts from the readings alone, with the size by the score: at the declared law, then at the null's."""
-    first = begin(bench.windows((*base.terms, candidate.term)))
+def _leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
+    """The trials, the best of them fitted anew from the readings too: a null that is far off leads astray."""
+    if not trials:
+        return trials
+    leader = min(trials, key=Trial.worth)
+    term, rest = leader.terms[-1], [one for one in trials if one is not leader]
+    for start in _afresh(bench, base, term):
+        anew = fitted(start, bench.policy)
+        if anew.deviance < leader.fit.deviance:
+            leader = _trial(bench, base, anew, term)
+    return [leader, *rest]
+
+
+def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
+    """Starts from the readings alone, with a size that is known: at the declared law, then at the null's."""
+    first = begin(bench.windows((*base.terms, term)))
     yield first
     yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
 
