@@ -36,9 +36,9 @@ def declared_wrong(seed: int = 1, softer: float = 0.0, **wrong: float) -> Case:
 
 def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
     found = ss.discover(declared_wrong(alpha2=8.8))
-    assert found.verdict is Verdict.unlisted_effect
+    assert found.verdict is Verdict.effect_found
     (effect,) = found.effects
-    assert (effect.name, effect.where, effect.depends_on) == ("unlisted", "angle_body", ("y1",))
+    assert (effect.name, effect.where, effect.depends_on) == ("rig_alpha2", "angle_body", ("y1",))
     number = effect.parameters["alpha2"]
     assert number.low is not None
     assert number.high is not None

@@ -33,6 +33,25 @@ def test_an_effect_is_named_through_the_scatter(tmp_path: Path) -> None:
     assert found.error.after < found.error.before
 
 
+def test_a_constant_beyond_three_of_its_uncertainties_is_named_and_mended(tmp_path: Path) -> None:
+    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.1, 3)), threads=1)
+    assert found.verdict.value == "effect_found"
+    (effect,) = found.effects
+    assert (effect.name, effect.where, effect.of_rig) == ("rig_alpha2", "angle_body", True)
+    number = effect.parameters["alpha2"]
+    assert number.low is not None
+    assert number.high is not None
+    assert number.low < 8.0 < number.high
+    assert number.high - number.low < 0.3
+    assert found.after.parameters["alpha2"] == pytest.approx(8.0, rel=0.02)
+
+
+def test_a_constant_within_three_of_its_uncertainties_is_no_finding(tmp_path: Path) -> None:
+    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.03, 4)), threads=1)
+    assert found.verdict.value == "no_effect"
+    assert found.after.parameters["alpha2"] == pytest.approx(8.0, rel=0.02)
+
+
 def test_where_every_event_repeats_scatter_is_none(tmp_path: Path) -> None:
     found = ss.discover(ss.load_case(case(tmp_path, (), 0.0, 0.0, 3)), threads=1)
     assert found.verdict.value == "no_effect"

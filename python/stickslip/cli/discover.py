@@ -105,7 +105,7 @@ def say(found: Found, case: Case, to: Console) -> None:
 
 def effects_table(found: Found, case: Case) -> Table:
     """The effects found, with their numbers and intervals."""
-    wrong = any(effect.of_rig for effect in found.effects)
+    wrong = all(effect.of_rig for effect in found.effects)
     table = Table(title="wrong in the declared rig" if wrong else "what the declared model lacks")
     table.add_column("number", no_wrap=True)
     si = scales_of(case.rig, case.channels) is not None

@@ -255,6 +255,8 @@ def _found(
     )
     tell("weighing the evidence")
     effects = outcome.effects(search, choice, after, passed.threshold)
+    near = [said for one in effects if (said := outcome.as_declared(case, one)) is not None]
+    effects, notes = (() if near else effects), (*notes, *near)
     curve = next((one.curve for one in effects if one.curve is not None), None)
     if doubt := rig_numbers.remark(case.rig, choice.trial.names, after, choice.tied, curve):
         notes = (*notes, doubt)
@@ -262,7 +264,7 @@ def _found(
     notes = (*notes, *doubtful_set_points(case, [*search.data, *validate], effects, now, error))
     found = Found(
         title=case.title,
-        verdict=outcome.verdict(choice),
+        verdict=outcome.verdict(choice, effects),
         effects=effects,
         before=before_model,
         after=after_model,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,11 +19,11 @@ from stickslip.fitted.unknowns import of_law
 from stickslip.measured.case import Case
 
 
-def verdict(choice: Choice) -> Verdict:
+def verdict(choice: Choice, found: Sequence[FoundEffect]) -> Verdict:
     """Return the word of the report."""
-    if choice.term is not None or choice.place is not None or choice.trial.names in rig_numbers.KINDS:
+    if choice.term is not None or choice.place is not None:
         return Verdict.unlisted_effect
-    return Verdict.effect_found if choice.trial.names else Verdict.no_effect
+    return Verdict.effect_found if found else Verdict.no_effect
 
 
 def model(case: Case, trial: Trial) -> Model:
@@ -103,17 +103,28 @@ def effects(search: Search, choice: Choice, after: Trial, threshold: float) -> t
 
 def _wrong_number(search: Search, choice: Choice, after: Trial, threshold: float) -> FoundEffect:
     kind, found = rig_numbers.KINDS[choice.trial.names], rig_numbers.numbers(after)
-    name = rig_numbers.called(choice.trial.names)
+    name = "rig_" + rig_numbers.wrong(search.model.rig, found)[0]
     rivals = [  # each under one name
         replace(t, names=(rig_numbers.called(t.names),))
         for t in (*search.freed, *search.tried.values())
         if t.names in rig_numbers.KINDS or len(t.names) == 1
     ]
-    chosen = replace(choice.trial, names=(name,))
-    proof = ev.evidence(search, choice.null, chosen, name, rivals, threshold, choice.held)
-    others = ev.alternatives(chosen, rivals, name)
+    called = rig_numbers.called(choice.trial.names)
+    chosen = replace(choice.trial, names=(called,))
+    proof = ev.evidence(search, choice.null, chosen, called, rivals, threshold, choice.held)
+    others = ev.alternatives(chosen, rivals, called)
     words = rig_numbers.formula(search.model.rig, found)
-    return FoundEffect("unlisted", kind.where, kind.depends_on, found, proof, others, words, of_rig=True)
+    return FoundEffect(name, kind.where, kind.depends_on, found, proof, others, words, of_rig=True)
+
+
+def as_declared(case: Case, found: FoundEffect) -> str | None:
+    """What is said of a number that is off by no more than its uncertainty allows: it is no finding."""
+    if not found.of_rig or rig_numbers.beyond(case.uncertainty, found.parameters):
+        return None
+    return (
+        f"{found.formula}: within three of its standard uncertainties, and so no finding; the model after has "
+        "what was found"
+    )
 
 
 def ranking(search: Search, choice: Choice) -> tuple[Rival, ...]:

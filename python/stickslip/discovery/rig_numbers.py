@@ -11,6 +11,8 @@ import numpy as np
 
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.intervals import combined, intervals
 from stickslip.discovery.result import Curve, Interval
 from stickslip.discovery.rivals import hypothesis
@@ -18,6 +20,7 @@ from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.workers import each
 from stickslip.fitted.unknowns import RIG, Unknown
 
+BEYOND = 3.0  # standard uncertainties within which a constant is as declared (the format of a case says so)
 FACTOR = 10.0  # by which a declared number may be wrong
 EDGE = 1e-6  # of a number: nearer to its bound it is at it
 ROUNDING = 1e-9  # of a number: so far its search stays inside of what a rig may have
@@ -165,9 +168,33 @@ def formula(rig: AnyRig, found: Mapping[str, Interval]) -> str:
 _WORDS = {"inertia": "alpha1 before x1''", "stiffness": "alpha1 before x1"}
 
 
-def declared(rig: Rig, name: str) -> float:
-    """A number as declared; `inertia` and `stiffness` are alpha1."""
-    return float(getattr(rig, "alpha1" if name in _WORDS else name))
+def declared(rig: AnyRig, name: str) -> float:
+    """A number or a constant as declared; `inertia` and `stiffness` are alpha1."""
+    return every_number(rig)["alpha1" if name in _WORDS else name]
+
+
+def wrong(rig: AnyRig, found: Mapping[str, Interval]) -> tuple[str, float]:
+    """The declared constant that wrong numbers stand for, and the logarithm of found over declared.
+
+    Of a rig in SI that is a constant of its own; where two numbers are wrong together, the first of them.
+    """
+    names = list(found)
+    if {"inertia", "stiffness"} <= set(names):  # x1'' and x1 have no longer the same number
+        apart = {n: abs(math.log(found[n].value / declared(rig, n))) for n in ("inertia", "stiffness")}
+        names = [max(apart, key=lambda n: apart[n])]
+    name = names[0]
+    behind = constant(rig, name, found)
+    if behind is None:
+        own = "alpha1" if name in _WORDS else name
+        return own, math.log(found[name].value / declared(rig, own))
+    return behind.name, math.log(behind.of(found[name].value) / behind.of(declared(rig, name)))
+
+
+def beyond(known: Uncertainty, found: Mapping[str, Interval]) -> bool:
+    """Whether wrong numbers are further off than three standard uncertainties of the constant behind them."""
+    name, off = wrong(known.rig, found)
+    own = known.constants.get(name)
+    return abs(off) > BEYOND * (known.relative(name) if own is None and name in known.names else own or 0.0)
 
 
 @dataclass(frozen=True)

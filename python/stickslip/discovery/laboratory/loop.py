@@ -61,7 +61,7 @@ def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed
     model = Model(case.rig, friction=case.friction)
     bench = Bench(model, data, cut, known(case), POLICY)
     try:
-        found = search(bench, tell, seed)
+        found = search(bench, case.uncertainty, tell, seed)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
     if _lost(bench, found.chosen) or repeats(bench, found.chosen):

@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.model import Model
+from stickslip.declared.uncertainty import GAINS as CHANNELS
+from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.evidence import TIED
 from stickslip.discovery.intervals import Z
+from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curves import Learned
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
@@ -172,7 +175,52 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
                 kind.name, kind.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases
             )
         )
+    if chosen.freed is not None:
+        out.append(_wrong_constant(bench, found, chosen.freed))
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+PLACES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("alpha1", "m", "k1"), ("block", ("x1",))),
+    **dict.fromkeys(("alpha2", "J", "r", "beta3", "k3"), ("angle_body", ("y1",))),
+    **dict.fromkeys(("eta12", "c2"), ("angle_body", ("y2",))),
+    **dict.fromkeys(("eta1", "c1"), ("both", ("x2", "y2"))),
+    "k2": ("both", ("x1", "y1")),
+    "x1": ("x1 channel", ("x1",)),
+    "y1": ("y1 channel", ("y1",)),
+}
+"""Where a constant or a gain acts, and on what."""
+
+
+def _wrong_constant(bench: Bench, found: Searched, wrong: Freed) -> FoundEffect:
+    """A declared constant that is off by more than three of its standard uncertainties."""
+    where, on = PLACES[wrong.name]
+    gain = wrong.name in CHANNELS
+    name = "sensor_gain" if gain else f"rig_{wrong.name}"
+    value = 1.0 if gain else every_number(bench.model.rig)[wrong.name]
+    called = f"the gain of {wrong.name}" if gain else wrong.name
+    words = f"{called} is {value * (1 + wrong.off):.4g} rather than {value:.4g} ({100 * wrong.off:+.3g} %)"
+    step = found.steps[-1]
+    names = [t for t in step.trials if t.names[-1] not in found.chosen.names]
+    control = min(names, key=lambda t: t.deviance, default=None)
+    fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
+    said = f"{abs(math.log1p(wrong.off)) / wrong.known:.1f} standard uncertainties from what is declared"
+    proof = Evidence(
+        wrong.gain, wrong.gain, None, fall, "" if control is None else control.names[-1],
+        step.gate.threshold, said,
+    )  # fmt: skip
+    rivals = tuple(
+        Alternative(
+            f"rig_{one.name}", math.exp(0.5 * (one.gain - wrong.gain)), wrong.gain - one.gain,
+            wrong.gain - one.gain < TIED, False, "another constant of the rig explains it as well",
+            {one.name: one.interval(every_number(bench.model.rig)[one.name])},
+        )
+        for one in wrong.rivals
+        if wrong.gain - one.gain < NEAR and one.name not in CHANNELS
+    )  # fmt: skip
+    return FoundEffect(
+        name, where, on, {wrong.name: wrong.interval(value)}, proof, rivals, words, of_rig=True
+    )
 
 
 def _step_of(found: Searched, name: str) -> Step:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
@@ -26,11 +28,13 @@ class Trial:
     terms : its effects, as fitted
     fit : where it stands
     known : gain that it has from waves no larger than scatter and wobble have
+    freed : a declared constant that is not as declared
     """
 
     terms: tuple[Term, ...]
     fit: Fit
     known: float = 0.0
+    freed: Freed | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -43,10 +47,11 @@ class Trial:
         return self.fit.deviance + self.known
 
     def numbers(self) -> int:
-        """How many numbers its effects have."""
-        return len(self.fit.at) - sum(
+        """How many numbers its effects have, and its constants that are not as declared."""
+        effects = len(self.fit.at) - sum(
             "." not in n.name or n.name.startswith("gain") for n in self.fit.windows.numbers
         )
+        return effects + (self.freed is not None)
 
     def worth(self) -> float:
         """Return -2 log evidence, the price of its numbers included."""
@@ -78,8 +83,8 @@ class Searched:
         return [self.null, *(t for step in self.steps for t in step.trials)]
 
 
-def search(bench: Bench, tell: Callable[[str], None], seed: int = 0) -> Searched:
-    """Return what the runs say of every effect, alone and beside others."""
+def search(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int = 0) -> Searched:
+    """Return what the runs say of every effect, alone and beside others, and of the declared constants."""
     tell("fitting the declared law, its constants and its scatter")
     null = Trial((), fitted(begin(bench.windows()), bench.policy))
     out = Searched(null, null)
@@ -93,8 +98,31 @@ def search(bench: Bench, tell: Callable[[str], None], seed: int = 0) -> Searched
         if best is None or base.worth() - best.worth() <= step.gate.threshold:
             break
         base = best
-    out.chosen = _back(bench, base, out, tell)
+    out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell))
     return out
+
+
+def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
+    """What was chosen, or a declared constant that is wrong in its place or beside it."""
+    rivals = [chosen]
+    for one in (null, chosen) if chosen.terms else (chosen,):
+        every = freed(bench, one.fit, known)
+        if every and every[0].beyond:
+            first = replace(every[0], rivals=tuple(every[1:]))
+            rivals.append(_with_freed(bench, known, one, first))
+    return min(rivals, key=Trial.worth)
+
+
+def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) -> Trial:
+    """A hypothesis fitted with one constant free; itself if that constant is as declared after all."""
+    free = replace(bench, declared=wrong.declared)
+    first = replace(trial.fit, windows=free.windows(trial.terms))
+    fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
+    # what the readings say of it where it is free
+    again = next((one for one in freed(bench, fit, known) if one.name == wrong.name), wrong)
+    terms = terms_at(trial.terms, fit.windows, fit.at)
+    found = replace(again, gain=wrong.gain, rivals=wrong.rivals)
+    return Trial(terms, fit, trial.known, found) if again.beyond else trial
 
 
 def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) -> tuple[Step, Trial]:

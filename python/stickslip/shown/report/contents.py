@@ -11,6 +11,7 @@ from stickslip._core import build_config
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension, scales_of, si_of
+from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.result import Curve, Found, FoundEffect, Interval, Json, plain
 from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
@@ -91,6 +92,9 @@ def in_si(effect: FoundEffect, name: str, case: Case) -> dict[str, Json]:
         return _corrected(corrects, one, case)
     if not effect.of_rig:
         return _si(f"{effect.name}.{name}", one, case)
+    if isinstance(rig, Rig) and rig.scales is not None and name in rig.to_si():
+        return {"si_name": name, "value_si": one.value, "unit": Rig.dimensions[name].unit,
+                "low_si": one.low, "high_si": one.high}  # fmt: skip
     what = constant(rig, name, effect.parameters)
     if what is None:
         return {}
@@ -159,12 +163,19 @@ def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
     for effect in found.effects:
         for name, one in effect.parameters.items():
             own = {"name": name if effect.of_rig else f"{effect.name}.{name}", "kind": "effect"}
-            given = declared(case.rig, name) if effect.of_rig and isinstance(case.rig, Rig) else None
+            given = _given(effect, name, case)
             before = None if given is None else plain(Interval(given, None, None))
             rows.append(
                 {**own, "declared": given, "before": before, **_status(one), **in_si(effect, name, case)}
             )
     return rows
+
+
+def _given(effect: FoundEffect, name: str, case: Case) -> float | None:
+    """A wrong number of (2.1) as it is declared, 1 for a gain; None for what only an effect has."""
+    if not effect.of_rig or not isinstance(case.rig, Rig):
+        return None
+    return 1.0 if name in GAINS else declared(case.rig, name)
 
 
 def _status(one: Interval) -> dict[str, Json]:

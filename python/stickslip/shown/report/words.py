@@ -97,8 +97,6 @@ def headline(found: Found) -> str:
         return "Nothing is missing: the declared model explains the readings down to their noise."
     if found.verdict is Verdict.unlisted_effect:
         effect = next((e for e in found.effects if e.name == "unlisted"), found.effects[0])
-        if effect.of_rig:
-            return f"A declared number of the rig is wrong: {effect.formula}."
         on = joined([v for v in effect.depends_on if v != "memory"])
         variables = f", as a function of {on}" if on else ""
         memory = " with a memory" if "memory" in effect.depends_on else ""
@@ -107,7 +105,14 @@ def headline(found: Found) -> str:
         place = PLACE.get(effect.where, effect.where)
         acts = "acts, most likely" if guessed(effect) else "acts"
         return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
-    lacking = [" or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e)))) for e in found.effects]
+    if all(e.of_rig for e in found.effects):
+        return f"A declared number of the rig is wrong: {'; '.join(e.formula for e in found.effects)}."
+    lacking = [
+        f"what mends the rig ({e.formula})"
+        if e.of_rig
+        else " or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e))))
+        for e in found.effects
+    ]
     tied = any(ties(e) for e in found.effects)
     if len(lacking) == 1 or (
         len(lacking) <= FEW and not tied

@@ -1,0 +1,116 @@
+"""Is a declared constant wrong by more than its uncertainty? One is freed at a time, all others as well as declared.
+
+A constant within three of its standard uncertainties is no finding, whatever it gains. Constants of an SI rig are in
+several numbers of (2.1) at once: what tells them apart is how those numbers are off together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.intervals import Z
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.result import Interval
+from stickslip.discovery.rig_numbers import BEYOND
+from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.shared import Declared
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Freed:
+    """
+    One constant freed from what is declared of it.
+
+    Parameters
+    ----------
+    name : as declared; of a gain, its channel
+    off : relative error found, true over declared less 1
+    sd : its standard deviation, of the logarithm
+    known : its standard uncertainty as declared
+    gain : fall of -2 log evidence, the width of what it may be paid for
+    declared : what is known of all constants once this one is free
+    rivals : other constants that would explain it
+    """
+
+    name: str
+    off: float
+    sd: float
+    known: float
+    gain: float
+    declared: Declared
+    rivals: tuple[Freed, ...] = ()
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the whole 95 % interval lies beyond three standard uncertainties."""
+        return self.gain > 0 and abs(math.log1p(self.off)) - Z * self.sd > BEYOND * self.known
+
+    def interval(self, value: float = 1.0) -> Interval:
+        """Return the constant with its 95 % interval, from its declared value."""
+        at = math.log1p(self.off)
+        return Interval(*(value * math.exp(at + k * Z * self.sd) for k in (0, -1, 1)))
+
+
+def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
+    """
+    Return every constant and gain freed alone, the likeliest first.
+
+    Parameters
+    ----------
+    bench, fit : a fitted hypothesis
+    known : the declared constants
+    """
+    declared = bench.declared
+    information, pull = _told(fit, declared.names)
+    none = _evidence(declared.covariance, information, pull)
+    wide = bench.policy.law_spread**2
+    out = []
+    for name, own in {**known.constants, **known.gains}.items():
+        along = _along(known, declared.names, name, own)
+        if along is None:
+            continue
+        covariance = declared.covariance + wide * np.outer(along, along)
+        inner = np.linalg.inv(np.eye(len(pull)) + information @ covariance)
+        variance = wide + own**2
+        at = float(variance * along @ inner @ pull)
+        left = float(variance - variance**2 * along @ (inner @ (information @ along)))
+        gain = 2 * (_evidence(covariance, information, pull) - none)
+        free = replace(declared, covariance=covariance)
+        out.append(Freed(name, math.expm1(at), math.sqrt(max(left, 0.0)), own, gain, free))
+    return sorted(out, key=lambda one: -one.gain)
+
+
+def _told(fit: Fit, names: Sequence[str]) -> tuple[Floats, Floats]:
+    """What the readings alone say of the constants: information (n, n), and information times estimate (n,)."""
+    assert fit.solution is not None
+    place = {n.name: i for i, n in enumerate(fit.windows.numbers)}
+    at = [place[name] for name in names]
+    away, prior = fit.windows.prior.at(fit.at)
+    precision = np.linalg.inv(fit.solution.covariance[np.ix_(at, at)])
+    information = precision - prior[np.ix_(at, at)]
+    size, turn = np.linalg.eigh(0.5 * (information + information.T))
+    return (turn * np.maximum(size, 0.0)) @ turn.T, precision @ -away[at]
+
+
+def _along(known: Uncertainty, names: Sequence[str], constant: str, own: float) -> Floats | None:
+    """Relative change of the fitted numbers for one of a constant; None for one that is exact or in none of them."""
+    if own == 0:
+        return None
+    plain = [n.removeprefix("gain.") for n in names]
+    along = known.covariance([*plain, constant])[-1, :-1] / own**2
+    return along if np.abs(along).max(initial=0.0) > 0 else None
+
+
+def _evidence(covariance: Floats, information: Floats, pull: Floats) -> float:
+    """Log marginal likelihood of what the readings say, under a covariance of the constants."""
+    inner = np.eye(len(pull)) + covariance @ information
+    _, volume = np.linalg.slogdet(inner)
+    return float(0.5 * pull @ np.linalg.solve(inner, covariance @ pull) - 0.5 * volume)
