@@ -8,11 +8,20 @@ from stickslip.simulated.instruction_set import check_instruction_set
 if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip._core import build_config
     from stickslip.declared.effect import CATALOGUE, Effect, Tabulated, effect, tabulated
+    from stickslip.declared.formula_laws.dahl import DahlFriction
+    from stickslip.declared.formula_laws.formula import FormulaFriction, LawState
+    from stickslip.declared.formula_laws.lugre import LuGreFriction
+    from stickslip.declared.formula_laws.rate_and_state import RateAndStateFriction
+    from stickslip.declared.formula_laws.stribeck import StribeckFriction
+    from stickslip.declared.formula_laws.tabulated import TabulatedFriction
     from stickslip.declared.friction.coulomb import CoulombFriction
     from stickslip.declared.friction.hyperbolic import HyperbolicFriction
     from stickslip.declared.friction.paper import PaperFriction
     from stickslip.declared.model import Model, load_model
     from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
+    from stickslip.declared.rigs.bodies import BodiesRig, Body, Contact, Link
+    from stickslip.declared.rigs.matrices import MatricesRig
+    from stickslip.declared.speeds import Speed
     from stickslip.declared.units import Channel
     from stickslip.discovery.discover import Found, discover
     from stickslip.errors import InputError, ModelWarning, StickslipError
@@ -39,33 +48,46 @@ check_instruction_set()  # before anything is computed with another one than was
 
 _HOME = {  # where each public name lives; imported when it is first used, for a quick start
     "BlockOnBelt": "stickslip.declared.rig",
+    "BodiesRig": "stickslip.declared.rigs.bodies",
+    "Body": "stickslip.declared.rigs.bodies",
     "Branch": "stickslip.simulated.orbits.branch",
     "CATALOGUE": "stickslip.declared.effect",
     "Case": "stickslip.measured.case",
     "Channel": "stickslip.declared.units",
     "Comparison": "stickslip.fitted.compare",
+    "Contact": "stickslip.declared.rigs.bodies",
     "CoulombFriction": "stickslip.declared.friction.coulomb",
     "CycleSensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
+    "DahlFriction": "stickslip.declared.formula_laws.dahl",
     "DrivenSlider": "stickslip.declared.rig",
     "Effect": "stickslip.declared.effect",
+    "FormulaFriction": "stickslip.declared.formula_laws.formula",
     "Found": "stickslip.discovery.discover",
     "HyperbolicFriction": "stickslip.declared.friction.hyperbolic",
     "Identified": "stickslip.fitted.identified",
     "InputError": "stickslip.errors",
+    "LawState": "stickslip.declared.formula_laws.formula",
     "LimitCycle": "stickslip.simulated.orbits.limit_cycle",
+    "Link": "stickslip.declared.rigs.bodies",
+    "LuGreFriction": "stickslip.declared.formula_laws.lugre",
     "LyapunovSpectrum": "stickslip.simulated.orbits.lyapunov",
+    "MatricesRig": "stickslip.declared.rigs.matrices",
     "Model": "stickslip.declared.model",
     "ModelWarning": "stickslip.errors",
     "NoLimitCycleError": "stickslip.simulated.orbits.steady_sliding",
     "PaperFriction": "stickslip.declared.friction.paper",
+    "RateAndStateFriction": "stickslip.declared.formula_laws.rate_and_state",
     "Recording": "stickslip.measured.recording",
     "Rig": "stickslip.declared.rig",
     "Scales": "stickslip.declared.rig",
     "SpecialPoint": "stickslip.simulated.orbits.branch",
+    "Speed": "stickslip.declared.speeds",
     "Status": "stickslip.simulated.simulate",
     "SteadySliding": "stickslip.simulated.orbits.steady_sliding",
     "StickslipError": "stickslip.errors",
+    "StribeckFriction": "stickslip.declared.formula_laws.stribeck",
     "Tabulated": "stickslip.declared.effect",
+    "TabulatedFriction": "stickslip.declared.formula_laws.tabulated",
     "Trajectory": "stickslip.simulated.simulate",
     "Transitions": "stickslip.simulated.simulate",
     "build_config": "stickslip._core",
@@ -110,32 +132,45 @@ def __dir__() -> list[str]:
 __all__ = [
     "CATALOGUE",
     "BlockOnBelt",
+    "BodiesRig",
+    "Body",
     "Branch",
     "Case",
     "Channel",
     "Comparison",
+    "Contact",
     "CoulombFriction",
     "CycleSensitivity",
+    "DahlFriction",
     "DrivenSlider",
     "Effect",
+    "FormulaFriction",
     "Found",
     "HyperbolicFriction",
     "Identified",
     "InputError",
+    "LawState",
     "LimitCycle",
+    "Link",
+    "LuGreFriction",
     "LyapunovSpectrum",
+    "MatricesRig",
     "Model",
     "ModelWarning",
     "NoLimitCycleError",
     "PaperFriction",
+    "RateAndStateFriction",
     "Recording",
     "Rig",
     "Scales",
     "SpecialPoint",
+    "Speed",
     "Status",
     "SteadySliding",
     "StickslipError",
+    "StribeckFriction",
     "Tabulated",
+    "TabulatedFriction",
     "Trajectory",
     "Transitions",
     "__version__",

@@ -8,18 +8,27 @@ from contextlib import contextmanager
 from dataclasses import fields
 from typing import Any, TypeVar
 
+from stickslip.declared.bodies_model import check_names_of_laws
 from stickslip.declared.catalogue import KINDS
+from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.effect import AnyEffect, Tabulated, effect, tabulated
+from stickslip.declared.formula_law import quantity
+from stickslip.declared.formula_laws.formula import FormulaFriction
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.laws import LAWS
+from stickslip.declared.law_dimensions import check_size
+from stickslip.declared.laws import ALL_LAWS
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
+from stickslip.declared.rigs.bodies import BodiesRig
+from stickslip.declared.rigs.general import GeneralRig, RigError
+from stickslip.declared.rigs.matrices import MatricesRig
 from stickslip.declared.toml_file import Document, Key, Table
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
 
 T = TypeVar("T")
 
-RIG_KINDS = ("two_degree", "block_on_belt", "driven_slider")
+GENERAL: Mapping[str, type[BodiesRig] | type[MatricesRig]] = {"bodies": BodiesRig, "matrices": MatricesRig}
+RIG_KINDS = ("two_degree", "block_on_belt", "driven_slider", *GENERAL)
 SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
 
 
@@ -36,6 +45,8 @@ def read_rig(document: Document, *keys: Key, table: Table) -> AnyRig:
     if kind == "driven_slider":
         bare = given.keys() & {"mass", "damping"}
         return _made(document, keys, DrivenSlider if bare else _driven_slider, given)
+    if kind in GENERAL:
+        return _general(document, keys, GENERAL[str(kind)], given)
     if given.keys() & {"m", "J", "k1", "k2", "length"}:
         mixed = [name for name in NONDIMENSIONAL if name in given]
         if mixed:
@@ -48,14 +59,54 @@ def read_rig(document: Document, *keys: Key, table: Table) -> AnyRig:
     return _made(document, keys, Rig, given)
 
 
-def read_friction(document: Document, *keys: Key, table: Table) -> FrictionLaw:
-    """Make the law that `table` declares; `kind` is "paper" if absent, and so is every number left out."""
+def read_friction(document: Document, *keys: Key, table: Table, rotation: bool | None = None) -> FrictionLaw:
+    """Make the law that `table` declares; `kind` is "paper" if absent, and so is every number left out.
+
+    `rotation` says of a contact of a general rig whether it turns: numbers may be text with a unit then.
+    """
     given = dict(table)
     kind = given.pop("kind", "paper")
-    if kind not in LAWS:
-        raise document.error(did_you_mean(str(kind), LAWS), *keys, "kind", value=kind)
-    make: Callable[..., FrictionLaw] = LAWS[str(kind)]
+    if kind not in ALL_LAWS:
+        raise document.error(did_you_mean(str(kind), ALL_LAWS), *keys, "kind", value=kind)
+    make = ALL_LAWS[str(kind)]
+    if make is FormulaFriction:
+        with document.at(*keys):
+            return FormulaFriction(**given)  # type: ignore[arg-type]  # it looks at everything
+    if rotation is not None:
+        for name, one in given.items():
+            if isinstance(one, str) and name.removesuffix("_plus") in make.dimensions:
+                with document.at(*keys):
+                    given[name], unit = quantity(name, one)
+                    check_size(name, unit, make.dimensions[name.removesuffix("_plus")], rotation)
     return _made(document, keys, make, given)
+
+
+def read_laws(document: Document, rig: AnyRig) -> FrictionLaw:
+    """Make the law of [friction], or, for a rig of bodies or matrices, those of its tables [law.<name>]."""
+    tables = document.tables
+    if not isinstance(rig, GeneralRig):
+        if "law" in tables:
+            raise document.error(
+                "is for a rig of bodies or matrices; the law of this rig is [friction]", "law"
+            )
+        return read_friction(document, "friction", table=_table(tables.get("friction", {})))
+    if "law" in tables and "friction" in tables:
+        raise document.error("give [friction] for all contacts, or a [law.<name>] each, not both", "friction")
+    turns: dict[str, bool] = {one.law: one.rotation for one in rig.equations.contacts}
+    if "law" not in tables:
+        if "friction" not in tables:
+            raise document.error(
+                "a model lacks its law: [friction], or a [law.<name>] for each name of a contact"
+            )
+        rotation = next(iter(turns.values()), False)
+        return read_friction(document, "friction", table=_table(tables["friction"]), rotation=rotation)
+    with document.at("law"):
+        check_names_of_laws(rig.equations.contacts, _table(tables["law"]))
+    laws = {
+        name: read_friction(document, "law", name, table=_table(table), rotation=turns.get(name, False))
+        for name, table in _table(tables["law"]).items()
+    }
+    return ContactLaws(tuple(laws.items()))
 
 
 def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
@@ -86,6 +137,8 @@ def read_channel(document: Document, *keys: Key, table: Table) -> Channel:
 
 def rig_table(rig: AnyRig) -> dict[str, object]:
     """Return the table that `read_rig` makes `rig` of, to the last bit."""
+    if isinstance(rig, GeneralRig):
+        return rig.table()
     kinds = {Rig: "two_degree", BlockOnBelt: "block_on_belt", DrivenSlider: "driven_slider"}
     table: dict[str, object] = {"kind": kinds[type(rig)]}
     table |= {field.name: getattr(rig, field.name) for field in fields(rig)}
@@ -97,7 +150,10 @@ def rig_table(rig: AnyRig) -> dict[str, object]:
 
 def friction_table(law: FrictionLaw) -> dict[str, object]:
     """Return the table that `read_friction` makes `law` of."""
-    numbers = {field.name: getattr(law, field.name) for field in fields(law)}
+    if isinstance(law, FormulaFriction):
+        return {"kind": law.kind, **law.table()}
+    values = {field.name: getattr(law, field.name) for field in fields(law)}
+    numbers = {name: list(one) if isinstance(one, tuple) else one for name, one in values.items()}
     return {"kind": law.kind} | {name: value for name, value in numbers.items() if value is not None}
 
 
@@ -110,6 +166,35 @@ def effect_table(one: AnyEffect) -> dict[str, object]:
     if one.period is not None:
         table["period"] = one.period
     return table if one.phi == 0 else table | {"phi": one.phi}
+
+
+def _general(
+    document: Document,
+    keys: tuple[Key, ...],
+    make: type[BodiesRig] | type[MatricesRig],
+    given: dict[str, Any],
+) -> AnyRig:
+    """Make a rig of bodies or matrices, and say in which of its tables a fault lies."""
+    known = [one.name for one in fields(make)]
+    for key in given:
+        if key not in known:
+            raise document.error(f"unknown; {did_you_mean(key, known)}", *keys, key)
+    for name in ("M", "K") if make is MatricesRig else ("body",):
+        if name not in given:
+            what = "its matrix" if make is MatricesRig else "a body, like [rig.body.block]: it lacks"
+            raise document.error(f"lacks {what} '{name}'", *keys)
+    try:
+        return make(**given)
+    except RigError as error:
+        raise document.error(error.what, *keys, *error.path, value=error.value) from None
+    except InputError as error:
+        raise document.error(
+            error.what, *keys, *([error.key] if error.key else []), value=error.value
+        ) from None
+
+
+def _table(value: object) -> Table:
+    return value if isinstance(value, Mapping) else {}
 
 
 def _block_on_belt(*, m: float, k: float, c: float = 0.0) -> BlockOnBelt:

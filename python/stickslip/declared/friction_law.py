@@ -10,8 +10,8 @@ supply -static_plus to static_minus.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,6 +48,16 @@ class FrictionLaw:
     single: ClassVar[tuple[str, ...]] = ()
     each_way: ClassVar[tuple[str, ...]] = ()
     dimensions: ClassVar[Mapping[str, Dimension]]
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The law's numbers by name, those that were not given left out."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: one for name, one in values.items() if isinstance(one, float)}
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        """Return the law with some numbers changed."""
+        return replace(self, **values)
 
     @property
     def static_limits(self) -> tuple[float, float]:

@@ -11,21 +11,23 @@ from typing import Self
 
 from stickslip.arguments import explained, listed, must_be
 from stickslip.arguments import path as as_path
+from stickslip.declared.bodies_model import check_general, named_laws
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
+from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.declaration import (
     effect_table,
     friction_table,
     read_channel,
     read_effect,
-    read_friction,
+    read_laws,
     read_rig,
     rig_table,
 )
 from stickslip.declared.effect import AnyEffect, Effect, Tabulated
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.laws import LAWS
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import read_toml, write_text
 from stickslip.declared.units import DIMENSIONS, Channel
 from stickslip.errors import InputError, Place, did_you_mean, number, unknown
@@ -42,6 +44,13 @@ _HEADER = """\
 """
 
 
+_GENERAL_HEADER = """\
+# A model of stickslip: stickslip.load_model reads it.
+# [rig] with its bodies, links and contacts (or its matrices), [friction] or a [law.<name>] for every name that
+# contacts give. Bare numbers are in SI.
+"""
+
+
 @explained
 @dataclass(frozen=True)
 class Model:
@@ -50,9 +59,11 @@ class Model:
     Parameters
     ----------
     rig
-        `Rig` or `BlockOnBelt`.
+        `Rig` or `BlockOnBelt`; `BodiesRig` and `MatricesRig` can be simulated, and no more as yet.
     friction
-        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`.
+        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`; or a law that can be simulated, and no more as yet:
+        `StribeckFriction`, `TabulatedFriction`, `LuGreFriction`, `DahlFriction`, `RateAndStateFriction`,
+        `FormulaFriction`. Where contacts name their laws, a table of laws by name.
     effects
         From `effect` and `tabulated`, each name once.
     channels
@@ -75,8 +86,9 @@ class Model:
     noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
 
     def __post_init__(self) -> None:
-        must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider))
-        must_be("friction", self.friction, tuple(LAWS.values()))
+        must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
+        object.__setattr__(self, "friction", named_laws(self.friction))
+        must_be("friction", self.friction, FrictionLaw, "like CoulombFriction(static=1, kinetic=0.5)")
         if isinstance(self.effects, (Effect, Tabulated, str)):
             raise InputError("must be a list of effects; put it in [ ]", key="effects")
         object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))
@@ -88,6 +100,9 @@ class Model:
                 raise InputError(f"effect '{name}' is there twice; give it once")
         if why := idle(self.friction, names):
             raise InputError(why, key="effects")
+        check_general(self.rig, self.friction, self.effects, self.channels or self.noise)
+        if isinstance(self.rig, GeneralRig):
+            return
         if not isinstance(self.rig, DrivenSlider):
             _check_belt(self.effects)
         if isinstance(self.rig, BlockOnBelt):
@@ -115,10 +130,11 @@ class Model:
         Names of the rig and the law are their own ("alpha1", "T_s_minus", "mass"); an effect's are
         "<effect>.<parameter>". Optional numbers that are not set are left out.
         """
-        flat: dict[str, float] = {}
-        for part in (self.rig, self.friction):
-            values = {one.name: getattr(part, one.name) for one in dataclasses.fields(part)}
-            flat |= {name: value for name, value in values.items() if isinstance(value, float)}
+        if isinstance(self.rig, GeneralRig):
+            return {**self.rig.numbers, **self.friction.numbers}
+        values = {one.name: getattr(self.rig, one.name) for one in dataclasses.fields(self.rig)}
+        flat = {name: value for name, value in values.items() if isinstance(value, float)}
+        flat |= self.friction.numbers
         for one in self.effects:
             flat |= {f"{one.name}.{name}": value for name, value in one.parameters.items()}
         return flat
@@ -171,6 +187,8 @@ class Model:
         """
         if values is not None:
             must_be("values", values, Mapping, "like {'belt_seam.L': 2.0}")
+        if isinstance(self.rig, GeneralRig):
+            return self._replaced({**(values or {}), **named}, self.rig)
         rig: dict[str, float] = {}
         law: dict[str, float] = {}
         effects: dict[str, dict[str, float]] = {}
@@ -188,12 +206,31 @@ class Model:
         return dataclasses.replace(
             self,
             rig=dataclasses.replace(self.rig, **rig),  # type: ignore[arg-type]  # floats by name
-            friction=_replaced(self.friction, law),
+            friction=self.friction.with_numbers(law),
             effects=tuple(one.replace(**effects.get(one.name, {})) for one in self.effects),
+        )
+
+    def _replaced(self, values: Mapping[str, float], own: GeneralRig) -> Self:
+        """Return a model of bodies or matrices with some numbers changed."""
+        rig, law, optional = dict[str, float](), dict[str, float](), self._optional()
+        for given, value in values.items():
+            name = given if given in optional else self._named(given, self.parameters)
+            (rig if name in own.numbers else law)[name] = value
+        return dataclasses.replace(
+            self,
+            rig=own.with_numbers(rig),
+            friction=self.friction.with_numbers(law) if law else self.friction,
         )
 
     def _optional(self) -> set[str]:
         """Names of the law's numbers that default to None."""
+        if isinstance(self.friction, ContactLaws):
+            return {
+                f"{name}.{one.name}"
+                for name, law in self.friction.laws
+                for one in dataclasses.fields(law)
+                if one.default is None
+            }
         return {one.name for one in dataclasses.fields(self.friction) if one.default is None}
 
     def with_effects(self, effects: Iterable[AnyEffect]) -> Self:
@@ -214,14 +251,20 @@ class Model:
         """Return the text that `save` writes."""
         import tomlkit
 
-        tables: dict[str, object] = {"rig": rig_table(self.rig), "friction": friction_table(self.friction)}
+        tables: dict[str, object] = {"rig": rig_table(self.rig)}
+        if isinstance(self.friction, ContactLaws):
+            tables["law"] = {name: friction_table(law) for name, law in self.friction.laws}
+        else:
+            tables["friction"] = friction_table(self.friction)
         if self.effects:
             tables["effect"] = [effect_table(one) for one in self.effects]
         if self.channels is not None:
             tables["channels"] = {name: dataclasses.asdict(one) for name, one in self.channels.items()}
         if self.noise is not None:
             tables["noise"] = dict(self.noise)
-        return _HEADER + "\n" + tomlkit.dumps(tables)
+        return (
+            (_GENERAL_HEADER if isinstance(self.rig, GeneralRig) else _HEADER) + "\n" + tomlkit.dumps(tables)
+        )
 
 
 def load_model(path: str | os.PathLike[str]) -> Model:
@@ -244,7 +287,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         raise document.error(
             "this is a case with its runs, not a model; identify or discover make a model of it", "run", 0
         )
-    known = ("rig", "friction", "effect", "channels", "noise")
+    known = ("rig", "friction", "law", "effect", "channels", "noise")
     for key, table in tables.items():
         if key not in known:
             raise document.error(f"unknown; {did_you_mean(key, known)}", key)
@@ -266,7 +309,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         with document.at("noise"):
             noise = {name: number(name, value, above=0) for name, value in _table(tables["noise"]).items()}  # type: ignore[arg-type]
     rig = read_rig(document, "rig", table=_table(tables["rig"]))
-    law = read_friction(document, "friction", table=_table(tables.get("friction", {})))
+    law = read_laws(document, rig)
     with document.at():
         return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
 
@@ -280,11 +323,6 @@ def model_file(path: Path) -> Path:
             return path / name
     hint = "; give rig.toml to identify or discover first" if (path / "rig.toml").is_file() else ""
     raise InputError(f"a folder without {' or '.join(IN_A_FOLDER)}{hint}", place=Place(str(path)))
-
-
-def _replaced(law: FrictionLaw, values: Mapping[str, float]) -> FrictionLaw:
-    numbers: dict[str, float] = {one.name: getattr(law, one.name) for one in dataclasses.fields(law)}
-    return type(law)(**{**numbers, **values})
 
 
 def _table(value: object) -> Mapping[str, object]:

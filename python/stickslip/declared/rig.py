@@ -17,6 +17,7 @@ from stickslip.declared.dimensions import (
     STIFFNESS,
     Dimension,
 )
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 
 Coupling = Literal["reciprocal", "as_printed"]
@@ -285,17 +286,27 @@ class DrivenSlider:
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
 
-AnyRig = Rig | BlockOnBelt | DrivenSlider
+AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig
+
+
+def only_simulated(rig: GeneralRig) -> InputError:
+    """Return the error of what cannot yet be done with a rig of bodies or matrices."""
+    words = (
+        f"kind '{rig.kind}' can be simulated, and no more as yet; this needs 'two_degree' or 'block_on_belt'"
+    )
+    return InputError(words, key="rig")
 
 
 def on_belt(rig: AnyRig) -> Rig | BlockOnBelt:
-    """Return a rig that has a belt.
+    """Return a named rig that has a belt.
 
     Raises
     ------
     InputError
-        A driven slider has none.
+        A driven slider has none, and a rig of bodies or matrices is simulated alone as yet.
     """
+    if isinstance(rig, GeneralRig):
+        raise only_simulated(rig)
     if isinstance(rig, DrivenSlider):
         words = "a driven slider has neither belt nor spring; `stickslip discover` fits its law"
         raise InputError(words, key="rig")

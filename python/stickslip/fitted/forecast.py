@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.arguments import explained, must_be
+from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider
 from stickslip.declared.scale import plainly
@@ -78,6 +79,7 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     import pandas as pd  # slow to import
 
     must_be("model", model, Model, "load_model(file) gives one")
+    check_closed_form(model.rig, model.friction)
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
     if isinstance(model.rig, DrivenSlider):
         words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"

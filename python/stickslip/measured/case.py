@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
+from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.declaration import read_channel, read_friction, read_rig
 from stickslip.declared.effect import AnyEffect
 from stickslip.declared.friction.paper import PaperFriction
@@ -194,6 +195,8 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     rig = read_rig(document, "rig", table=declared.rig)
     law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
     friction = read_friction(document, "friction", table=law)
+    with document.at():
+        check_closed_form(rig, friction)
     channels = {
         name: read_channel(document, "channels", name, table=table)
         for name, table in declared.channels.items()

@@ -179,7 +179,7 @@ def _one_of(file: str, names: Sequence[str], option: str) -> str:
 def _belt_speed(name: str, recording: Recording, speeds: Mapping[str, str]) -> tuple[str | float | None, str]:
     """The set-point of a run: as given, as its belt was measured, or as the block rides it."""
     rig = recording.rig
-    if isinstance(rig, DrivenSlider):
+    if not isinstance(rig, (Rig, BlockOnBelt)):
         return None, ""
     unit = recording.channels["belt"].unit if "belt" in recording.channels else default_speed_unit(rig)
     if text := speeds.get(name, speeds.get("", "")):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.effect import CATALOGUE, CONSTANTS, Effect, Tabulated
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
@@ -131,6 +132,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
             parameters[place] = value
         slots[name] = places
 
+    check_closed_form(model.rig, model.friction)
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)

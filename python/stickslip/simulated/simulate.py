@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip import _core
 from stickslip.arguments import explained, must_be, texts, vector, whole_number
 from stickslip.declared.effect import Effect
+from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.lowering import Lowered, lower
 from stickslip.simulated.states import HIDDEN, VISIBLE
@@ -211,6 +213,10 @@ def simulate(
         -1 at the contact): it is simulated as declared, with friction that drives.
     """
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
+    if isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula):
+        kind = model.rig.kind if isinstance(model.rig, GeneralRig) else model.friction.kind
+        told = f"'{kind}' has no place in the core as yet; stickslip.reference.simulate_bodies simulates it, slowly"
+        raise InputError(told, key="model")
     speed = number("belt_speed", belt_speed)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)

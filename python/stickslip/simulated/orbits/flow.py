@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import must_be, vector
+from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.rig import on_belt
@@ -74,6 +75,7 @@ class Flow:
 
     def __post_init__(self) -> None:
         must_be("model", self.model, Model, "Model(rig, friction=law) or load_model(file) give one")
+        check_closed_form(self.model.rig, self.model.friction)
         on_belt(self.model.rig)
 
     @cached_property

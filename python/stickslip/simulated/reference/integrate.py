@@ -63,7 +63,7 @@ class Step:
     t: float
     z: Floats
     end: float
-    side: Side
+    side: Any  # what is frozen in it: a `Side`, or what another system has
     dense: Dense
 
 
@@ -149,7 +149,7 @@ def simulate(
     t, message, recent = 0.0, "", list[float]()
     while t < t_end and not message:
         steps_before = len(steps)
-        hit = _leg(system, side, t, z, t_end, tol, max_step, steps)
+        hit = leg(system, side, t, z, t_end, tol, max_step, steps)
         if isinstance(hit, str):
             message = hit
             break
@@ -200,9 +200,9 @@ def _collect(
     return Run(times, states[:, :d], states[:, d:], modes, transitions, kinks, status, system, steps)
 
 
-def _leg(
-    system: System,
-    side: Side,
+def leg(
+    system: Any,
+    side: Any,
     t: float,
     z: Floats,
     t_end: float,
@@ -231,7 +231,7 @@ def _leg(
 
 
 def _first_switching(
-    system: System, guards: dict[str, Guard], step: Step, samples: Floats
+    system: Any, guards: dict[str, Guard], step: Step, samples: Floats
 ) -> tuple[str, float, Floats] | None:
     """Find the earliest switching within the step, and land on it."""
     times = step.t + samples * (step.end - step.t)
@@ -250,7 +250,7 @@ def _first_switching(
 
 
 def _bracket(
-    system: System, guard: Guard, step: Step, times: Floats, states: Floats
+    system: Any, guard: Guard, step: Step, times: Floats, states: Floats
 ) -> tuple[float, float] | None:
     """Find times around the first upward crossing of the switching function, or None."""
 
@@ -277,7 +277,7 @@ def _bracket(
     return None
 
 
-def _land(system: System, guard: Guard, step: Step, a: float, b: float) -> tuple[float, Floats]:
+def _land(system: Any, guard: Guard, step: Step, a: float, b: float) -> tuple[float, Floats]:
     """Time and state where the switching function vanishes in [a, b]."""
     if a == b:
         return step.t, step.z
@@ -295,7 +295,7 @@ def _land(system: System, guard: Guard, step: Step, a: float, b: float) -> tuple
     return t, advance(system, step.side, step.t, step.z, t)
 
 
-def _henon(system: System, guard: Guard, side: Side, t: float, z: Floats) -> tuple[float, Floats] | None:
+def _henon(system: Any, guard: Guard, side: Any, t: float, z: Floats) -> tuple[float, Floats] | None:
     """Step in S from S(t, z) < 0 to 0: dz/dS = f / f_S, dt/dS = 1 / f_S; repeat until |S| is rounding."""
 
     def by_surface(_: float, tz: Floats) -> Floats:
@@ -314,7 +314,7 @@ def _henon(system: System, guard: Guard, side: Side, t: float, z: Floats) -> tup
     return float(tz[0]), np.asarray(tz[1:])
 
 
-def advance(system: System, side: Side, t: float, z: Floats, end: float) -> Floats:
+def advance(system: Any, side: Any, t: float, z: Floats, end: float) -> Floats:
     """State at `end`, from `t`, `z`, sides frozen."""
     if end == t:
         return z

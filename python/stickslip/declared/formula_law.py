@@ -1,0 +1,230 @@
+"""What the laws that are formulas share: numbers with units, branches, magnitudes, steady sliding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+import scipy
+
+from stickslip.declared.dimensions import Dimension
+from stickslip.declared.formula.dimension import to_si
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.value import Value, value
+from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw
+from stickslip.declared.law_form import BranchForm, LawForm, StateForm
+from stickslip.declared.units import with_unit
+from stickslip.errors import InputError, number
+
+
+def quantity(key: str, given: object) -> tuple[float, str | None]:
+    """Return a number in SI and its SI unit; the unit is None where it is given bare.
+
+    Raises
+    ------
+    InputError
+        Not a finite number, or a unit that is not known.
+    """
+    if not isinstance(given, str):
+        return number(key, given), None  # type: ignore[arg-type]  # `number` looks
+    try:
+        size, unit = with_unit(given)
+    except ValueError:
+        raise InputError("not a number with a unit; give one like '4 N'", key=key, value=given) from None
+    number(key, size)
+    try:
+        return to_si(size, unit) if unit else (size, None)
+    except InputError as error:
+        raise InputError(error.what, key=key, value=given) from None
+
+
+@dataclass(frozen=True)
+class LawByFormula(FrictionLaw):
+    """A law whose magnitudes, force and rates are formulas.
+
+    A subclass gives their texts: `kinetic` and `static` of a rigid law or `force` of a compliant one, and of every
+    state its rate, its start and what it measures.
+    """
+
+    kinetic_text: ClassVar[str | None] = None
+    static_text: ClassVar[str | None] = None
+    force_text: ClassVar[str | None] = None
+    state_texts: ClassVar[Mapping[str, tuple[str, str, Dimension]]] = {}
+
+    @property
+    def declared_units(self) -> Mapping[str, str]:
+        """SI units of the numbers that were given with one."""
+        units: Mapping[str, str] = self.__dict__.get("_units", {})
+        return units
+
+    def form(self) -> LawForm:
+        """Return the law as it is simulated."""
+        kept: LawForm | None = self.__dict__.get("_form")
+        if kept is None:
+            object.__setattr__(self, "_form", kept := self._make_form())
+        return kept
+
+    def __getstate__(self) -> dict[str, object]:
+        return {name: one for name, one in self.__dict__.items() if name != "_form"}
+
+    def _texts(self) -> tuple[str | None, str | None, str | None, Mapping[str, tuple[str, str, Dimension]]]:
+        return self.kinetic_text, self.static_text, self.force_text, self.state_texts
+
+    def _make_form(self) -> LawForm:
+        kinetic, static, force, states = self._texts()
+        rates = {f"{name}_rate": parse(rate) for name, (rate, _, _) in states.items()}
+        minus = BranchForm(
+            None if kinetic is None else parse(kinetic),
+            None if static is None else parse(static),
+            None if force is None else substituted(parse(force), rates),
+            tuple(rates.values()),
+        )
+        kept = tuple(StateForm(name, parse(start), what) for name, (_, start, what) in states.items())
+        twins = {name: f"{name}_plus" for name in self.each_way if getattr(self, f"{name}_plus") is not None}
+        return LawForm(minus, minus.renamed(twins), self.numbers, kept)
+
+    def _check(self, bounds: Mapping[str, Mapping[str, float]]) -> None:
+        """Turn every number given, with a unit or bare, into a float within its bounds."""
+        units: dict[str, str] = {}
+        for one in fields(self):
+            given = getattr(self, one.name)
+            if one.name.removesuffix("_plus") not in self.dimensions or (
+                given is None and one.default is None
+            ):
+                continue
+            size, unit = quantity(one.name, given)
+            number(one.name, size, **bounds.get(one.name.removesuffix("_plus"), {}))  # type: ignore[arg-type]
+            if unit is not None:
+                units[one.name] = unit
+            object.__setattr__(self, one.name, size)
+        object.__setattr__(self, "_units", units)
+
+    # -- what every law can be asked ---------------------------------------------------------------------------
+
+    @property
+    def static_limits(self) -> tuple[float, float]:
+        """Static limits (minus, plus) at the beginning of a stick; of a compliant law its steady force near rest."""
+        return self._limit(-1), self._limit(1)
+
+    def _limit(self, direction: Direction) -> float:
+        form = self.form()
+        static = form.branch(direction).static
+        if static is None:
+            return float(self._steady(direction, np.array([1e-12]))[0])
+        return float(value(static, {**form.numbers, **self._started(direction, 0.0), "dwell": 0.0, "t": 0.0}))
+
+    @property
+    def kinks(self) -> tuple[None, None]:
+        """None: where a formula saturates, its own min, max and abs say so."""
+        return None, None
+
+    def _minus(self, u: Floats) -> Floats:
+        return self._steady(-1, u)
+
+    def _plus(self, u: Floats) -> Floats:
+        return self._steady(1, u)
+
+    def _steady(self, direction: Direction, u: Floats) -> Floats:
+        """Return the magnitude in steady sliding at the speeds u."""
+        form = self.form()
+        branch = form.branch(direction)
+        shape = np.shape(u)
+        out = np.empty(shape)
+        for place, speed in np.ndenumerate(np.asarray(u, dtype=np.float64)):
+            of = {**form.numbers, "u": speed, "v": direction * speed, "t": 0.0, "dwell": 0.0}
+            of |= steady_states(form, direction, float(speed))
+            tree = branch.kinetic if branch.force is None else branch.force
+            assert tree is not None
+            size = float(np.real(value(tree, of)))
+            out[place] = size if branch.force is None else direction * size
+        return out
+
+    def _started(self, direction: Direction, speed: float) -> dict[str, float]:
+        form = self.form()
+        of: dict[str, Value] = {**form.numbers, "u": abs(speed), "v": direction * abs(speed)}
+        return {one.name: float(np.real(value(one.start, of))) for one in form.states}
+
+    def branch(self, direction: Direction) -> Branch:
+        """Return the branch for slip with the sign `direction`, of a law without states.
+
+        Raises
+        ------
+        InputError
+            The law has states, or no stick.
+        """
+        form = self.form()
+        kinetic = form.branch(direction).kinetic
+        if form.states or kinetic is None:
+            raise InputError(f"the law '{self.kind}' has a state of its own; simulate the rig instead")
+        return Branch(self._limit(direction), lambda u: value(kinetic, {**form.numbers, "u": u, "t": 0.0}))
+
+
+def steady_states(form: LawForm, direction: Direction, speed: float) -> dict[str, float]:
+    """Return the states of a law in steady sliding, found from where they start.
+
+    Raises
+    ------
+    InputError
+        They settle nowhere.
+    """
+    if not form.states:
+        return {}
+    of: dict[str, Value] = {**form.numbers, "u": speed, "v": direction * speed, "t": 0.0, "dwell": 0.0}
+    names, rates = [one.name for one in form.states], form.branch(direction).rates
+    guess = np.array([float(np.real(value(one.start, of))) for one in form.states])
+    if not np.isfinite(guess).all():
+        return dict(zip(names, guess, strict=True))
+    slope = np.array([[_slope(rate, of, names, guess, k) for k in range(len(names))] for rate in rates])
+    start = np.array([float(value(rate, {**of, **dict(zip(names, guess, strict=True))})) for rate in rates])
+    if np.all(np.abs(start) <= 1e-14 * np.abs(slope) @ np.abs(guess)):
+        return dict(zip(names, guess, strict=True))
+    scale = np.where(guess != 0, np.abs(guess), 1.0)
+    if np.linalg.matrix_rank(slope) == len(names):  # a step of Newton's sets the scale of what starts at 0
+        step = np.linalg.solve(slope, -start)
+        scale = np.where(guess != 0, np.abs(guess), np.where(step != 0, np.abs(step), 1.0))
+
+    def residual(shares: Floats) -> Floats:
+        at = {**of, **dict(zip(names, guess + shares * scale, strict=True))}
+        return np.array([float(np.real(value(rate, at))) for rate in rates])
+
+    found = scipy.optimize.root(residual, np.zeros(len(names)), tol=1e-14)
+    if not found.success and not np.all(np.abs(found.fun) < 1e-9):
+        raise InputError(
+            f"the state {', '.join(names)} has no steady value at a speed of {speed:g}; give its start"
+        )
+    return dict(zip(names, guess + found.x * scale, strict=True))
+
+
+def _slope(rate: Tree, of: Mapping[str, Value], names: Sequence[str], at: Floats, k: int) -> float:
+    h = 1e-30
+    states = {name: complex(at[i], h * (i == k)) for i, name in enumerate(names)}
+    return float(np.imag(value(rate, {**of, **states})) / h)
+
+
+def piecewise_cubic(
+    name: str, knots: Sequence[float], start: float, parts: Sequence[Sequence[float]]
+) -> Tree:
+    """Return the tree of a curve that is a cubic between knots and constant outside.
+
+    Each part adds what the curve does between two knots, of a distance clamped to its width: nothing cancels.
+    """
+    tree: Tree = Number(float(start))
+    for left, right, coefficients in zip(knots[:-1], knots[1:], parts, strict=True):
+        inside = Apply("max", (Apply("subtract", (Name(name), Number(float(left)))), Number(0.0)))
+        clamped = Apply("min", (inside, Number(float(right - left))))
+        sum_: Tree = Number(float(coefficients[0]))
+        for one in coefficients[1:]:
+            sum_ = Apply("add", (Apply("multiply", (sum_, clamped)), Number(float(one))))
+        tree = Apply("add", (tree, Apply("multiply", (sum_, clamped))))
+    return tree
+
+
+def finite(key: str, values: object, *, least: float = -math.inf) -> tuple[float, ...]:
+    """Return a list of numbers, with units or bare, as floats in SI."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)):
+        raise InputError("must be a list of numbers, in [ ]", key=key)
+    return tuple(number(f"{key}[{i}]", quantity(key, one)[0], least=least) for i, one in enumerate(values))

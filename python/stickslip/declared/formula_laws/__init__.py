@@ -1,0 +1,1 @@
+"""Friction laws that are formulas: a file each."""

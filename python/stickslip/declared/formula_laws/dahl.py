@@ -1,0 +1,52 @@
+"""Bristles that bend under a constant level: Dahl."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from stickslip.arguments import explained
+from stickslip.declared.dimensions import FORCE, LENGTH, STIFFNESS, Dimension
+from stickslip.declared.formula_law import LawByFormula
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class DahlFriction(LawByFormula):
+    """T = sigma0 z, z' = v (1 - sigma0 z sgn(v)/F_c). There is no stick; z is 0 at first unless it is given.
+
+    P. R. Dahl, A solid friction model, Aerospace Corporation TOR-158(3107-18) (1968).
+
+    Parameters
+    ----------
+    sigma0, F_c
+        Stiffness of the bristles and Coulomb level, positive.
+    sigma0_plus, F_c_plus
+        For v_w > 0; None: the same as for v_w < 0.
+
+    Raises
+    ------
+    InputError
+        A number is not finite or not positive.
+    """
+
+    kind: ClassVar[str] = "dahl"
+    rank: ClassVar[int] = 70
+    each_way: ClassVar[tuple[str, ...]] = ("sigma0", "F_c")
+    dimensions: ClassVar[Mapping[str, Dimension]] = {"sigma0": STIFFNESS, "F_c": FORCE}
+    force_text: ClassVar[str | None] = "sigma0*z"
+    state_texts: ClassVar[Mapping[str, tuple[str, str, Dimension]]] = {
+        "z": ("v - sigma0*u*z/F_c", "0", LENGTH)
+    }
+
+    sigma0: float
+    F_c: float
+    sigma0_plus: float | None = None
+    F_c_plus: float | None = None
+
+    def __post_init__(self) -> None:
+        self._check({key: {"above": 0.0} for key in ("sigma0", "F_c")})
+
+
+LAW = DahlFriction

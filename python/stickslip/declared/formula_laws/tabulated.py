@@ -1,0 +1,96 @@
+"""Friction measured at some speeds: a curve through them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import scipy
+
+from stickslip.arguments import explained
+from stickslip.declared.dimensions import FORCE, SPEED, Dimension
+from stickslip.declared.formula.tree import Name, Number, Tree
+from stickslip.declared.formula_law import LawByFormula, finite, piecewise_cubic
+from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.errors import InputError
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class TabulatedFriction(LawByFormula):
+    """R(u) through any number of points, constant before the first and after the last.
+
+    Between the points runs the cubic of Fritsch and Butland (1984), which has no hump that the points have not.
+
+    Parameters
+    ----------
+    speeds
+        u of the points, not negative, increasing; at least two. Lists may hold text with units ("2 mm/s").
+    forces
+        R there, not negative.
+    static
+        Static limit; the first of `forces` if absent.
+    speeds_plus, forces_plus, static_plus
+        For v_w > 0; None: the same as for v_w < 0.
+
+    Raises
+    ------
+    InputError
+        The lists differ in length, speeds do not increase, a number is negative or not finite.
+    """
+
+    kind: ClassVar[str] = "tabulated"
+    rank: ClassVar[int] = 50
+    each_way: ClassVar[tuple[str, ...]] = ("speeds", "forces", "static")
+    dimensions: ClassVar[Mapping[str, Dimension]] = {"speeds": SPEED, "forces": FORCE, "static": FORCE}
+
+    speeds: Sequence[float]
+    forces: Sequence[float]
+    static: float | None = None
+    speeds_plus: Sequence[float] | None = None
+    forces_plus: Sequence[float] | None = None
+    static_plus: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("speeds", "forces", "speeds_plus", "forces_plus"):
+            if (given := getattr(self, name)) is not None:
+                object.__setattr__(self, name, finite(name, given, least=0.0))
+        for name in ("static", "static_plus"):
+            if (one := getattr(self, name)) is not None:
+                object.__setattr__(self, name, finite(name, [one], least=0.0)[0])
+        for twin in ("", "_plus"):
+            speeds, forces, _ = self._side(bool(twin))
+            if len(speeds) != len(forces):
+                key = f"forces{twin if self.forces_plus is not None else ''}"
+                raise InputError(f"has {len(forces)} numbers for {len(speeds)} speeds", key=key)
+            if len(speeds) < 2:
+                raise InputError("a curve needs two points at least", key=f"speeds{twin}")
+            if np.any(np.diff(speeds) <= 0):
+                raise InputError("must increase", key=f"speeds{twin}")
+
+    def _side(self, plus: bool) -> tuple[Sequence[float], Sequence[float], float | None]:
+        if not plus:
+            return self.speeds, self.forces, self.static
+        return (
+            self.speeds if self.speeds_plus is None else self.speeds_plus,
+            self.forces if self.forces_plus is None else self.forces_plus,
+            self.static if self.static_plus is None else self.static_plus,
+        )
+
+    def _make_form(self) -> LawForm:
+        numbers = self.numbers
+        branches = []
+        for twin in (False, True):
+            speeds, forces, static = self._side(twin)
+            curve = scipy.interpolate.PchipInterpolator(speeds, forces)
+            limit: Tree = Number(float(forces[0]))
+            if static is not None:
+                limit = Name("static_plus" if twin and self.static_plus is not None else "static")
+            parts = curve.c[:3].T  # the cubic's constant is what came before
+            branches.append(BranchForm(piecewise_cubic("u", speeds, forces[0], parts.tolist()), limit))
+        return LawForm(branches[0], branches[1], numbers)
+
+
+LAW = TabulatedFriction

@@ -1,0 +1,1 @@
+"""Rigs of any number of coordinates and contacts: by their bodies, or by their matrices."""

@@ -1,0 +1,372 @@
+"""A rig by its parts: bodies, links between them, contacts on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar, Self, TypeVar
+
+import numpy as np
+
+from stickslip.arguments import explained, must_be
+from stickslip.declared.formula.dimension import dimensions, said
+from stickslip.declared.formula_law import quantity
+from stickslip.declared.rigs.general import (
+    Against,
+    ContactRow,
+    Equations,
+    GeneralRig,
+    RigError,
+    Unit,
+    check_equations,
+    check_names,
+)
+from stickslip.errors import InputError, did_you_mean, number
+
+P = TypeVar("P", bound="Part")
+Size = float | str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """A part of a rig: its numbers, given bare in SI or as text with a unit, become floats in SI."""
+
+    sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {}  # its numbers, and their bounds
+
+    def __post_init__(self) -> None:
+        units = {}
+        for name, bounds in self.sizes.items():
+            given = getattr(self, name)
+            if given is None:
+                continue
+            size, unit = quantity(name, given)
+            if unit is not None:
+                units[name] = unit
+            object.__setattr__(self, name, number(name, size, above=bounds.get("above", -math.inf)))
+        object.__setattr__(self, "_units", units)
+
+    def measures(self, name: str, *allowed: str) -> None:
+        """Refuse a number that was given in a unit of something else."""
+        unit = self.__dict__["_units"].get(name)
+        if unit is not None and dimensions(unit) not in [dimensions(one) for one in allowed]:
+            words = f"is {said(dimensions(unit))}; it must be {said(dimensions(allowed[0]))}"
+            raise InputError(words, key=name)
+
+    def table(self) -> dict[str, object]:
+        """Return the part as a file has it, what was not given left out."""
+        given = {one.name: (getattr(self, one.name), one.default) for one in fields(self)}
+        return {
+            name: list(one) if isinstance(one, tuple) else one
+            for name, (one, usual) in given.items()
+            if one != usual
+        }
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class Body(Part):
+    """A body that slides (a mass) or turns (an inertia); one coordinate.
+
+    Parameters
+    ----------
+    mass, inertia
+        One of the two, positive: "0.5 kg" or "0.35 kg m^2"; a bare number is in SI.
+    """
+
+    sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {"mass": {"above": 0.0}, "inertia": {"above": 0.0}}
+
+    mass: Size | None = None
+    inertia: Size | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.mass is None) == (self.inertia is None):
+            raise InputError("give a mass (it slides) or an inertia (it turns), one of the two", key="mass")
+        self.measures("mass", "kg")
+        self.measures("inertia", "kg m^2", "kg m^2/rad", "kg m^2/rad^2")
+
+    @property
+    def rotation(self) -> bool:
+        """It turns."""
+        return self.inertia is not None
+
+    @property
+    def size(self) -> float:
+        """The mass or the inertia, in SI."""
+        return float(self.inertia or self.mass or 0.0)
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class Link(Part):
+    """A spring and a damper between two bodies: of the deflection e = q_first - gear q_second - rest.
+
+    Parameters
+    ----------
+    between
+        Two names: of bodies, "ground" or "drive".
+    stiffness, damping
+        As of what the first body does: "12 N m/rad", "0.01 N s/m".
+    rest
+        Deflection at which the spring is slack, in m or rad.
+    gear
+        What the second moves for in the deflection; 1 if absent. Between a body that slides and one that turns it is
+        a lever arm, like "0.05 m/rad".
+    """
+
+    sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {
+        name: {} for name in ("stiffness", "damping", "rest", "gear")
+    }
+
+    between: tuple[str, str]
+    stiffness: Size = 0.0
+    damping: Size = 0.0
+    rest: Size = 0.0
+    gear: Size | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given: object = self.between
+        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+            raise InputError('must be two names, like ["block", "ground"]', key="between", value=given)
+        object.__setattr__(self, "between", (str(given[0]), str(given[1])))
+        if self.between[0] == self.between[1]:
+            raise InputError("a link joins two different ends", key="between", value=list(self.between))
+        if self.gear == 0:
+            raise InputError("a gear of 0 joins nothing", key="gear")
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class Contact(Part):
+    """A place where a body rubs on something.
+
+    Parameters
+    ----------
+    body
+        Its name.
+    against
+        "ground", "belt" (moved at a prescribed speed) or another body.
+    law
+        Name of its law, a table [law.<name>]; "" for the only one.
+    arm
+        Lever arm of friction on a body that turns ("20 mm"): v is then a speed, T a force; absent, an angular speed
+        and a torque.
+    name
+        That of the body if absent.
+    """
+
+    sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {"arm": {}}
+
+    body: str
+    against: str = "ground"
+    law: str = ""
+    arm: Size | None = None
+    name: str | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.measures("arm", "m", "m/rad")
+        for key in ("body", "against", "law"):
+            must_be(key, getattr(self, key), str)
+
+
+@explained
+@dataclass(frozen=True, kw_only=True)
+class BodiesRig(GeneralRig):
+    """A rig by its parts; every body has one coordinate, and the state is all of these, then their velocities.
+
+    Parameters
+    ----------
+    body
+        `Body`, or a table of its parts, by name: the coordinate's name too.
+    link
+        `Link`s, or tables. A mass without a spring is allowed.
+    contact
+        `Contact`s, or tables.
+
+    Raises
+    ------
+    InputError
+        A part is wrong, a name unknown or taken, a unit measures something else, two contacts act on one direction.
+
+    Warns
+    -----
+    ModelWarning
+        Without friction the motion would grow without bound: a stiffness or damping is negative.
+    """
+
+    kind: ClassVar[str] = "bodies"
+
+    body: Mapping[str, Body] = field(hash=False)
+    link: Sequence[Link] = ()
+    contact: Sequence[Contact] = ()
+
+    def __post_init__(self) -> None:
+        bodies = {
+            str(name): _part(Body, one, "body", str(name))
+            for name, one in must_be("body", self.body, Mapping).items()
+        }
+        object.__setattr__(self, "body", bodies)
+        links = [_part(Link, one, "link", i) for i, one in enumerate(_listed("link", self.link))]
+        object.__setattr__(self, "link", tuple(links))
+        contacts = [
+            _part(Contact, one, "contact", i) for i, one in enumerate(_listed("contact", self.contact))
+        ]
+        object.__setattr__(self, "contact", tuple(contacts))
+        if not bodies:
+            raise RigError("a rig has a body at least, like [rig.body.block]", "body")
+        check_names(tuple(bodies), "body")
+        check_equations(self.equations)
+
+    def __hash__(self) -> int:
+        return hash((tuple(self.body.items()), self.link, self.contact))
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations of motion."""
+        names = tuple(self.body)
+        n = len(names)
+        M = np.diag([one.size for one in self.body.values()])
+        C, K, force = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+        pulled, dragged = np.zeros(n), np.zeros(n)
+        for i, one in enumerate(self.link):
+            row, of_drive = self._deflection(i, one)
+            k, c, rest = float(one.stiffness), float(one.damping), float(one.rest)
+            K += k * np.outer(row, row)
+            C += c * np.outer(row, row)
+            force += k * rest * row
+            pulled -= k * of_drive * row  # the force is -row k (row . q + of_drive x_drive - rest)
+            dragged -= c * of_drive * row
+        rows = tuple(self._contact_row(i, one) for i, one in enumerate(self.contact))
+        units: tuple[Unit, ...] = tuple("rad" if one.rotation else "m" for one in self.body.values())
+        return Equations(names, units, M, C, K, force, pulled, dragged, rows)
+
+    def _deflection(self, i: int, one: Link) -> tuple[np.ndarray[Any, Any], float]:
+        """Row of a link's deflection over the coordinates, and its share of the drive's displacement."""
+        names, ends = tuple(self.body), one.between
+        for end in ends:
+            if end not in names and end not in ("ground", "drive"):
+                hint = did_you_mean(end, [*names, "ground", "drive"])
+                if end == "belt":
+                    hint = "a belt is what contacts rub on; a link is pulled by the 'drive'"
+                raise RigError(f"no body '{end}'; {hint}", "link", i, "between")
+        turns = [self.body[end].rotation if end in self.body else None for end in ends]
+        if not any(end in names for end in ends):
+            raise RigError("one end must be a body", "link", i, "between", value=list(ends))
+        rotation = turns[0] if turns[0] is not None else turns[1]
+        mixed = None not in turns and turns[0] != turns[1]
+        if mixed and one.gear is None:
+            words = "joins a body that slides and one that turns; it needs a gear, like gear = '0.05 m/rad'"
+            raise RigError(words, "link", i, "between")
+        self._check_units(i, one, bool(rotation), mixed)
+        row, of_drive = np.zeros(len(names)), 0.0
+        for end, share in zip(ends, (1.0, -1.0 if one.gear is None else -float(one.gear)), strict=True):
+            if end in names:
+                row[names.index(end)] += share
+            elif end == "drive":
+                of_drive = share
+        return row, of_drive
+
+    def _check_units(self, i: int, one: Link, rotation: bool, mixed: bool) -> None:
+        length = "rad" if rotation else "m"
+        force = "N m" if rotation else "N"
+        gear = ("1",) if not mixed else ("rad/m", "1/m") if rotation else ("m/rad", "m")
+        try:
+            one.measures("stiffness", f"{force}/{length}")
+            one.measures("damping", f"{force} s/{length}")
+            one.measures("rest", length)
+            one.measures("gear", *gear)
+        except InputError as error:
+            raise RigError(error.what, "link", i, error.key or "") from None
+
+    def _contact_row(self, i: int, one: Contact) -> ContactRow:
+        names = tuple(self.body)
+        if one.body not in names:
+            raise RigError(f"no body '{one.body}'; {did_you_mean(one.body, names)}", "contact", i, "body")
+        body = self.body[one.body]
+        if one.arm is not None and not body.rotation:
+            raise RigError("a body that slides has no lever arm", "contact", i, "arm")
+        if one.arm is not None and float(one.arm) == 0:
+            raise RigError("a lever arm of 0 carries nothing", "contact", i, "arm")
+        row = np.zeros(len(names))
+        row[names.index(one.body)] = 1.0 if one.arm is None else float(one.arm)
+        turns = body.rotation and one.arm is None
+        against: Against = "belt" if one.against == "belt" else "ground"
+        if one.against not in ("ground", "belt"):
+            other = self.body.get(one.against)
+            if other is None:
+                hint = did_you_mean(one.against, [*names, "ground", "belt"])
+                if one.against == "drive":
+                    hint = "a drive pulls at links; what a contact rubs on is the 'belt'"
+                raise RigError(f"no body '{one.against}'; {hint}", "contact", i, "against")
+            if other.rotation != turns or one.against == one.body:
+                words = (
+                    "must be another body" if one.against == one.body else "does not move as the body does"
+                )
+                raise RigError(words, "contact", i, "against", value=one.against)
+            row[names.index(one.against)] = -1.0
+        return ContactRow(one.name or one.body, row, against, one.law, turns)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Every number by name: "table.inertia", "link_1.stiffness", "bit.arm"."""
+        out: dict[str, float] = {}
+        for name, part in self._parts().items():
+            sizes = {key: getattr(part, key) for key in part.sizes}
+            out |= {f"{name}.{key}": float(size) for key, size in sizes.items() if size is not None}
+        return out
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        """Return the rig with some numbers changed, in SI."""
+        by: dict[str, dict[str, float]] = {}
+        for name, size in values.items():
+            owner, _, key = name.rpartition(".")
+            by.setdefault(owner, {})[key] = size
+        return replace(
+            self,
+            body={name: replace(one, **by.get(name, {})) for name, one in self.body.items()},
+            link=[replace(one, **by.get(f"link_{i + 1}", {})) for i, one in enumerate(self.link)],  # type: ignore[arg-type]  # numbers by name
+            contact=[replace(one, **by.get(f"contact_{i + 1}", {})) for i, one in enumerate(self.contact)],  # type: ignore[arg-type]
+        )
+
+    def _parts(self) -> dict[str, Part]:
+        links: dict[str, Part] = {f"link_{i + 1}": one for i, one in enumerate(self.link)}
+        contacts: dict[str, Part] = {f"contact_{i + 1}": one for i, one in enumerate(self.contact)}
+        return {**self.body, **links, **contacts}
+
+    def table(self) -> dict[str, object]:
+        """Return a file's table [rig]."""
+        out: dict[str, object] = {"kind": self.kind}
+        out["body"] = {name: one.table() for name, one in self.body.items()}
+        if self.link:
+            out["link"] = [one.table() for one in self.link]
+        if self.contact:
+            out["contact"] = [one.table() for one in self.contact]
+        return out
+
+
+def _listed(key: str, given: object) -> list[object]:
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Sequence):
+        raise RigError(f"must be a list of {key}s, [[rig.{key}]] in a file", key)
+    return list(given)
+
+
+def _part(kind: type[P], given: object, *path: str | int) -> P:
+    if isinstance(given, kind):
+        return given
+    if not isinstance(given, Mapping):
+        raise RigError(f"must be a {kind.__name__} or a table of its parts", *path)
+    known = [one.name for one in fields(kind)]
+    for key in given:
+        if key not in known:
+            raise RigError(f"unknown; {did_you_mean(str(key), known)}", *path, str(key))
+    needed = {"link": "between", "contact": "body"}.get(str(path[0]))
+    if needed is not None and needed not in given:
+        raise RigError(f"lacks '{needed}'", *path)
+    try:
+        return kind(**given)
+    except InputError as error:
+        raise RigError(error.what, *path, *([error.key] if error.key else []), value=error.value) from None

@@ -1,0 +1,192 @@
+"""What rigs of any kind share: M q'' + C q' + K q = force - sum of d_j T_j(v_j) + what a drive pulls with."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.dimensions import Dimension
+from stickslip.errors import InputError, ModelWarning
+
+Floats = NDArray[np.float64]
+Against = Literal["ground", "belt"]
+Unit = Literal["m", "rad", "1"]
+PLACES = ("ground", "belt", "drive")  # no bodies: rest, what contacts rub on, and what links are pulled by
+RESERVED = (*PLACES, "t", "mode")
+
+
+class RigError(InputError):
+    """An error within a rig: `path` leads to what is at fault, through its tables."""
+
+    def __init__(self, what: str, *path: str | int, value: object = None) -> None:
+        words = [str(one + 1) if isinstance(one, int) else one for one in path]
+        super().__init__(what, key=" ".join(words) or None, value=value)
+        self.path = path
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _rebuilt, (self.what, self.path, self.value)
+
+
+def _rebuilt(what: str, path: tuple[str | int, ...], value: object) -> RigError:
+    return RigError(what, *path, value=value)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRow:
+    """A contact in the equations: v = direction . q' - speed of what it rubs on."""
+
+    name: str
+    direction: Floats  # (n,)
+    against: Against
+    law: str
+    rotation: bool  # its force is a torque, its v an angular speed
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """A rig's equations of motion.
+
+    Attributes
+    ----------
+    names, units : (n,) coordinates, and what each is measured in.
+    M, C, K : (n, n)
+    force : (n,) constant force, of springs that are at rest elsewhere than at 0.
+    drive_stiffness, drive_damping : (n,) force by displacement and by speed of the drive.
+    contacts : one a contact.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[Unit, ...]
+    M: Floats
+    C: Floats
+    K: Floats
+    force: Floats
+    drive_stiffness: Floats
+    drive_damping: Floats
+    contacts: tuple[ContactRow, ...]
+
+    @property
+    def directions(self) -> Floats:
+        """Rows of the contacts (m, n)."""
+        return np.array([one.direction for one in self.contacts]).reshape(-1, len(self.names))
+
+    @property
+    def driven(self) -> bool:
+        """The drive pulls at something."""
+        return bool(np.any(self.drive_stiffness) or np.any(self.drive_damping))
+
+    @property
+    def on_belt(self) -> bool:
+        """A contact rubs on the belt."""
+        return any(one.against == "belt" for one in self.contacts)
+
+
+class GeneralRig:
+    """A rig that is declared by its parts or by its matrices."""
+
+    kind: ClassVar[str]
+    dimensions: ClassVar[Mapping[str, Dimension]] = {}  # its numbers are in SI already
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations of motion."""
+        raise NotImplementedError
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Every number by the name that `Model.parameters` gives it."""
+        raise NotImplementedError
+
+    def with_numbers(self, values: Mapping[str, float]) -> Self:
+        """Return the rig with some numbers changed."""
+        raise NotImplementedError
+
+    def table(self) -> dict[str, object]:
+        """Return a file's table [rig]."""
+        raise NotImplementedError
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Coordinates, then their velocities."""
+        names = self.equations.names
+        return (*names, *(f"v_{name}" for name in names))
+
+
+def check_names(names: tuple[str, ...], where: str) -> None:
+    """Refuse names of coordinates that a formula, a column or a place could not tell apart."""
+    for name in names:
+        if not name.isidentifier():
+            raise RigError("is no name; letters, digits and _ make one", where, str(name))
+        if name in RESERVED:
+            raise RigError("is taken; name it otherwise", where, name)
+        if names.count(name) > 1 or f"v_{name}" in names:
+            other = name if names.count(name) > 1 else f"v_{name}"
+            raise RigError(f"'{other}' names two states; name one otherwise", where)
+
+
+def check_equations(own: Equations) -> None:
+    """Refuse equations that do not determine the motion, and warn of ones that blow up by themselves.
+
+    Raises
+    ------
+    RigError
+        M is not symmetric and positive definite, or two contacts act on one direction.
+
+    Warns
+    -----
+    ModelWarning
+        Without friction the motion grows without bound.
+    """
+    M = own.M
+    if not np.allclose(M, M.T, rtol=1e-12, atol=0):
+        raise RigError("must be symmetric", "M")
+    sizes = np.linalg.eigvalsh(M)
+    if sizes[0] <= 1e-14 * abs(sizes[-1]):
+        lacks = (
+            "is singular: a coordinate has no inertia"
+            if abs(sizes[0]) <= 1e-14 * abs(sizes[-1])
+            else (f"has the eigenvalue {sizes[0]:.4g}; every inertia is positive")
+        )
+        raise RigError(lacks, "M")
+    _check_contacts(own)
+    damped = np.linalg.eigvalsh((own.C + own.C.T) / 2)
+    stiff = np.linalg.eigvals(np.linalg.solve(M, own.K))
+    rate = np.sqrt(np.max(np.abs(stiff), initial=0.0)) + np.max(
+        np.abs(np.linalg.solve(M, own.C)), initial=0.0
+    )
+    n = len(own.names)
+    block = np.block(
+        [[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, own.K), -np.linalg.solve(M, own.C)]]
+    )
+    growth = float(np.max(np.linalg.eigvals(block).real))
+    if growth > 1e-6 * rate:
+        why = (
+            "a stiffness is negative"
+            if np.min(stiff.real) < -1e-12 * np.max(np.abs(stiff))
+            else ("a damping is negative" if damped[0] < 0 else "the matrices are not symmetric")
+        )
+        words = f"{why}: without friction the motion grows as exp({growth:.4g} t)"
+        warnings.warn(words, ModelWarning, stacklevel=5)
+
+
+def _check_contacts(own: Equations) -> None:
+    rows = own.directions
+    for i, one in enumerate(own.contacts):
+        if not np.any(rows[i]):
+            raise RigError("acts on no coordinate: its direction is zero", "contact", i)
+        for k in range(i):
+            if own.contacts[k].name == one.name and not np.array_equal(rows[i], rows[k]):
+                raise RigError(f"'{one.name}' names two contacts; name one otherwise", "contact", i)
+            a, b = rows[i] / np.linalg.norm(rows[i]), rows[k] / np.linalg.norm(rows[k])
+            if abs(abs(a @ b) - 1) < 1e-12:
+                words = f"acts on the same direction as contact {k + 1} ('{own.contacts[k].name}')"
+                raise RigError(f"{words}; put both into one law", "contact", i)
+    if len(rows) > len(own.names) or (len(rows) and np.linalg.matrix_rank(rows) < len(rows)):
+        words = f"{len(rows)} contacts on {len(own.names)} coordinates depend on each other: "
+        raise RigError(words + "what each carries in stick would be undetermined", "contact")

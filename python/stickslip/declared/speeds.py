@@ -1,0 +1,146 @@
+"""A speed that is prescribed, of a belt or a drive: a number, a formula of t, steps, or what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.arguments import explained, vector
+from stickslip.declared.formula.derivative import derivative
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.range import check_range
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.value import Value, value
+from stickslip.errors import InputError, number
+
+_T = Name("t")
+
+
+@explained
+@dataclass(frozen=True)
+class Speed:
+    """A speed over time, in pieces that are formulas of t; `of`, `steps` and `measured` make one.
+
+    Attributes
+    ----------
+    begins
+        Times from which the pieces hold, increasing (k,); the first holds before its own too.
+    pieces
+        Formulas of t, trees (k,).
+    text
+        As a person would write it.
+    """
+
+    begins: tuple[float, ...]
+    pieces: tuple[Tree, ...]
+    text: str = ""
+
+    @classmethod
+    def of(cls, given: object, key: str = "belt_speed") -> Speed:
+        """Return a speed of a number, a formula ("0.5*sin(1.7*t)") or a `Speed`.
+
+        Raises
+        ------
+        InputError
+            None of these, or a formula that is not defined at every time.
+        """
+        if isinstance(given, Speed):
+            return given
+        if not isinstance(given, str):
+            size = number(key, given)  # type: ignore[arg-type]  # `number` looks
+            return cls((0.0,), (Number(size),), f"{size:g}")
+        try:
+            tree = parse(given, ["t"])
+        except InputError as error:
+            raise InputError(error.what, key=key, value=error.value) from None
+        check_range(key, tree, "t", {})
+        return cls((0.0,), (tree,), given)
+
+    @classmethod
+    def steps(cls, begins: ArrayLike, values: Sequence[object], key: str = "belt_speed") -> Self:
+        """Return a speed that changes at given times.
+
+        Parameters
+        ----------
+        begins
+            Times from which each value holds, increasing; the first holds before it too.
+        values
+            Numbers, or formulas of t.
+        """
+        times = vector("from", begins, "times")
+        if len(times) == 0 or len(times) != len(values):
+            raise InputError(f"has {len(values)} values for {len(times)} times", key=key)
+        _check_times(times, key)
+        pieces = tuple(cls.of(one, key).pieces[0] for one in values)
+        told = ", ".join(f"{one} from {t:g}" for t, one in zip(times, values, strict=True))
+        return cls(tuple(times.tolist()), pieces, told)
+
+    @classmethod
+    def measured(cls, t: ArrayLike, values: ArrayLike, key: str = "belt_speed") -> Self:
+        """Return what was measured: straight between the samples, constant before the first and after the last."""
+        times, speeds = vector("t", t, "times"), vector(key, values, "speeds")
+        if len(times) != len(speeds) or len(times) < 2:
+            raise InputError(
+                f"has {len(speeds)} samples at {len(times)} times; give two or more of each", key=key
+            )
+        if not (np.isfinite(times).all() and np.isfinite(speeds).all()):
+            raise InputError("has samples that are not finite", key=key)
+        _check_times(times, key)
+        begins, pieces = [float(times[0])], list[Tree]()
+        slopes = np.diff(speeds) / np.diff(times)
+        for start, first, slope in zip(times, speeds, slopes, strict=False):
+            line = Apply("multiply", (Number(float(slope)), Apply("subtract", (_T, Number(float(start))))))
+            pieces.append(Apply("add", (Number(float(first)), line)) if slope else Number(float(first)))
+        begins += times[1:].tolist()
+        pieces.append(Number(float(speeds[-1])))
+        before: list[Tree] = [Number(float(speeds[0]))]
+        text = f"measured, {len(times)} samples"
+        return cls((float(times[0]) - 1.0, *begins), (*before, *pieces), text)
+
+    @property
+    def constant(self) -> float | None:
+        """The number that it is at every time, or None."""
+        first = self.pieces[0]
+        return first.value if len(self.pieces) == 1 and isinstance(first, Number) else None
+
+    def piece(self, t: float) -> int:
+        """Return which piece holds from the time t on."""
+        return max(0, int(np.searchsorted(self.begins, t, side="right")) - 1)
+
+    def at(self, t: Value, piece: int) -> tuple[Value, Value]:
+        """Value and rate of a piece at t."""
+        tree = self.pieces[piece]
+        return value(tree, {"t": t}), value(derivative(tree, "t"), {"t": t})
+
+    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the speed at the times t, any shape."""
+        times = np.asarray(t, dtype=np.float64)
+        out = np.empty(times.shape)
+        for place, one in np.ndenumerate(times):
+            out[place] = value(self.pieces[self.piece(float(one))], {"t": float(one)})
+        return out
+
+    def scaled(self, time: float, size: float) -> Speed:
+        """Return the speed in other units: of t/time and value * size."""
+        if time == 1 and size == 1:
+            return self
+        by: Mapping[str, Tree] = {"t": Apply("multiply", (_T, Number(time)))}
+        pieces = tuple(
+            Number(one.value * size)
+            if isinstance(one, Number)
+            else Apply("multiply", (Number(size), substituted(one, by)))
+            for one in self.pieces
+        )
+        return Speed(tuple(one / time for one in self.begins), pieces, self.text)
+
+
+def _check_times(times: NDArray[np.float64], key: str) -> None:
+    if np.any(np.diff(times) <= 0):
+        i = int(np.argmax(np.diff(times) <= 0)) + 1
+        raise InputError(
+            f"its times must increase; entry {i} is {times[i]:g} after {times[i - 1]:g}", key=key
+        )

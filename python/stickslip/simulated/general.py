@@ -1,0 +1,178 @@
+"""A model of any rig as it is simulated: equations, laws as trees, prescribed speeds, names of states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.bodies_model import law_of
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import Name, Tree, substituted
+from stickslip.declared.formula.value import value
+from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.hyperbolic import HyperbolicFriction
+from stickslip.declared.friction.paper import PaperFriction
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt, Rig
+from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig, Unit
+from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class General:
+    """What is simulated of a model of any rig.
+
+    Attributes
+    ----------
+    equations
+        M q'' + C q' + K q = force - directions' T + drive.
+    laws
+        One a contact.
+    belt, drive
+        Prescribed speeds.
+    order
+        Place of each of the rig's own states among (q, v).
+    state_names, hidden
+        The rig's states, and those of the laws: by their own names where there is one contact, else
+        "<contact>.<state>".
+    """
+
+    equations: Equations
+    laws: tuple[LawForm, ...]
+    belt: Speed
+    drive: Speed
+    order: tuple[int, ...]
+    state_names: tuple[str, ...]
+
+    @property
+    def hidden(self) -> tuple[str, ...]:
+        """Names of the laws' states."""
+        alone = len(self.laws) == 1
+        return tuple(
+            one.name if alone else f"{contact.name}.{one.name}"
+            for contact, law in zip(self.equations.contacts, self.laws, strict=True)
+            for one in law.states
+        )
+
+    def start(self, initial: Floats, given: Mapping[str, float], t: float) -> Floats:
+        """Return (q, v, states of the laws) at the start; states that are not given as the laws start.
+
+        Raises
+        ------
+        InputError
+            A law's state has no steady value at the starting speed, and none is given.
+        """
+        n = len(self.equations.names)
+        z = np.zeros(2 * n)
+        z[list(self.order)] = initial
+        hidden, names = list[float](), iter(self.hidden)
+        for contact, law in zip(self.equations.contacts, self.laws, strict=True):
+            belt = float(self.belt(t)) if contact.against == "belt" else 0.0
+            v = float(contact.direction @ z[n:]) - belt
+            for one in law.states:
+                name = next(names)
+                size = given.get(name)
+                if size is None:
+                    with np.errstate(divide="ignore"):
+                        size = float(value(one.start, {**law.numbers, "u": abs(v), "v": v}))
+                if not np.isfinite(size):
+                    words = (
+                        f"the law's state {name} is not finite in steady motion at v = {v:g}; give its start"
+                    )
+                    raise InputError(words, key="hidden")
+                hidden.append(size)
+        return np.array([*z, *hidden])
+
+
+def general(model: Model, belt_speed: object, drive_speed: object = None) -> General:
+    """Return what is simulated of a model; a named rig becomes one of matrices.
+
+    Raises
+    ------
+    InputError
+        A speed is missing, or given where nothing moves at it; the model is of a driven slider, or has effects.
+    """
+    rig = model.rig
+    if model.effects:
+        raise InputError(f"'{model.effects[0].name}' acts where the belt's speed is a number", key="effects")
+    if isinstance(rig, GeneralRig):
+        own, order = rig.equations, tuple(range(2 * len(rig.equations.names)))
+        laws = tuple(form_of(law_of(model.friction, one)) for one in own.contacts)
+    else:
+        own, order = _named(rig)
+        laws = (form_of(model.friction),)
+    speeds = []
+    for key, given, needed in (
+        ("belt_speed", belt_speed, own.on_belt),
+        ("drive_speed", drive_speed, own.driven),
+    ):
+        if given is None and needed:
+            what = "a contact rubs on the belt" if key == "belt_speed" else "a link is pulled by the drive"
+            raise InputError(f"missing: {what}; give its speed", key=key)
+        if given is not None and not needed:
+            what = "no contact rubs on a belt" if key == "belt_speed" else "nothing is pulled by a drive"
+            raise InputError(f"{what} in this rig; leave it out", key=key)
+        speeds.append(Speed.of(0.0 if given is None else given, key))
+    return General(own, laws, speeds[0], speeds[1], order, rig.state_names)
+
+
+def _named(rig: object) -> tuple[Equations, tuple[int, ...]]:
+    """Equations of a named rig, and the places of its states."""
+    if isinstance(rig, BlockOnBelt):
+        matrices = ([[rig.mass]], [[rig.damping]], [[rig.stiffness]])
+        names: tuple[str, ...] = ("x1",)
+        order: tuple[int, ...] = (0, 1)
+    elif isinstance(rig, Rig):
+        s = 1.0 if rig.coupling == "reciprocal" else -1.0
+        C = [[rig.eta1, rig.eta1], [rig.eta1, rig.eta12]]
+        matrices = ([[rig.alpha1, 0.0], [0.0, rig.alpha2]], C, [[rig.alpha1, s], [1.0, rig.beta3]])
+        names, order = ("x1", "y1"), (0, 2, 1, 3)
+    else:
+        raise InputError("a driven slider has no belt; stickslip.forecast moves it", key="rig")
+    M, C_, K = (np.array(one) for one in matrices)
+    n = len(names)
+    contact = ContactRow("block", np.eye(n)[0], "belt", "", False)
+    zero = np.zeros(n)
+    units: tuple[Unit, ...] = tuple("m" for _ in names)
+    return Equations(names, units, M, C_, K, zero, zero, zero, (contact,)), order
+
+
+def form_of(law: FrictionLaw) -> LawForm:
+    """Return a law of any kind as trees."""
+    if isinstance(law, LawByFormula):
+        return law.form()
+    if isinstance(law, CoulombFriction):
+        return _each_way(law, "kinetic", "static")
+    if isinstance(law, HyperbolicFriction):
+        return _each_way(law, "scale/(1 + decay*u) + constant + quadratic*u**2", "scale + constant")
+    if isinstance(law, PaperFriction):
+        return _paper(law)
+    raise InputError(f"the law '{law.kind}' is not known as a formula", key="friction")
+
+
+def _each_way(law: FrictionLaw, kinetic: str, static: str) -> LawForm:
+    minus = BranchForm(parse(kinetic), parse(static))
+    twins = {name: f"{name}_plus" for name in law.each_way if getattr(law, f"{name}_plus") is not None}
+    return LawForm(minus, minus.renamed(twins), law.numbers)
+
+
+def _paper(law: PaperFriction) -> LawForm:
+    """(4.1) and (4.2) with their floors; beyond twice the speed of the floor the exponentials are left alone."""
+    kink = law.kinks[0]
+    u: Tree = Name("u") if kink is None else parse(f"min(u, {2 * kink!r})")
+    open_ = parse("T_s_minus - A1*exp((w + v_w_min)/t1) - A2*exp((w + v_w_min)/t2)")
+    minus = parse("max(T_min_minus, open)")
+    minus = substituted(minus, {"open": substituted(open_, {"w": u})})
+    if kink is None and float(law.magnitude(-1e-300)) <= law.T_min_minus:
+        minus = Name("T_min_minus")
+    plus = parse("max(T_min_plus, T_s_plus - u*(T_s_plus - T_min_plus)/v_w_max)")
+    return LawForm(BranchForm(minus, Name("T_s_minus")), BranchForm(plus, Name("T_s_plus")), law.numbers)
