@@ -166,7 +166,7 @@ def test_replacing_checks_the_bounds() -> None:
 
 
 def test_wrong_kinds_of_arguments() -> None:
-    with pytest.raises(InputError, match="friction: must be a PaperFriction or"):
+    with pytest.raises(InputError, match="friction: must be a FrictionLaw, not Rig"):
         Model(RIG, friction=RIG)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="effects: must be a list"):
         Model(RIG, friction=PaperFriction(), effects=effect("sensor_lag", tau=1))  # type: ignore[arg-type]
