@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 import stickslip as ss
 from stickslip.fitted.data import Data
-from stickslip.likelihoods.rig_windows import OWN, RigWindows
+from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import stretches
 
@@ -28,7 +29,7 @@ BELT, NOISE = 0.1, 1e-3
 
 
 @pytest.fixture(scope="module")
-def windows() -> RigWindows:
+def windows() -> BeltWindows:
     """A run that the model made, without noise."""
     t = np.arange(0.0, 60.0, 0.02)
     run = ss.simulate(MODEL, belt_speed=BELT, initial=(0.1, 0.1, 0, 0), t_end=t[-1], t_eval=t)
@@ -42,7 +43,7 @@ def windows() -> RigWindows:
     return made(data, ())
 
 
-def made(data: list[Data], effects: tuple[ss.Effect, ...]) -> RigWindows:
+def made(data: list[Data], effects: tuple[ss.Effect, ...]) -> BeltWindows:
     """Windows of a run under a model with effects, all their numbers shared."""
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
     numbers = [
@@ -55,7 +56,7 @@ def made(data: list[Data], effects: tuple[ss.Effect, ...]) -> RigWindows:
             Number(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
             for k, v in one.parameters.items()
         ]
-    return RigWindows(model, data, stretches(data), numbers, Declared())
+    return BeltWindows(model, data, stretches(data), numbers, Declared(), RigSensors())
 
 
 def _slipping(mode: NDArray[np.int8]) -> list[tuple[int, int]]:
@@ -63,12 +64,12 @@ def _slipping(mode: NDArray[np.int8]) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def start(windows: RigWindows) -> NDArray[np.float64]:
+def start(windows: BeltWindows) -> NDArray[np.float64]:
     """Coordinates of the declared numbers."""
     return np.array([n.start for n in windows.numbers])
 
 
-def test_the_true_model_leaves_nothing(windows: RigWindows) -> None:
+def test_the_true_model_leaves_nothing(windows: BeltWindows) -> None:
     assert len(windows.stretches) >= 3
     own, at = windows.first(), start(windows)
     at[len(LAW) :] = 0.0  # no gain
@@ -79,7 +80,7 @@ def test_the_true_model_leaves_nothing(windows: RigWindows) -> None:
         assert np.median(np.abs(block[:, :, -1])) < 3.0
 
 
-def test_a_motion_is_what_the_blocks_are_of(windows: RigWindows) -> None:
+def test_a_motion_is_what_the_blocks_are_of(windows: BeltWindows) -> None:
     own, at = windows.first(), start(windows)
     for s, block, motion in zip(
         windows.stretches, windows.blocks(at, own), windows.motions(at, own), strict=True
@@ -91,10 +92,10 @@ def test_a_motion_is_what_the_blocks_are_of(windows: RigWindows) -> None:
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_derivatives_are_those_of_differences(windows: RigWindows, name: str) -> None:
+def test_derivatives_are_those_of_differences(windows: BeltWindows, name: str) -> None:
     beside = made(windows.data, EFFECTS[name])
     shared, own, step = start(beside), beside.first(), 1e-6
-    own[:, len(OWN) :] = 0.01 * np.random.default_rng(0).normal(size=own[:, len(OWN) :].shape)
+    own[:, 3:] = 0.01 * np.random.default_rng(0).normal(size=own[:, 3:].shape)
     here = beside.blocks(shared, own)[1]
     assert here is not None
     for j in range(len(shared) + own.shape[1]):

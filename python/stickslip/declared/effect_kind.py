@@ -91,6 +91,8 @@ class EffectKind:
         States it brings.
     two_degree
         It needs the angle body.
+    both_ways
+        While every run slips one way, it is a change of the friction law.
     on_belt, on_slider
         Its rank among the effects of rigs on a belt, and among those of a driven slider; None where it has no place.
     corrects
@@ -113,6 +115,7 @@ class EffectKind:
     depends_on: tuple[str, ...]
     hidden: tuple[str, ...] = ()
     two_degree: bool = False
+    both_ways: bool = False
     on_belt: int | None = None
     on_slider: int | None = None
     corrects: str | None = None

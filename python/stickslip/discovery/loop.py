@@ -149,7 +149,8 @@ def _discover(asked: _Asked) -> Found:
     A curve in a clean room may pose as scatter. Where the second search explains all, nothing has scattered.
     """
     case, count = asked.case, len(asked.case.train)
-    verdicts = laboratory.searched(case, asked.data[:count], asked.tell, asked.seed)
+    bench = laboratory.bench_of(case, asked.data[:count])
+    verdicts = laboratory.searched(bench, case.uncertainty, asked.tell, asked.seed)
     if verdicts is None or verdicts.doubtful:
         found = _repeating(asked)
         if verdicts is None or found.residual_after.clean:

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.declared.rig import AnyRig
+from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.errors import InputError
 from stickslip.measured import signals
 from stickslip.measured.case import Recording
@@ -34,7 +34,7 @@ class Data:
     ----------
     name, role, belt_speed
     t : (n,) times from the run's first sample.
-    readings : (n, c) channels x1, y1 and, where recorded, belt; 0 where missing.
+    readings : (n, c) channels x1, y1 and, where recorded, belt; x1 alone of a block on a belt; 0 where missing.
     weight : (n, c) 1/noise; 0 where a reading is missing or a glitch.
     noise : (c,) standard deviations.
     v : (n,) smoothed velocity of x1.
@@ -74,6 +74,8 @@ class Data:
     def _local_state(self, at: int, past_only: bool) -> Floats:
         dt = float(np.median(np.diff(self.t)))
         x = _local(self.t, self.readings[:, 0], self.weight[:, 0], at, max(6, int(0.3 / dt)), past_only)
+        if self.readings.shape[1] == 1:
+            return np.array([*x, 0.0, 0.0])
         y = _local(self.t, self.readings[:, 1], self.weight[:, 1], at, max(8, int(0.7 / dt)), past_only)
         return np.array([*x, *y])
 
@@ -91,7 +93,9 @@ def prepare(runs: Sequence[Recording]) -> list[Data]:
 
 
 def _noise(runs: Sequence[Recording]) -> Floats:
-    channels = CHANNELS if all(run.belt is not None for run in runs) else CHANNELS[:2]
+    channels: Sequence[str] = CHANNELS if all(run.belt is not None for run in runs) else CHANNELS[:2]
+    if all(isinstance(run.rig, BlockOnBelt) for run in runs):
+        channels = CHANNELS[:1]
     found = []
     for channel in channels:
         given = [run.noise[channel] for run in runs if channel in run.noise]
@@ -112,11 +116,11 @@ def _estimated(run: Recording, channel: str) -> float:
 
 
 def _prepare(run: Recording, noise: Floats) -> Data:
-    if run.y1 is None:
+    if run.y1 is None and len(noise) > 1:
         raise InputError(f"run '{run.name}' has no channel y1; discovery needs both displacements")
     if len(run.t) < 60:
         raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least 60 are needed")
-    columns = [run.x1, run.y1] + ([run.belt] if len(noise) == 3 else [])
+    columns = [run.x1, run.y1, run.belt][: len(noise)]
     readings = np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
     noise = np.hypot(noise, rounding(readings))
     weight = np.where(np.isfinite(readings), 1.0 / noise, 0.0)

@@ -163,12 +163,13 @@ def read(
 
     `names` names the sensitivities' columns; those of reading effects are filled in here, their columns in
     `sensitivity` must be zero (or what reaches them through the lag). Samples of several windows follow one another,
-    each from its `offset` on, so that a delay does not look from one into the next.
+    each from its `offset` on, so that a delay does not look from one into the next. One channel is x1 alone.
     """
     out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
     samples = _Samples(t, state, sensitivity, p, names, out)
     _read_x1(samples)
-    _read_y1(samples, np.array([0, len(t)]) if offset is None else offset)
+    if channels > 1:
+        _read_y1(samples, np.array([0, len(t)]) if offset is None else offset)
     if channels == 3:
         _read_belt(samples, belt_speed)
     for curve in learned:

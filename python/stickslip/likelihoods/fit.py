@@ -11,10 +11,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.mixed import Solution, Windows, products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population, factor, start
-from stickslip.likelihoods.rig_windows import OWN, RigWindows
+from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.variances import Estimate, estimate
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,9 @@ SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is
 LAST_TURNS = 40  # of it at the end of a fit
 TURNS = 6  # of the population's optimiser in a step
 BLANK = 1e-9
+UNSETTLED = 2.0  # chi-squared per reading in the median window from which a fit may have failed
+ALONE = 15  # steps of each window alone before all are fitted
+WIDE = 10.0  # times the usual scatter
 
 
 @dataclass
@@ -45,7 +49,7 @@ class Fit:
     steps : taken
     """
 
-    windows: RigWindows
+    windows: BeltWindows
     at: Floats
     own: Floats
     population: Population
@@ -67,18 +71,35 @@ class Fit:
     @property
     def random(self) -> Floats:
         """Random effects of the windows, (w, effects)."""
-        return self.own[:, len(OWN) :]
+        return self.own[:, self.windows.begins :]
 
     def values(self, run: int = 0) -> dict[str, float]:
         """Numbers of a run by name."""
         return self.windows.values(self.at, run)
 
 
-def begin(windows: RigWindows) -> Fit:
+def begin(windows: BeltWindows) -> Fit:
     """Return a fit at the declared numbers."""
     policy, count = windows.policy, len(windows.stretches)
     at = np.array([one.start for one in windows.numbers])
     return Fit(windows, at, windows.first(), start(policy), np.ones(windows.channels), np.full(count, np.inf))
+
+
+def null(windows: BeltWindows, policy: Policy) -> Fit:
+    """
+    Return the fit from the declared numbers.
+
+    One that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
+    with scatter to take it.
+    """
+    fit = fitted(begin(windows), policy)
+    if unexplained(fit) < UNSETTLED or (shown := shown_levels(windows)) is None:
+        return fit
+    p = start(policy)
+    wide = replace(p, level=WIDE * p.level, curve=WIDE * p.curve, static=WIDE * p.static)
+    again = replace(begin(windows), population=wide, own=shown)
+    again = fitted(replace(again, own=settled(again, ALONE)[1]), policy)
+    return min(fit, again, key=lambda one: one.deviance)
 
 
 def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None = None) -> Fit:
@@ -134,8 +155,9 @@ def _moved(fit: Fit, found: Estimate, policy: Policy) -> Fit:
     solution = found.solution
     low, high = (np.array([getattr(n, k) for n in fit.windows.numbers]) for k in ("low", "high"))
     own = fit.own.copy()
-    own[:, : len(OWN)] += solution.own
-    own[:, len(OWN) :] = solution.effects
+    begins = fit.windows.begins
+    own[:, :begins] += solution.own
+    own[:, begins:] = solution.effects
     at = np.clip(fit.at + solution.shared, low, high)
     there = replace(fit, at=at, own=own, population=found.population, noise=found.noise)
     blocks = fit.windows.blocks(at, own, shared=(), local=False)
@@ -158,7 +180,7 @@ def _linearised(fit: Fit, policy: Policy) -> Fit:
     blocks = windows.blocks(fit.at, fit.own)
     if all(b is None for b in blocks):
         raise FloatingPointError("no window can be simulated")
-    linear = products(blocks, windows.runs, len(windows.numbers), len(OWN), windows.channels)
+    linear = products(blocks, windows.runs, len(windows.numbers), windows.begins, windows.channels)
     fit = replace(fit, linear=linear, blocks=blocks)
     chi, count = _chi(fit), np.maximum(linear.count.sum(1), 1)
     good = linear.weight > 0
@@ -177,8 +199,14 @@ def _chi(fit: Fit) -> Floats:
     return np.where(lost, LOST * fit.windows.sizes, chi)
 
 
+def unexplained(fit: Fit) -> float:
+    """Return chi-squared per reading of the median window, over the noise that is declared or seen."""
+    chi = _chi(replace(fit, noise=np.ones(fit.windows.channels)))
+    return float(np.median(chi / (fit.windows.sizes * fit.windows.channels)))
+
+
 def _soft(chi: Floats, knee: Floats) -> Floats:
-    return np.where(chi > knee, knee * (1 + np.log(np.maximum(chi, 1e-300) / knee)), chi)
+    return np.where(chi > knee, knee * (1 + np.log(np.maximum(chi / knee, 1.0))), chi)
 
 
 def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate:
@@ -208,7 +236,7 @@ class _Cost:
                 for b, size in zip(blocks, self.fit.windows.sizes, strict=True)
             ]
         )
-        u = own[:, len(OWN) :]
+        u = own[:, self.fit.windows.begins :]
         return _soft(chi, self.fit.knee), np.einsum("wi,wij,wj->w", u, self.inverse, u)
 
     def total(self, blocks: list[Floats | None], own: Floats, at: Floats) -> tuple[Floats, float]:
@@ -237,8 +265,8 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     for size in STEPS:
         at = np.clip(fit.at + size * share * solution.shared, low, high)
         own = fit.own.copy()
-        own[:, : len(OWN)] += size * share * np.clip(solution.own, -1, 1)
-        own[:, len(OWN) :] += size * share * np.clip(solution.effects - fit.random, -1, 1)
+        own[:, : windows.begins] += size * share * np.clip(solution.own, -1, 1)
+        own[:, windows.begins :] += size * share * np.clip(solution.effects - fit.random, -1, 1)
         blocks = windows.blocks(at, own, shared=(), local=False)
         new, then = cost.total(blocks, own, at)
         worse = new > each + WORSE[0] + WORSE[1] * each
@@ -289,7 +317,7 @@ def polished(fit: Fit, cost: _Cost, own: Floats, select: Mask, turns: int) -> Fl
 
 
 def _local_step(block: Floats, own: Floats, inverse: Floats, noise: Floats, damping: float) -> Floats:
-    q = len(OWN)
+    q = len(own) - len(inverse)
     scaled = (block / np.sqrt(noise)[None, :, None]).reshape(-1, block.shape[2])
     gram = scaled[:, :-1].T @ scaled[:, :-1]
     pull = scaled[:, :-1].T @ scaled[:, -1]
@@ -311,13 +339,13 @@ def _rescued(fit: Fit) -> Fit:
     cost = _Cost(fit, fit.population, fit.noise)
     best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
     fresh = windows.first()
-    near = _neighbours(windows, lost)
+    near, q = _neighbours(windows, lost), windows.begins
     for number, shift in enumerate(SHIFTS):
         trial = fit.own.copy()
-        trial[lost, : len(OWN)] = fresh[lost, : len(OWN)]
+        trial[lost, :q] = fresh[lost, :q]
         for i in np.flatnonzero(lost).tolist():
-            trial[i, len(OWN) :] = 0.0 if number == 0 or not near[i] else fit.own[near[i], len(OWN) :].mean(0)
-            trial[i, len(OWN)] += shift
+            trial[i, q:] = 0.0 if number == 0 or not near[i] else fit.own[near[i], q:].mean(0)
+            trial[i, q] += shift
         trial = polished(fit, cost, trial, lost, 8)
         found = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
         better = lost & (found < least)
@@ -325,7 +353,7 @@ def _rescued(fit: Fit) -> Fit:
     return replace(fit, own=best)
 
 
-def _neighbours(windows: RigWindows, lost: Mask) -> dict[int, list[int]]:
+def _neighbours(windows: BeltWindows, lost: Mask) -> dict[int, list[int]]:
     """The three nearest windows of the same run that are not lost, for each that is."""
     out = {}
     for i in np.flatnonzero(lost):
@@ -340,3 +368,11 @@ def settled(fit: Fit, turns: int = 2) -> tuple[float, Floats]:
     own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
     blocks = fit.windows.blocks(fit.at, own, shared=(), local=False)
     return cost.total(blocks, own, fit.at)[1], own
+
+
+def events(fit: Fit, turns: int = 15) -> tuple[Floats, Floats]:
+    """Return chi-squared of each window and its cost with the scatter's, once each has settled alone."""
+    cost = _Cost(fit, fit.population, fit.noise)
+    own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
+    chi, held = cost.of(fit.windows.blocks(fit.at, own, shared=(), local=False), own)
+    return chi, chi + held

@@ -12,7 +12,6 @@ from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.mixed import Windows, products, solve
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor
-from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.variances import estimate
 
 Floats = NDArray[np.float64]
@@ -47,6 +46,7 @@ def score(
     count: int | None = None,
     precision: float = 0.0,
     refit: bool = True,
+    tight: bool = False,
 ) -> Score:
     """
     Return what columns gain.
@@ -60,10 +60,12 @@ def score(
     count : how many numbers there are; as many as columns by default
     precision : of a Gaussian prior about 0 of the new numbers
     refit : whether the population is estimated anew beside them
+    tight : whether the constants stay where they are, as well known as declared
     """
     k = count if count is not None else next(c.shape[2] for c in columns if c is not None)
     windows = beside(fit, columns, place, k)
-    away, held = fit.windows.prior.at(fit.at)
+    prior_of = fit.windows.prior
+    away, held = prior_of.tight(fit.at) if tight else prior_of.at(fit.at)
     p = len(away)
     wide = np.zeros((p + k, p + k))
     wide[:p, :p], wide[range(p, p + k), range(p, p + k)] = held, precision
@@ -104,7 +106,7 @@ def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k:
         wide = np.zeros((*block.shape[:2], k))
         wide[:, :, list(range(k)) if place is None else list(place[i])] = column
         blocks.append(np.concatenate([block[:, :, :p], wide, block[:, :, p:]], axis=2))
-    made = products(blocks, fit.windows.runs, p + k, len(OWN), fit.windows.channels)
+    made = products(blocks, fit.windows.runs, p + k, fit.windows.begins, fit.windows.channels)
     return replace(made, weight=made.weight * fit.linear.weight)
 
 

@@ -101,11 +101,19 @@ class Prior:
         A long tail is a Gaussian whose precision falls with the distance.
         """
         away = self._away(at)
-        z = self.whiten @ away[self.group]
+        return away, self._precision(self.whiten @ away[self.group])
+
+    def tight(self, at: Floats) -> tuple[Floats, Floats]:
+        """Return the same for constants that stay where they are, as well known as declared however far off."""
+        away = self._away(at)
+        away[self.group] = 0.0
+        return away, self._precision(np.zeros(len(self.group)))
+
+    def _precision(self, z: Floats) -> Floats:
         weight = (self.tail + 1) / (self.tail + z**2)
         precision = np.diag(self.alone)
         precision[np.ix_(self.group, self.group)] = self.whiten.T @ (weight[:, None] * self.whiten)
-        return away, precision
+        return precision
 
     def penalty(self, at: Floats) -> float:
         """Return -2 log prior at `at`, without constants."""

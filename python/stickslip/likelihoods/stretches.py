@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.policy import POLICY, Policy
+
+SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
 @dataclass(frozen=True)
@@ -64,3 +67,10 @@ def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
         return None
     middle = (a + b) // 2
     return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
+
+
+def knots(run: Data, policy: Policy = POLICY) -> NDArray[np.float64]:
+    """Return the places of x1 that a window's friction has numbers at, (k,)."""
+    good = run.readings[run.weight[:, 0] > 0, 0]
+    low, high = np.quantile(good, [SOONEST, LATEST])
+    return np.linspace(low, high, policy.knots)

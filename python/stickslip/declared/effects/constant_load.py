@@ -18,5 +18,6 @@ EFFECT = EffectKind(
     parameters=(free("f", "force", FORCE, 3.0),),
     depends_on=(),
     on_belt=70,
+    both_ways=True,
     adds=Adds(block=force),
 )

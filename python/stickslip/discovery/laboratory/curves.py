@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.motion import Motion
-from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.score import Columns, score
 from stickslip.simulated import states
 
@@ -57,13 +56,14 @@ def learned(bench: Bench, fit: Fit) -> list[Learned]:
     """Return every curve beside a hypothesis, best first."""
     motions = fit.windows.motions(fit.at, fit.own)
     every = np.eye(bench.policy.curve_shapes)
-    level = scipy.linalg.null_space(np.ones((1, len(every))))  # turns shapes into those without a mean
     out = []
     for where, variable, x, columns in _every(bench, fit, motions):
-        # friction as a whole is the law's: a curve has none of its mean
-        free = level if where == "contact" else every
+        # friction as a whole is the law's, and so is a constant force or reading while all slip one way
+        levelled = where == "contact" or bench.one_way
+        free = scipy.linalg.null_space(_mean(motions, variable, x)[None]) if levelled else every
         reduced = [None if c is None else c @ free for c in columns]
-        found = score(fit, reduced, bench.policy)
+        # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
+        found = score(fit, reduced, bench.policy, tight=True)
         std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
         out.append(Learned(where, variable, found.gain, x, free @ found.size, std, free.shape[1], reduced))
     return sorted(out, key=lambda one: -one.gain)
@@ -83,7 +83,7 @@ def _every(
                 grid,
                 _of_slip(bench, fit, motions, where, variable, grid),
             )
-        for channel, place in enumerate(("x1 channel", "y1 channel")[: 2 if two else 1]):
+        for channel, place in enumerate(bench.sensors.places):
             yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid)
         if two:
             yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid)
@@ -101,6 +101,13 @@ def _grid(motions: list[Motion | None], variable: str, count: int) -> Floats:
     return np.asarray(0.5 * (often + np.linspace(low, high, count)))
 
 
+def _mean(motions: list[Motion | None], variable: str, grid: Floats) -> Floats:
+    """Mean of each shape over all slips, (k,)."""
+    of = "x2" if variable == "v_w" else variable
+    slips = np.concatenate([_at(one, of)[one.mode != 0] for one in motions if one is not None])
+    return np.asarray(shapes(grid, slips).mean(axis=0))
+
+
 def shapes(grid: Floats, x: Floats) -> Floats:
     """Return the cardinal natural splines of a grid, held constant outside, (n, k)."""
     spline = scipy.interpolate.CubicSpline(grid, np.eye(len(grid)), bc_type="natural")
@@ -112,7 +119,7 @@ def _of_slip(
 ) -> Columns:
     """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
     p, k = len(fit.at), bench.policy.knots
-    first = p + len(OWN) + 1
+    first = p + fit.windows.begins + 1
     out: list[Floats | None] = []
     for i, (block, motion) in enumerate(zip(fit.blocks, motions, strict=True)):
         if block is None or motion is None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench, wobble
+from stickslip.discovery.laboratory.memory import KINETIC, MOST, STATIC, memory
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
@@ -96,8 +97,13 @@ def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
     """Random effects of all windows, (w, effects, draws)."""
     p, draws = fit.population, bench.policy.draws
     out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
+    # the fit tells a correlation poorly: every draw has one that may be the true one
+    like = [
+        np.clip(found + error * rng.standard_normal(draws), 0.0, MOST)
+        for found, error in (memory(fit, k) for k in (KINETIC, STATIC))
+    ]
     for run, members in enumerate(fit.windows.by_run):
-        level, static = (_chain(len(members), _memory(fit, members, k), rng, draws) for k in (1, 0))
+        level, static = (_chain(len(members), one, rng) for one in like)
         field = _field(bench, fit, run, members, rng)
         for j, i in enumerate(members):
             out[i, 0] = p.static * static[j]
@@ -106,20 +112,11 @@ def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
     return out
 
 
-def _memory(fit: Fit, members: NDArray[np.int64], which: int) -> float:
-    """Correlation from one event to the next of what the fit shows: of the static limit (0) or the mean curve (1)."""
-    u = fit.random[members, 0] if which == 0 else fit.random[members, 1:-1].mean(axis=1)
-    if len(u) < 4 or np.std(u) == 0:
-        return 0.0
-    u = u - u.mean()
-    return float(np.clip((u[1:] @ u[:-1]) / (u @ u), 0.0, 0.95))
-
-
-def _chain(n: int, memory: float, rng: np.random.Generator, draws: int) -> Floats:
-    """A stationary chain of unit variance, (n, draws)."""
-    out = rng.standard_normal((n, draws))
+def _chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
+    """Stationary chains of unit variance, one a correlation, (n, draws)."""
+    out = rng.standard_normal((n, len(like)))
     for j in range(1, n):
-        out[j] = memory * out[j - 1] + math.sqrt(1 - memory**2) * out[j]
+        out[j] = like * out[j - 1] + np.sqrt(1 - like**2) * out[j]
     return out
 
 

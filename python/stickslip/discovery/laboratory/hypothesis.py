@@ -12,9 +12,10 @@ from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import HELD
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population
-from stickslip.likelihoods.rig_windows import GAINS, RigWindows
+from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.measured.case import Case
@@ -42,6 +43,7 @@ class Bench:
     data : the runs
     stretches : their windows
     declared : how well the rig's numbers and the gains are known; what is exact is not among them
+    sensors : what the rig records
     policy : what steers
     """
 
@@ -49,15 +51,23 @@ class Bench:
     data: Sequence[Data]
     stretches: Sequence[Stretch]
     declared: Declared
+    sensors: Sensors
     policy: Policy
 
-    def windows(self, terms: Sequence[Term] = ()) -> RigWindows:
+    @property
+    def one_way(self) -> bool:
+        """Whether every run slips one way, so that a constant force is a change of friction."""
+        return len({run.belt_speed > 0 for run in self.data}) == 1
+
+    def windows(self, terms: Sequence[Term] = ()) -> BeltWindows:
         """Return the windows of a hypothesis."""
         model = Model(
             self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
         )
         numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one, self.policy))]
-        return RigWindows(model, self.data, self.stretches, numbers, self.declared, self.policy)
+        return BeltWindows(
+            model, self.data, self.stretches, numbers, self.declared, self.sensors, self.policy
+        )
 
     def of_law(self) -> list[Number]:
         """Return the numbers of the law, held loosely about what is declared."""
@@ -78,7 +88,7 @@ class Bench:
         """Return the constants and gains that are not exact."""
         out = []
         for name in self.declared.names:
-            if name in GAINS:
+            if name in self.sensors.gains:
                 out.append(Number(name, 0.0, 0.0, math.inf))
             else:
                 at = math.log(self.model.parameters[name])
@@ -128,7 +138,17 @@ def of_term(term: Term, policy: Policy) -> list[Number]:
             ]
         elif info.sought is None or info.spread is not None:
             stride = max(STRIDE_SIZE * abs(value), 1e-4)
-            out.append(Number(name, value, 0.0, info.spread or math.inf, low=info.bounds[0], stride=stride))
+            out.append(
+                Number(
+                    name,
+                    value,
+                    0.0,
+                    info.spread or math.inf,
+                    low=info.bounds[0],
+                    high=info.bounds[1],
+                    stride=stride,
+                )
+            )
         else:
             wave, sought, stride = term.effect.kind.wave, info.sought, STRIDE_SHAPE
             if wave and info.name == wave.parameter:  # beyond what is scored it is a trend, or noise
@@ -140,7 +160,7 @@ def of_term(term: Term, policy: Policy) -> list[Number]:
     return out
 
 
-def terms_at(terms: Sequence[Term], windows: RigWindows, at: np.ndarray) -> tuple[Term, ...]:
+def terms_at(terms: Sequence[Term], windows: BeltWindows, at: np.ndarray) -> tuple[Term, ...]:
     """Return the terms with the numbers of a fit."""
     out = []
     for one in terms:

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.declared.model import Model
+from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import Learned, learned
-from stickslip.discovery.laboratory.hypothesis import Bench, known
+from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.hypothesis import known as declared_of
 from stickslip.discovery.laboratory.search import Searched, Trial, search
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -21,6 +23,7 @@ from stickslip.discovery.views import validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.variances import MOST
 from stickslip.measured.case import Case
@@ -44,30 +47,33 @@ class Verdicts:
         return self.curve is not None or (bool(chosen.terms) and left > self.bench.policy.noise_left)
 
 
-def searched(case: Case, data: Sequence[Data], tell: Callable[[str], None], seed: int) -> Verdicts | None:
+def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int) -> Verdicts | None:
     """
     Return what the train runs say where friction scatters; None where nothing does.
 
     Parameters
     ----------
-    case : declared
-    data : the train runs
+    bench : the declared model, the runs and their windows
+    known : how well its constants are known
     tell : told what is being done
     seed : of the gate's draws
     """
-    cut = stretches(data)
-    if len(cut) < POLICY.fewest_windows:
+    if len(bench.stretches) < bench.policy.fewest_windows:
         return None
-    model = Model(case.rig, friction=case.friction)
-    bench = Bench(model, data, cut, known(case), POLICY)
     try:
-        found = search(bench, case.uncertainty, tell, seed)
+        found = search(bench, known, tell, seed)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
     if _lost(bench, found.chosen) or repeats(bench, found.chosen):
         return None
     tell("looking for a curve that no name explains")
     return Verdicts(bench, found, _curve(bench, found))
+
+
+def bench_of(case: Case, data: Sequence[Data]) -> Bench:
+    """Return the train runs of a rig of (2.1), cut into windows."""
+    model = Model(case.rig, friction=case.friction)
+    return Bench(model, data, stretches(data), declared_of(case), RigSensors(), POLICY)
 
 
 def _lost(bench: Bench, trial: Trial) -> bool:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit import Fit
 from stickslip.likelihoods.population import factor
-from stickslip.likelihoods.rig_windows import OWN
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
@@ -60,7 +59,7 @@ class Null:
 
     def __init__(self, fit: Fit) -> None:
         assert fit.linear is not None
-        self.fit, p, q = fit, len(fit.at), len(OWN)
+        self.fit, p, q = fit, len(fit.at), fit.windows.begins
         self.run = np.array(fit.windows.runs)
         roots = factor(fit.population, fit.windows.places)
         away, schur = fit.windows.prior.at(fit.at)

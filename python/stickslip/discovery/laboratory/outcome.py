@@ -35,7 +35,6 @@ from stickslip.discovery.result import (
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import SLIPPING, of_law
 from stickslip.likelihoods.fit import Fit
-from stickslip.likelihoods.rig_windows import GAINS
 
 Floats = NDArray[np.float64]
 NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line
@@ -77,8 +76,15 @@ class Left:
         return self.chi2 / max(self.readings - self.dof, 1)
 
 
-def left(bench: Bench, fit: Fit) -> Left:
-    """Return what a fit leaves, its windows' own numbers counted as those they take from the noise."""
+def left(bench: Bench, fit: Fit, data: Sequence[Data] | None = None) -> Left:
+    """
+    Return what a fit leaves, its windows' own numbers counted as those they take from the noise.
+
+    Parameters
+    ----------
+    bench, fit : the hypothesis
+    data : the runs in the units that a report has; those of the fit by default
+    """
     motions = fit.windows.motions(fit.at, fit.own)
     spans, blocks = [], []
     for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
@@ -90,7 +96,7 @@ def left(bench: Bench, fit: Fit) -> Left:
     count = int(fit.linear.count.sum())
     taken = float(fit.freedom.sum()) + len(fit.at)
     chi2 = float(sum(b.r @ b.r for b in blocks))
-    return Left(_Engine(bench.data), spans, blocks, count, taken, chi2)
+    return Left(_Engine(bench.data if data is None else data), spans, blocks, count, taken, chi2)
 
 
 def described(what: Left) -> Residual:
@@ -323,7 +329,9 @@ def ranking(found: Searched) -> tuple[Rival, ...]:
     null, chosen = found.null, found.chosen
     for t in [*found.trials, *found.without.values(), chosen]:
         values = {
-            k: v for k, v in t.fit.values().items() if "." in k and k not in GAINS and not k.endswith(".phi")
+            k: v
+            for k, v in t.fit.values().items()
+            if "." in k and not k.startswith("gain.") and not k.endswith(".phi")
         }
         row = Rival(t.names, per_reading(t.fit), t.worth(), values, None, t.names == chosen.names)
         if t.names not in rows or row.bic < rows[t.names].bic:
@@ -376,7 +384,7 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
         one = found.get(name)
         if one is None:
             continue
-        if name in GAINS:
+        if name in bench.sensors.gains:
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
             one = Interval(1 + one.value, low, high)
         out[name.removeprefix("gain.")] = one

@@ -97,6 +97,7 @@ def candidates(bench: Bench) -> list[EffectKind]:
         if kind.on_belt is not None
         and kind.corrects is None
         and (two or not kind.two_degree)
+        and not (bench.one_way and kind.both_ways)
         and kind.name != "contact_compliance"
         and not (kind.behaves.idle and kind.behaves.idle(bench.model.friction, ()))
     ]

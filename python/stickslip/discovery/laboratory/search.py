@@ -13,9 +13,9 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
+from stickslip.discovery.laboratory.memory import KINETIC, memory, slowness
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.likelihoods.fit import Fit, begin, fitted, settled
-from stickslip.likelihoods.population import whole
+from stickslip.likelihoods.fit import Fit, begin, fitted, null, settled
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,8 @@ class Searched:
 def search(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int = 0) -> Searched:
     """Return what the runs say of every effect, alone and beside others, and of the declared constants."""
     tell("fitting the declared law, its constants and its scatter")
-    null = Trial((), fitted(begin(bench.windows()), bench.policy))
-    out = Searched(null, null)
-    base = null
+    base = Trial((), null(bench.windows(), bench.policy))
+    out = Searched(base, base)
     while len(base.terms) < bench.policy.most_effects:
         step, base = _forward(bench, base, tell, seed)
         if not base.terms:
@@ -215,8 +214,9 @@ def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     """
     What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
 
-    Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation; of a belt's wobble
-    it may have all. What tells a wave from those is its amplitude over theirs, squared, in each run.
+    Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation, a slow one more
+    where events remember; of a belt's wobble it may have all. What tells a wave from those is its amplitude over
+    theirs, squared, in each run.
     """
     kind = CATALOGUE[term.effect.name]
     if kind.wave is None:
@@ -225,11 +225,24 @@ def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     events = max(len(bench.stretches) / runs, 1.0)
     usual = bench.policy.wobble
     if kind.where != "belt":
-        usual = whole(p, fit.windows.places[0]) * math.sqrt(2.0 / events)
+        usual = math.hypot(p.level, p.curve) * math.sqrt(2.0 / events * _slowness(bench, fit, term))
         if kind.where == "block":
             usual *= max(bench.model.friction.static_limits)
     told = runs * (term.effect.parameters["a"] / usual) ** 2
     return max(gain - told, 0.0)
+
+
+def _slowness(bench: Bench, fit: Fit, term: Term) -> float:
+    """
+    Power that the memory of events gives to a wave, over that of events without.
+
+    Along the belt all may be in few waves, of whatever length: as much as the slowest have.
+    """
+    wave = CATALOGUE[term.effect.name].wave
+    assert wave is not None
+    often = 0.0 if wave.along_belt else term.effect.parameters[wave.parameter]
+    found, _ = memory(fit, KINETIC)
+    return float(np.mean([slowness(found, often * run.cycle) for run in bench.data]))
 
 
 def _scaled(term: Term, scale: float) -> Term:

@@ -45,7 +45,8 @@ class Waves:
         policy = bench.policy
         short, far = policy.wavelengths
         ends = (2 * math.pi / far, 2 * math.pi / short) if self.wave.along_belt else policy.frequencies
-        self.coarse, self.step = np.arange(*ends, policy.coarse_turn / long), policy.fine_turn / whole
+        self.apart, self.step = policy.coarse_turn / long, policy.fine_turn / whole
+        self.coarse = np.arange(*ends, self.apart)
         self.waves = [Wave(float(w), self.columns(float(w))) for w in self.coarse]
 
     def _place(self, run: int, start: int, stop: int) -> float:
@@ -93,7 +94,7 @@ class Waves:
     def _every(
         self, null: Null, rights: list[Floats | None], shared: Floats
     ) -> Iterator[tuple[float, Floats]]:
-        half = 0.5 * float(self.coarse[1] - self.coarse[0])
+        half = 0.5 * self.apart
         for wave in self.waves:
             made = null.projected(wave.columns)
             pull = null.along(made.columns, rights, shared.shape[1])

@@ -1,0 +1,398 @@
+"""Windows of a rig on a belt linearised, each with friction and a belt speed of its own.
+
+What a rig records, and where a window of it begins, its sensors say: see `stickslip.likelihoods.sensors`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.declared.effect import effect, tabulated
+from stickslip.declared.model import Model
+from stickslip.fitted.data import Data
+from stickslip.fitted.readings import Chain, Slopes, no_slopes
+from stickslip.fitted.window import STICK
+from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.sensors import Samples, Sensors
+from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.stretches import Stretch, knots
+from stickslip.simulated.lowering import SLOTS, WIDTH, lower
+from stickslip.simulated.states import BELT, COUNT, DWELL, LAGGED, X1, X2, Y1, Y2
+
+Floats = NDArray[np.float64]
+DERIVED = (X2, BELT, LAGGED)  # states at the start that follow from the numbers
+AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
+NEARBY = 1e-6  # step of the derivatives of the derived states
+
+
+class BeltWindows:
+    """
+    The stretches of the runs under a model whose friction and belt differ from window to window.
+
+    Parameters
+    ----------
+    model : the model; its numbers not in `numbers` are exact
+    data : the runs
+    stretches : where the windows are
+    numbers : what all windows, or those of a run, share
+    declared : what is known of the constants among them
+    sensors : what the rig records
+    policy : what steers the windows
+
+    A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
+    relative friction curve at `policy.knots` places of x1, and the belt's relative speed.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        data: Sequence[Data],
+        stretches: Sequence[Stretch],
+        numbers: Sequence[Number],
+        declared: Declared,
+        sensors: Sensors,
+        policy: Policy = POLICY,
+    ) -> None:
+        self.sensors, self.begins = sensors, len(sensors.begins)
+        self.model, self.data, self.stretches = model, list(data), list(stretches)
+        self.numbers, self.policy = tuple(numbers), policy
+        self.prior = Prior(numbers, declared, policy.tail)
+        self.effects = policy.knots + 2
+        self.own = self.begins + self.effects
+        self.channels = data[0].readings.shape[1]
+        self.knots = [knots(run, policy) for run in data]
+        # the way slipped from the breakaway on, 0 to 1
+        self.places = [
+            (k - k[0]) / (k[-1] - k[0]) if run.belt_speed < 0 else (k[-1] - k) / (k[-1] - k[0])
+            for k, run in zip(self.knots, data, strict=True)
+        ]
+        aged = "static_aging" in {one.name for one in model.effects}
+        plain = () if aged else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
+        self.lowered = [
+            lower(
+                Model(
+                    model.rig,
+                    friction=model.friction,
+                    effects=(*model.effects, *plain, tabulated("contact", "x1", k, np.zeros(policy.knots))),
+                ),
+                run.belt_speed,
+            )
+            for k, run in zip(self.knots, data, strict=True)
+        ]
+        self.slots = self.lowered[0].slots
+        term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
+        self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
+        self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
+        self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
+        known = set(model.parameters)
+        self.fixed = dict(model.parameters)
+        self.kept = np.array(sensors.kept(known, self.channels), dtype=np.int32)
+        self.by_run = [
+            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
+            for r in range(len(data))
+        ]
+        self.sizes = np.array([w.stop - w.start for w in stretches])
+
+    @property
+    def runs(self) -> list[int]:
+        """Run of each window."""
+        return [w.run for w in self.stretches]
+
+    def first(self) -> Floats:
+        """Return the windows' own numbers from the readings around their starts, (w, own)."""
+        own = np.zeros((len(self.stretches), self.own))
+        for row, w in zip(own, self.stretches, strict=True):
+            row[: self.begins] = self.data[w.run].local_state(w.start)[list(self.sensors.begins)]
+        return own
+
+    def values(self, at: Floats, run: int) -> dict[str, float]:
+        """Return all numbers of a run by name."""
+        out = dict(self.fixed)
+        for one, x in zip(self.numbers, at, strict=True):
+            if one.run is None or one.run == run:
+                out[one.name] = one.value(float(x))
+        return out
+
+    def blocks(
+        self,
+        at: Floats,
+        own: Floats,
+        select: NDArray[np.bool_] | None = None,
+        shared: Sequence[int] | None = None,
+        local: bool = True,
+    ) -> list[Floats | None]:
+        """
+        Return [J, S, K, r] of each window over the noise, (readings, channels, columns + 1); None where it fails.
+
+        Parameters
+        ----------
+        at : (p,) coordinates of the shared numbers
+        own : (w, own) the windows' own numbers
+        select : windows asked for; all by default
+        shared : which shared numbers have columns; all by default
+        local : whether the windows' own numbers have columns
+        """
+        shared = range(len(self.numbers)) if shared is None else shared
+        out: list[Floats | None] = [None] * len(self.stretches)
+        for run, members in enumerate(self.by_run):
+            chosen = members if select is None else members[select[members]]
+            if len(chosen):
+                with np.errstate(over="ignore", invalid="ignore"):  # such a window has failed
+                    made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local).blocks()
+                for i, block in zip(chosen, made, strict=True):
+                    out[i] = block
+        return out
+
+    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+        """Return each window as simulated; None where it fails."""
+        out: list[Motion | None] = [None] * len(self.stretches)
+        for run, members in enumerate(self.by_run):
+            if len(members):
+                with np.errstate(over="ignore", invalid="ignore"):
+                    made = _Run(self, run, members, at, own[members], (), False).motions()
+                for i, one in zip(members, made, strict=True):
+                    out[i] = one
+        return out
+
+
+class _Run:
+    """Windows of one run at one point."""
+
+    def __init__(
+        self,
+        windows: BeltWindows,
+        run: int,
+        chosen: NDArray[np.int64],
+        at: Floats,
+        own: Floats,
+        shared: tuple[int, ...],
+        local: bool,
+    ) -> None:
+        self.of, self.run, self.own, self.at, self.local = windows, run, own, at, local
+        self.data = windows.data[run]
+        self.lowered = windows.lowered[run]
+        self.places = [windows.stretches[i] for i in chosen]
+        self.shared = list(shared)
+        self.values = windows.values(at, run)
+        self.lengths = np.array([w.stop - w.start for w in self.places])
+        self.offset = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
+        self.samples = np.concatenate([np.arange(w.start, w.stop) for w in self.places])
+        self.begins = self.data.t[[w.start for w in self.places]]
+
+    def active(self, j: int) -> bool:
+        """Whether a shared number belongs to this run."""
+        return self.of.numbers[j].run in (None, self.run)
+
+    def blocks(self) -> list[Floats | None]:
+        """Simulate, read, weigh."""
+        derived = self._derived(self.values, self.own)
+        seeds, owner = self._seeds()
+        raw = self._simulated(derived, seeds)
+        p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
+        slopes = {}
+        for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
+            folded = np.zeros((len(self.samples), columns))
+            np.add.at(folded.T, owner[owner >= 0], one.T[owner >= 0])
+            self._chained(folded, one[:, owner < 0])
+            slopes[k] = folded
+        names = tuple(self.of.numbers[j].name if self.active(j) else "" for j in self.shared) + ("",) * (
+            columns - p
+        )
+        chain = self._read(np.asarray(raw["state"]), slopes, names)
+        self._own_belt(chain)
+        self._stretched(chain)
+        for i, j in enumerate(self.shared):
+            chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
+        self._gains(chain)
+        return self._weighed(chain, np.asarray(raw["outcome"]) == _core.Outcome.finished)
+
+    def motions(self) -> list[Motion | None]:
+        """Simulate and read."""
+        raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + COUNT)))
+        state, mode = np.asarray(raw["state"]), np.asarray(raw["mode"])
+        t = self.data.t[self.samples]
+        chain = self._read(state, no_slopes(len(self.samples)), ())
+        self._own_belt(chain)
+        self._gains(chain)
+        done = np.asarray(raw["outcome"]) == _core.Outcome.finished
+        return [
+            Motion(t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
+            for a, b, ok in zip(self.offset[:-1], self.offset[1:], done, strict=True)
+        ]
+
+    def _read(self, state: Floats, slopes: Slopes, names: tuple[str, ...]) -> Chain:
+        """What the sensors make of the states."""
+        samples = Samples(self.data.t[self.samples], state, slopes, names, self.offset)
+        return self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
+
+    def _derived(self, values: dict[str, float], own: Floats) -> Floats:
+        """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""
+        begun = np.zeros((COUNT, len(own)))
+        begun[list(self.of.sensors.begins)] = own[:, : self.of.begins].T
+        x1, y1, y2, belt = begun[X1], begun[Y1], begun[Y2], own[:, -1]
+        v_b = self.data.belt_speed
+        speed = v_b * (1 + belt)
+        if "belt_speed_ripple.a" in values:
+            a, w, phi = (values[f"belt_speed_ripple.{k}"] for k in ("a", "w", "phi"))
+            speed = speed * (1 + a * np.sin(w * self.begins + phi))
+        droop = np.zeros(len(own))
+        if "belt_load_droop.k" in values:
+            k, tau = values["belt_load_droop.k"], values["belt_load_droop.tau"]
+            stiff = values.get("alpha1", values.get("stiffness", 0.0))
+            force = stiff * x1 + values.get("eta1", values.get("damping", 0.0)) * (v_b + y2) + y1
+            droop = -k * (force - tau * stiff * v_b)
+            speed = speed + droop
+        tau, c = values.get("sensor_lag.tau", 0.0), values.get("sensor_crosstalk.c", 0.0)
+        lagged = x1 + c * y1 - tau * (speed + c * y2)
+        return np.stack([speed, droop, lagged], axis=1)
+
+    def _parameters(self) -> Floats:
+        """Return the core's numbers, one set a window."""
+        of, rows = self.of, np.tile(self.lowered.parameters, (len(self.places), 1))
+        for j, one in enumerate(of.numbers):
+            if self.active(j):
+                value = one.value(float(self.at[j]))
+                rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
+                    one.name, 1.0
+                )
+        rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
+        rows[:, of.curve] = self.own[:, of.begins + 1 : -1]
+        rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
+        return rows
+
+    def _limit(self) -> float:
+        return self.of.limits[1 if self.data.belt_speed > 0 else -1]
+
+    def _aged(self, tau: float) -> Floats:
+        """Return what of a growing static limit is there at the breakaway."""
+        return -np.expm1(-np.maximum([w.rest for w in self.places], AT_ONCE) / tau)
+
+    def _simulated(self, derived: Floats, seeds: Floats) -> dict[str, object]:
+        """Run the core."""
+        policy = self.of.policy
+        initial = np.zeros((len(self.places), COUNT))
+        initial[:, self.of.sensors.begins] = self.own[:, : self.of.begins]
+        initial[:, DERIVED] = derived
+        initial[:, DWELL] = [w.dwell for w in self.places]
+        return dict(
+            _core.simulate_windows(
+                structure=self.lowered.structure,
+                parameters=np.nan_to_num(self._parameters()),
+                set=np.arange(len(self.places), dtype=np.int32),
+                initial=np.nan_to_num(initial),
+                contact=np.full(len(self.places), STICK, dtype=np.int32),
+                t=self.data.t[self.samples],
+                offset=self.offset,
+                rtol=policy.relative_tolerance,
+                atol=policy.absolute_tolerance,
+                seeds=seeds,
+                column=np.arange(len(seeds), dtype=np.int32),
+                columns=len(seeds),
+                kept=self.of.kept,
+                max_transitions=policy.most_transitions,
+                max_steps=policy.most_integration_steps,
+                order=0,
+                threads=1,
+            )
+        )
+
+    def _seeds(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return seeds and the column each belongs to; -1 for those of the derived states."""
+        rows, owner = [], []
+        for i, j in enumerate(self.shared):
+            name = self.of.numbers[j].name
+            places = self.lowered.slots.get(name, ()) if self.active(j) else ()
+            if places:
+                row = np.zeros(WIDTH + COUNT)
+                row[list(places)] = self.lowered.factors.get(name, 1.0)
+                rows.append(row)
+                owner.append(i)
+        if self.local:
+            entries = [WIDTH + k for k in self.of.sensors.begins]
+            entries += [self.of.aging[0], *self.of.curve, SLOTS["belt_speed"]]
+            for k, entry in enumerate(entries):
+                row = np.zeros(WIDTH + COUNT)
+                row[entry] = 1.0 if k != self.of.begins else self._limit()
+                if entry == SLOTS["belt_speed"]:
+                    row[entry] = self.data.belt_speed
+                rows.append(row)
+                owner.append(len(self.shared) + k)
+        if self.local or self.shared:
+            for state in DERIVED:
+                row = np.zeros(WIDTH + COUNT)
+                row[WIDTH + state] = 1.0
+                rows.append(row)
+                owner.append(-1)
+        seeds = np.array(rows) if rows else np.zeros((0, WIDTH + COUNT))
+        return seeds, np.array(owner, dtype=np.int64)
+
+    def _chained(self, folded: Floats, along: Floats) -> None:
+        """Add what reaches a state through the derived states at the start."""
+        for column, rate in self._rates.items():
+            folded[:, column] += (along * np.repeat(rate, self.lengths, axis=0)).sum(axis=1)
+
+    @cached_property
+    def _rates(self) -> dict[int, Floats]:
+        """Derivatives of the derived states by column, (w, 3) each, where they are any."""
+        out, here = {}, self._derived(self.values, self.own)
+        for i, j in enumerate(self.shared):
+            name = self.of.numbers[j].name
+            if name not in self.values or not self.active(j) or name in self.of.sensors.gains:
+                continue
+            step = NEARBY * max(abs(self.values[name]), 1e-3)
+            moved = self._derived({**self.values, name: self.values[name] + step}, self.own)
+            if (moved != here).any():
+                out[i] = (moved - here) / step
+        for k in (*range(self.of.begins), self.of.own - 1) if self.local else ():
+            nudge = np.zeros(self.of.own)
+            nudge[k] = NEARBY
+            moved = self._derived(self.values, self.own + nudge)
+            out[len(self.shared) + k] = (moved - here) / NEARBY
+        return out
+
+    def _own_belt(self, chain: Chain) -> None:
+        """Let a recorded belt show the window's own speed."""
+        if chain.values.shape[1] == 3:
+            chain.values[:, 2] += self.data.belt_speed * np.repeat(self.own[:, -1], self.lengths)
+            if self.local:
+                chain.slopes[:, 2, -1] += self.data.belt_speed
+
+    def _stretched(self, chain: Chain) -> None:
+        """Let a window's own static limit be what is there at its breakaway, however fast it grows."""
+        if not self.local:
+            return
+        tau = self.values.get("static_aging.tau", AT_ONCE)
+        aged, rest = self._aged(tau), np.maximum([w.rest for w in self.places], AT_ONCE)
+        column = len(self.shared) + self.of.begins
+        chain.slopes[:, :, column] /= np.repeat(aged, self.lengths)[:, None]
+        for i, j in enumerate(self.shared):
+            if self.of.numbers[j].name == "static_aging.tau":
+                falls = self.own[:, self.of.begins] * np.exp(-rest / tau) * rest / tau**2 / aged
+                chain.slopes[:, :, i] += chain.slopes[:, :, column] * np.repeat(falls, self.lengths)[:, None]
+
+    def _gains(self, chain: Chain) -> None:
+        for c, name in enumerate(self.of.sensors.gains):
+            if name not in self.values or c >= chain.values.shape[1]:
+                continue
+            gain = 1.0 + self.values[name]
+            plain = chain.values[:, c].copy()
+            chain.values[:, c] *= gain
+            chain.slopes[:, c] *= gain
+            for i, j in enumerate(self.shared):
+                if self.of.numbers[j].name == name:
+                    chain.slopes[:, c, i] = plain
+
+    def _weighed(self, chain: Chain, done: NDArray[np.bool_]) -> list[Floats | None]:
+        residual = self.data.readings[self.samples] - chain.values
+        block = np.concatenate([chain.slopes, residual[:, :, None]], axis=2)
+        block *= self.data.weight[self.samples][:, :, None]
+        parts = [block[a:b] for a, b in zip(self.offset[:-1], self.offset[1:], strict=True)]
+        return [
+            part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)
+        ]

@@ -1,0 +1,60 @@
+"""Windows of a block on a belt: its displacement is read, or the force of its spring.
+
+A force is read as the displacement that the declared spring would have: force over declared stiffness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.fitted.readings import Chain, read
+from stickslip.likelihoods.sensors import Samples
+from stickslip.simulated.states import LAGGED, X1
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BlockSensors:
+    """
+    The one sensor of a block on a belt.
+
+    Parameters
+    ----------
+    gains : name of its gain: `gain.x1`, or `gain.spring_force`
+    spring : declared stiffness by which a force is read; None for a displacement
+    """
+
+    gains: tuple[str, ...]
+    spring: float | None
+    begins: tuple[int, ...] = (X1,)
+    places: tuple[str, ...] = ("x1 channel",)
+
+    def levels(self, readings: Floats, forward: bool, stiffness: float) -> tuple[float, float] | None:
+        """Return static and kinetic friction by the two ends of a slip, whose middle is where the block would rest."""
+        x = readings[:, 0] if forward else -readings[:, 0]
+        top = int(np.argmax(x))
+        bottom = float(np.min(x[top:]))
+        return stiffness * float(x[top]), 0.5 * stiffness * (float(x[top]) + bottom)
+
+    def kept(self, known: Collection[str], _channels: int) -> list[int]:
+        """Return the state whose slopes are read."""
+        return [LAGGED if "sensor_lag.tau" in known else X1]
+
+    def read(self, samples: Samples, values: Mapping[str, float], belt_speed: float, channels: int) -> Chain:
+        """Return the readings and their slopes; of a force the true spring's, a cubic part apart."""
+        s = samples
+        chain = read(s.t, s.state, s.slopes, s.names, values, belt_speed, channels, (), s.offset)
+        if self.spring is None:
+            return chain
+        as_sprung = chain.values.copy()
+        stiff = values["stiffness"] / self.spring
+        chain.values *= stiff
+        chain.slopes *= stiff
+        if "stiffness" in s.names:
+            chain.slopes[:, :, s.names.index("stiffness")] += as_sprung / self.spring
+        return chain

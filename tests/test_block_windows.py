@@ -1,0 +1,132 @@
+"""Windows of a block on a belt from mid-stick to mid-stick, with numbers of their own."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import stickslip as ss
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shown_levels import shown_levels
+from stickslip.likelihoods.stretches import stretches
+
+Floats = NDArray[np.float64]
+BLOCK = ss.BlockOnBelt(mass=16.0, stiffness=16.0, damping=0.3)
+LAW = ss.CoulombFriction(static=5.0, kinetic=3.0)
+CONSTANTS = ("static", "kinetic", "mass", "stiffness", "damping")
+EFFECTS = {
+    "nothing": (),
+    "cubic": (ss.effect("spring_cubic_k1", k=6.0), ss.effect("block_quadratic_damping", c=1.0)),
+    "droop": (ss.effect("belt_load_droop", k=0.002, tau=0.7),),
+    "lag": (ss.effect("sensor_lag", tau=0.1), ss.effect("sensor_nonlinearity", q=0.1)),
+    "ripple": (ss.effect("belt_speed_ripple", a=0.1, w=2.0, phi=0.4), ss.effect("sensor_drift", r=1e-3)),
+    "aging": (ss.effect("static_aging", dT=0.4, tau=1.5), ss.effect("belt_seam", a=0.1, L=4.0, phi=0.2)),
+}
+BELT, NOISE, GAIN = 0.1, 1e-3, 0.002
+
+
+@pytest.fixture(scope="module")
+def run() -> Data:
+    """A run that the model made, without noise."""
+    t = np.arange(0.0, 60.0, 0.02)
+    made = ss.simulate(
+        ss.Model(BLOCK, friction=LAW), belt_speed=BELT, initial=(0.1, 0.1), t_end=t[-1], t_eval=t
+    )
+    v, slips = made.state[:, 1], []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (made.mode != 0).astype(int), [0]])))
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
+        slips.append(a + int(np.argmax(np.abs(v[a:b] - BELT))))
+    readings = made.state[:, :1]
+    weight, held = np.full_like(readings, 1 / NOISE), np.zeros_like(readings, dtype=bool)
+    cycle = float(np.median(np.diff(t[slips])))
+    return Data("run", "train", BELT, t, readings, weight, np.full(1, NOISE), v, np.array(slips), cycle, held)
+
+
+def made(run: Data, effects: tuple[ss.Effect, ...], *, force: bool = True) -> BeltWindows:
+    """Windows of a run under a model with effects, all their numbers shared."""
+    model = ss.Model(BLOCK, friction=LAW, effects=effects)
+    numbers = []
+    for name in CONSTANTS:
+        at = float(np.log(model.parameters[name]))
+        numbers.append(Number(name, at, at, 1.0, True))
+    channel = "gain.spring_force" if force else "gain.x1"
+    numbers.append(Number(channel, GAIN, 0.0, 0.01))
+    for one in effects:
+        numbers += [
+            Number(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
+            for k, v in one.parameters.items()
+        ]
+    sensors = BlockSensors((channel,), BLOCK.stiffness if force else None)
+    return BeltWindows(model, [run], stretches([run]), numbers, Declared(), sensors)
+
+
+def start(windows: BeltWindows) -> Floats:
+    """Coordinates of the declared numbers."""
+    return np.array([n.start for n in windows.numbers])
+
+
+def test_the_true_model_leaves_nothing(run: Data) -> None:
+    windows = made(run, ())
+    assert len(windows.stretches) >= 3
+    own, at = windows.first(), start(windows)
+    at[len(CONSTANTS)] = 0.0  # no gain
+    own[:, 0] = [run.readings[w.start, 0] for w in windows.stretches]
+    for block in windows.blocks(at, own):
+        assert block is not None
+        assert block.shape[1:] == (1, len(CONSTANTS) + 1 + windows.own + 1)
+        assert np.median(np.abs(block[:, :, -1])) < 3.0
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_derivatives_are_those_of_differences(run: Data, name: str) -> None:
+    windows = made(run, EFFECTS[name])
+    shared, own, step = start(windows), windows.first(), 1e-6
+    own[:, 1:] = 0.01 * np.random.default_rng(0).normal(size=own[:, 1:].shape)
+    here = windows.blocks(shared, own)[1]
+    assert here is not None
+    for j in range(len(shared) + own.shape[1]):
+        sides = []
+        for sign in (1, -1):
+            s, o = shared.copy(), own.copy()
+            if j < len(shared):
+                s[j] += sign * step
+            else:
+                o[:, j - len(shared)] += sign * step
+            block = windows.blocks(s, o, shared=(), local=False)[1]
+            assert block is not None
+            sides.append(block[:, :, -1])
+        found = -(sides[0] - sides[1]) / (2 * step)
+        scale = max(float(np.abs(found).max()), 1.0)
+        assert np.abs(found - here[:, :, j]).max() < 1e-4 * scale, (name, j)
+
+
+def test_a_force_is_that_of_the_true_spring(run: Data) -> None:
+    """A stiffer spring shows in its force, and not in a displacement, while the block sticks."""
+    for force, rise in ((True, 1.1), (False, 1.0)):
+        windows = made(run, (), force=force)
+        at = start(windows)
+        at[len(CONSTANTS)] = 0.0
+        at[CONSTANTS.index("stiffness")] += np.log(1.1)
+        motion = windows.motions(at, windows.first())[0]
+        assert motion is not None
+        stuck = motion.readings[:5, 0]
+        assert np.diff(stuck) / np.diff(motion.t[:5]) == pytest.approx(rise * BELT, rel=1e-6)
+
+
+def test_an_event_shows_its_levels(run: Data) -> None:
+    """A slip without damping swings by root (A^2 + v^2) about the kinetic level, A from there to the static one."""
+    static, kinetic = LAW.static / 16.0, LAW.kinetic / 16.0
+    swing = np.hypot(static - kinetic, BELT)
+    t = run.t
+    readings = (kinetic + swing * np.cos(t))[:, None]  # omega is 1
+    shown = BlockSensors(("gain.x1",), None).levels(readings, True, 16.0)
+    assert shown == pytest.approx((16.0 * (kinetic + swing), LAW.kinetic), rel=1e-3)
+    assert BlockSensors(("gain.x1",), None).levels(-readings, False, 16.0) == pytest.approx(shown)
+    own = shown_levels(made(run, ()))
+    assert own is not None
+    level = own[:, 2:-1]
+    assert np.ptp(level, axis=1).max() == 0.0
+    # the damper takes a little of the fall
+    assert np.abs(level).max() < 0.08
