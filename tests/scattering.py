@@ -1,5 +1,7 @@
-"""Records of a rig whose friction differs from event to event: simulated from mid-stick to mid-stick."""
+"""Records of rigs whose friction differs from event to event: simulated from mid-stick to mid-stick."""
 
+import math
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +68,133 @@ def case(folder: Path, effects: tuple[ss.Effect, ...], scatter: float, off: floa
     lines = ['title = "scatter"', "[rig]", *(f"{k} = {v}" for k, v in declared.items())]
     lines += ["[noise]", "x1 = 1e-3", "y1 = 1e-3", *runs, "[channels]"]
     lines += [f'{c} = {{ column = "{c}", unit = "1" }}' for c in ("t", "x1", "y1")]
+    path = folder / "rig.toml"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+MASS, STIFFNESS, STATIC, KINETIC = 0.9, 1400.0, 8.0, 5.2  # of a block, in SI
+FORCE_NOISE = 0.008  # N
+SPEEDS = {"run_0": 0.035, "run_1": 0.055, "run_2": 0.09, "run_3": 0.07}  # m/s; the last is not trained on
+PERIOD = 2 * math.pi * math.sqrt(MASS / STIFFNESS)
+Surface = Callable[[Floats], Floats]  # relative friction at places along the belt
+
+
+def even(_: Floats) -> Floats:
+    """Friction that is the same along the belt."""
+    return np.zeros_like(_)
+
+
+def uneven(scatter: float, length: float, rng: np.random.Generator) -> Surface:
+    """A smooth Gaussian field along the belt, by 40 random waves."""
+    waves, turn = rng.standard_normal(40) / length, rng.uniform(0, 2 * math.pi, 40)
+    size = scatter * math.sqrt(2 / 40)
+    return lambda s: size * np.cos(np.multiply.outer(s, waves) + turn).sum(axis=-1)
+
+
+def block_record(
+    model: ss.Model,
+    belt_speed: float,
+    events: int,
+    scatter: float,
+    rng: np.random.Generator,
+    surface: Surface = even,
+    memory: float = 0.0,
+) -> tuple[Floats, Floats]:
+    """Times and deflections of `events` slips of a block, each with levels of its own on an uneven belt."""
+    dt, law = PERIOD / 150, model.friction
+    assert isinstance(law, ss.CoulombFriction)
+    state, t, slid, out = (0.5 * law.kinetic / model.rig.stiffness, belt_speed), 0.0, 0.0, []
+    own = rng.standard_normal(2)
+    for _ in range(events):
+        own = memory * own + math.sqrt(1 - memory**2) * rng.standard_normal(2)
+        static, kinetic = (
+            law.static * (1 + scatter * own[0]),
+            law.kinetic * (1 + scatter * (0.6 * own[0] + 0.8 * own[1])),
+        )
+        top = law.static / model.rig.stiffness
+        x = np.linspace(-0.2 * top, 1.3 * top, 20)
+        field = ss.tabulated("contact", "x1", x, surface(slid + top - x))
+        there = ss.Model(
+            model.rig,
+            friction=ss.CoulombFriction(static=static, kinetic=min(kinetic, static)),
+            effects=(*(later(one, t, belt_speed) for one in model.effects), field),
+        )
+        last = 20 * PERIOD
+        run = ss.simulate(
+            there, belt_speed=belt_speed, initial=state, t_end=last, t_eval=np.arange(0.0, last, dt)
+        )
+        begins = run.transitions.t[np.flatnonzero(run.transitions.after == 0)]
+        begins = begins[begins > 0.2 * PERIOD][0]
+        stop = math.ceil((begins + 0.4 * PERIOD) / dt)
+        slid += state[0] + belt_speed * stop * dt - run.state[stop, 0]
+        out.append(run.state[:stop, 0])
+        state = tuple(float(one) for one in run.state[stop])
+        t += stop * dt
+    x = np.concatenate(out)
+    return dt * np.arange(len(x)), x
+
+
+def later(one: ss.Effect, t: float, belt_speed: float) -> ss.Effect:
+    """The effect as it is a time later."""
+    turn = {"belt_seam": lambda p: 2 * math.pi * belt_speed / p["L"]}.get(one.name, lambda p: p.get("w", 0.0))
+    if "phi" not in one.parameters:
+        return one
+    return one.replace(phi=one.parameters["phi"] + turn(one.parameters) * t)
+
+
+def block_case(
+    folder: Path,
+    effects: tuple[ss.Effect, ...] = (),
+    *,
+    seed: int,
+    scatter: float = 0.02,
+    length: float | None = None,
+    off: Mapping[str, float] = {},
+    read: Callable[[Floats, Floats], Floats] = lambda _, x: x,
+) -> Path:
+    """
+    Write a case of a block whose spring force is recorded; return its rig.toml.
+
+    Parameters
+    ----------
+    effects : that act
+    seed : of scatter and noise
+    scatter : relative, of every event; along the belt where it has a `length`
+    off : declared over true `mass` and `stiffness`, and the sensor's `gain`, less 1
+    read : what the sensor makes of times and deflections
+    """
+    rng = np.random.default_rng(seed)
+    model = ss.Model(
+        ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
+        friction=ss.CoulombFriction(static=STATIC, kinetic=KINETIC),
+        effects=effects,
+    )
+    surface = even if length is None else uneven(scatter, length, rng)
+    lines = ['title = "block"', "[rig]", 'kind = "block_on_belt"']
+    lines += [
+        f"m = {MASS * (1 + off.get('mass', 0.0))}",
+        f"k = {STIFFNESS * (1 + off.get('stiffness', 0.0))}",
+    ]
+    for name, speed in SPEEDS.items():
+        turned = ss.Model(
+            model.rig,
+            friction=model.friction,
+            effects=tuple(
+                one.replace(phi=rng.uniform(0, 2 * math.pi)) if "phi" in one.parameters else one
+                for one in effects
+            ),
+        )
+        t, x = block_record(turned, speed, 15, scatter if length is None else 0.0, rng, surface)
+        force = STIFFNESS * read(t, x) * (1 + off.get("gain", 0.0)) + FORCE_NOISE * rng.standard_normal(
+            len(t)
+        )
+        np.savetxt(
+            folder / f"{name}.csv", np.column_stack([t, force]), delimiter=",", header="t,F", comments=""
+        )
+        role = "validate" if name == "run_3" else "train"
+        lines += ["[[run]]", f'file = "{name}.csv"', f'role = "{role}"', f"belt_speed = {speed}"]
+    lines += ["[channels]", 't = { column = "t", unit = "s" }', 'spring_force = { column = "F", unit = "N" }']
     path = folder / "rig.toml"
     path.write_text("\n".join(lines) + "\n")
     return path

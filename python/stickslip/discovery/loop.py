@@ -21,6 +21,7 @@ from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate, largest_gain
+from stickslip.discovery.laboratory import block
 from stickslip.discovery.laboratory import loop as laboratory
 from stickslip.discovery.longer import looked_at_longer
 from stickslip.discovery.messages import remarks, unseen
@@ -105,7 +106,8 @@ def discover(
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)
         if isinstance(case.rig, BlockOnBelt):
-            return slider.discover(case, progress=progress, seed=seed)
+            found = block.discover(case, tell, seed)
+            return found or slider.carried(slider.discover(case, progress=progress, seed=seed))
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads

@@ -16,7 +16,7 @@ from stickslip.discovery.slider.gate import DRAWS
 from stickslip.discovery.slider.held import constants_of, held
 from stickslip.discovery.slider.model import models, phases
 from stickslip.discovery.slider.numbers import parameters
-from stickslip.discovery.slider.outcome import error_block, residual
+from stickslip.discovery.slider.outcome import WORSE, error_block, residual
 from stickslip.discovery.slider.population import blocks
 from stickslip.discovery.slider.remarks import remarks
 from stickslip.discovery.slider.ties import alternatives, evidence
@@ -59,8 +59,8 @@ def discover(
     tell = progress or (lambda _: None)
     tell("finding events")
     train, validate = ([measure(prepare(one)) for one in runs] for runs in (case.train, case.validate))
-    idle = _idle(case.train, train)
-    _enough(train, idle)
+    silent = idle(case.train, train)
+    _enough(train, silent)
     choice = choose(train, seed, tell, draws)
     (before, law_before), (after, law) = models(case, choice, train)
     tell("fitting single events under both models")
@@ -90,17 +90,47 @@ def discover(
         residual_after=left,
         error=error,
         ranking=_ranking(choice),
-        experiments=_experiments(effects),
+        experiments=experiments(effects),
         gate=_gate(choice),
         runs=tuple(views),
         spectrum=spectrum(train, was, now),
-        messages=(*idle, *remarks(case, choice, train, effects), *words),
+        messages=(*silent, *remarks(case, choice, train, effects), *words),
         seconds=time.monotonic() - began,
         constants=_constants(choice),
     )
 
 
-def _idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:
+def carried(found: Found) -> Found:
+    """Return what was found, or nothing where the error of single events rises on runs never used."""
+    if not found.effects or not found.error.after > WORSE * found.error.before:
+        return found
+    names = ", ".join(one.name for one in found.effects)
+    words = (
+        f"{names} would be named by the train runs, but the error of single events on runs never used RISES from "
+        f"{found.error.before:.3g} to {found.error.after:.3g}: nothing is claimed"
+    )
+    error = replace(
+        found.error,
+        after=found.error.before,
+        runs=tuple(
+            replace(one, one_cycle={**one.one_cycle, "after": one.one_cycle["before"]})
+            for one in found.error.runs
+        ),
+    )
+    return replace(
+        found,
+        verdict=Verdict.no_effect,
+        effects=(),
+        after=found.before,
+        law=found.law_before,
+        residual_after=found.residual_before,
+        error=error,
+        experiments=(),
+        messages=(words, *found.messages),
+    )
+
+
+def idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:
     """Every run that no slip is found in, with the reason."""
     return tuple(
         f"{recording.name}: no slip is used: {why_idle(recording, len(one.run.track.sticks))}"
@@ -206,7 +236,7 @@ def _gate(choice: Choice) -> Gate:
     )
 
 
-def _experiments(effects: Sequence[FoundEffect]) -> tuple[Experiment, ...]:
+def experiments(effects: Sequence[FoundEffect]) -> tuple[Experiment, ...]:
     """What would break the ties that these runs cannot."""
     out = []
     tied = {(e.name, a.name) for e in effects for a in e.alternatives if a.tied}

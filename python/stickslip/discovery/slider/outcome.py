@@ -21,7 +21,7 @@ from stickslip.measured.stick_speed import why_idle
 
 Floats = NDArray[np.float64]
 METRIC = (
-    "single events with their own static and kinetic friction: rms error over the standard deviation of the readings "
+    "single events with friction of their own: rms error over the standard deviation of the readings "
     "in the event; median over events, mean over runs"
 )
 FORECASTS = 60  # a run
@@ -94,13 +94,28 @@ def nrmse(one: Held, measured: Measured) -> tuple[float, float, float]:
 
 
 def error_block(
-    case: Case, before: Model, after: Model, runs: Sequence[Measured]
+    case: Case,
+    before: Model,
+    after: Model,
+    runs: Sequence[Measured],
+    single: Mapping[str, tuple[float, float, float, float]] | None = None,
 ) -> tuple[ErrorBlock, dict[str, tuple[Ahead, Ahead]], tuple[str, ...]]:
-    """`error` of the report on the validate runs, the forecasts, and a sentence on them for each run."""
+    """
+    `error` of the report on the validate runs, the forecasts, and a sentence on them for each run.
+
+    Parameters
+    ----------
+    case, before, after, runs : two models, and the runs
+    single : by run the error of single events before and after, the noise's, and the median spread; in closed form
+        where it is not given
+    """
     rows, kept, words = [], {}, []
     for one in runs:
-        ours = [held(one, constants_of(model, one)) for model in (before, after)]
-        (was, floor, spread), (now, *_) = (nrmse(h, one) for h in ours)
+        if single is None:
+            ours = [held(one, constants_of(model, one)) for model in (before, after)]
+            (was, floor, spread), (now, *_) = (nrmse(h, one) for h in ours)
+        else:
+            was, now, floor, spread = single[one.run.name]
         forecasts = (ahead(before, one), ahead(after, one))
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))

@@ -27,13 +27,13 @@ BINS = 120
 def train_view(one: Measured, before: Model, after: Model, helds: tuple[Held, Held]) -> RunView:
     """A run that was learned from: single events with their own levels under both models."""
     was, now = (motion(one, h) for h in helds)
-    return _view(one, before, after, was, now)
+    return view(one, before, after, was, now)
 
 
 def validate_view(one: Measured, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
     """A run that was forecast; NaN where no forecast was made."""
     was, now = (_forecast(one, f) for f in forecasts)
-    return _view(one, before, after, was, now)
+    return view(one, before, after, was, now)
 
 
 def _forecast(one: Measured, ahead: Ahead) -> Motion:
@@ -48,7 +48,8 @@ def _forecast(one: Measured, ahead: Ahead) -> Motion:
     return x, v, mode
 
 
-def _view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -> RunView:
+def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -> RunView:
+    """A run as measured and as two motions have it."""
     run = one.run
     step = min(max(1, len(run.t) // MOST), THINNEST)
     at = slice(0, MOST * step, step)

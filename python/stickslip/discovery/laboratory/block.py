@@ -1,0 +1,280 @@
+"""A block on a belt in a laboratory: searched in scaled numbers, said in the declared ones."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip.declared.catalogue import CONSTANTS
+from stickslip.declared.effect import Effect, effect
+from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.model import Model
+from stickslip.declared.rig import LONG, BlockOnBelt
+from stickslip.declared.uncertainty import GAINS
+from stickslip.discovery.evidence import TIED
+from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.hypothesis import Bench, known
+from stickslip.discovery.laboratory.loop import Verdicts, searched
+from stickslip.discovery.laboratory.outcome import NEAR
+from stickslip.discovery.laboratory.scaled import Scaled, scaled, start
+from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.single_events import Single, single
+from stickslip.discovery.residual import spectrum
+from stickslip.discovery.result import (
+    Alternative,
+    Evidence,
+    Found,
+    FoundEffect,
+    Interval,
+    Rival,
+    RunView,
+    Verdict,
+)
+from stickslip.discovery.slider.loop import experiments, idle
+from stickslip.discovery.slider.outcome import error_block
+from stickslip.discovery.slider.views import Motion, validate_view, view
+from stickslip.fitted.block_events.table import Measured, measure
+from stickslip.fitted.block_events.table import prepare as prepare_events
+from stickslip.fitted.data import Data, prepare
+from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.fit import UNSETTLED, null, unexplained
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.shared import Declared
+from stickslip.likelihoods.stretches import stretches
+from stickslip.measured.case import Case
+
+ABSORBED = "a constant load on the block is absorbed whole by the friction law: every run slips one way only"
+
+
+@dataclass(frozen=True)
+class Search:
+    """
+    A case as it was searched.
+
+    Parameters
+    ----------
+    case, units : as declared
+    data : all runs, those of the fit first, in scaled numbers
+    verdicts : what was searched
+    """
+
+    case: Case
+    units: Scaled
+    data: Sequence[Data]
+    verdicts: Verdicts
+
+
+def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
+    """Return the train runs cut into windows, the units, and all runs; None where runs have rigs of their own."""
+    rig, runs = case.rig, (*case.train, *case.validate)
+    if not isinstance(rig, BlockOnBelt) or any(run.rig != rig or run.belt_speed == 0 for run in runs):
+        return None
+    units = scaled(rig, case.train)
+    data = prepare([units.run(one) for one in runs])
+    train = data[: len(case.train)]
+    declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
+    channel = case.train[0].channel("x1")
+    sensors = BlockSensors(
+        (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
+    )
+    return Bench(declared, train, stretches(train), known(case), sensors, POLICY), units, data
+
+
+def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:
+    """
+    Return what the declared model lacks where friction scatters; None where nothing does, or where it cannot be told.
+
+    Parameters
+    ----------
+    case : of a `BlockOnBelt`
+    tell : told what is being done
+    seed : of the gate's draws
+    """
+    began = time.monotonic()
+    made = bench_of(case)
+    if made is None:
+        return None
+    bench, units, data = made
+    verdicts = searched(bench, case.uncertainty, tell, seed)
+    if verdicts is None or unexplained(verdicts.searched.chosen.fit) > UNSETTLED:
+        return None
+    return _found(Search(case, units, data, verdicts), tell, began)
+
+
+def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
+    bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
+    case, units = search.case, search.units
+    chosen = found.null if curve is not None else found.chosen
+    base = found.null
+    if (
+        chosen.freed is not None
+    ):  # before, all is as declared: with one constant held the others may do its work
+        plain = replace(bench, declared=Declared())
+        base = Trial((), null(plain.windows(), bench.policy))
+    before, after = (_model(search, one) for one in (base, chosen))
+    train, validate = ([measure(prepare_events(one)) for one in runs] for runs in (case.train, case.validate))
+    tell("fitting single events of the validate runs")
+    left = {
+        run.name: tuple(single(bench, one, run, chosen.fit.population) for one in (base, chosen))
+        for run in search.data[len(case.train) :]
+    }
+    tell("forecasting the validate runs")
+    error, forecasts, words = error_block(case, before, after, validate, _errors(left, units))
+    effects = _effects(search, chosen)
+    data = [units.data(run) for run in bench.data]
+    was, now = (outcome.left(bench, one.fit, data) for one in (base, chosen))
+    views = [
+        *_train_views(search, train, (before, base), (after, chosen)),
+        *(validate_view(one, before, after, forecasts[one.run.name]) for one in validate),
+    ]
+    verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
+    return Found(
+        title=case.title,
+        verdict=verdict if effects else Verdict.no_effect,
+        effects=effects,
+        before=before,
+        after=after,
+        law=_in_units(units, outcome.law(chosen.fit)),
+        law_before=_in_units(units, outcome.law(base.fit)),
+        residual_before=outcome.described(was),
+        residual_after=outcome.described(now),
+        error=error,
+        ranking=_ranking(search),
+        experiments=experiments(effects),
+        gate=outcome.gate(found),
+        runs=tuple(views),
+        spectrum=spectrum(was, now),
+        messages=(
+            *idle(case.train, train),
+            *outcome.remarks(chosen, error),
+            *((ABSORBED,) if bench.one_way else ()),
+            *words,
+        ),
+        seconds=time.monotonic() - began,
+        scatter=outcome.scatter(chosen.fit),
+        constants=_in_units(units, outcome.constants(bench, chosen.fit)),
+    )
+
+
+def _in_units(units: Scaled, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
+    return {name: units.in_units(name, one) for name, one in numbers.items()}
+
+
+def _errors(
+    left: dict[str, tuple[Single, ...]], units: Scaled
+) -> dict[str, tuple[float, float, float, float]]:
+    """Before, after, floor and the spread of the readings, by run."""
+    return {
+        name: (was.error, now.error, now.floor, now.spread * units.scales.length)
+        for name, (was, now) in left.items()
+    }
+
+
+def _model(search: Search, trial: Trial) -> Model:
+    """The model of a hypothesis: declared constants with what the runs say of them beside, as relative errors."""
+    bench, units, declared = search.verdicts.bench, search.units, search.case.model()
+    made = outcome.model(bench, trial, declared)
+    values, rig = trial.fit.values(), units.rig
+    shares = {"rig_mass": values["mass"] / bench.model.parameters["mass"] - 1}
+    shares["rig_stiffness"] = values["stiffness"] / bench.model.parameters["stiffness"] - 1
+    shares["sensor_gain"] = values.get(bench.sensors.gains[0], 0.0)
+    damping = values["damping"] * units.size("damping")
+    effects = [units.effect(one) for one in made.effects if isinstance(one, Effect)]
+    effects += [effect(name, e=e) for name, e in shares.items() if e != 0]
+    return Model(
+        BlockOnBelt(mass=rig.mass, stiffness=rig.stiffness, damping=damping),
+        friction=units.law(made.friction, back=True),
+        effects=tuple(effects),
+        channels=declared.channels,
+        noise=declared.noise,
+    )
+
+
+def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:
+    """What was found, by weight: named effects and a constant, or a curve that no name explains."""
+    bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
+    if curve is not None:
+        return (search.units.found(outcome.unlisted(found, curve, found.steps[0].gate.threshold)),)
+    beside = Searched(found.null, replace(chosen, freed=None), found.steps, found.without)
+    named = [search.units.found(one) for one in outcome.effects(bench, beside)]
+    if chosen.freed is not None and (one := _constant(chosen.freed, found)) is not None:
+        named.append(one)
+    return tuple(sorted(named, key=lambda one: -one.evidence.weight))
+
+
+def _constant(wrong: Freed, found: Searched) -> FoundEffect | None:
+    """A constant that is not as declared; None for one that has no name, as what it does other effects do."""
+    kind = _kind(wrong)
+    if kind is None:
+        return None
+    rivals = []
+    for one in wrong.rivals:
+        other, delta = _kind(one), wrong.gain - one.gain
+        if other is not None and delta < NEAR:
+            words = "that constant is wrong instead"
+            odds = math.exp(-0.5 * max(delta, 0.0))
+            rivals.append(
+                Alternative(other.name, odds, delta, delta < TIED, False, words, {"e": _error(one)})
+            )
+    far = abs(math.log1p(wrong.off)) / wrong.known
+    said = f"{far:.1f} standard uncertainties from what is declared"
+    threshold = found.steps[0].gate.threshold
+    proof = Evidence(wrong.gain, wrong.gain, None, None, "", threshold, said)
+    numbers = {"e": _error(wrong)}
+    return FoundEffect(kind.name, kind.where, kind.depends_on, numbers, proof, tuple(rivals), kind.formula)
+
+
+def _kind(one: Freed) -> EffectKind | None:
+    """The effect that a wrong constant or gain is."""
+    corrected = "reading" if one.name in GAINS else LONG.get(one.name, one.name)
+    return next((kind for kind in CONSTANTS.values() if kind.corrects == corrected), None)
+
+
+def _error(one: Freed) -> Interval:
+    """Relative error, true over declared less 1."""
+    at = one.interval()
+    return Interval(*(None if x is None else x - 1 for x in (at.value, at.low, at.high)))  # type: ignore[arg-type]
+
+
+def _ranking(search: Search) -> tuple[Rival, ...]:
+    units = search.units
+    rows = outcome.ranking(search.verdicts.searched)
+    return tuple(
+        replace(one, parameters={k: v * units.size(k) for k, v in one.parameters.items()}) for one in rows
+    )
+
+
+def _train_views(
+    search: Search, train: Sequence[Measured], before: tuple[Model, Trial], after: tuple[Model, Trial]
+) -> list[RunView]:
+    """The runs of the fit, before and after."""
+    was, now = (_motions(search, trial, train) for _, trial in (before, after))
+    return [
+        view(m, before[0], after[0], one, other)
+        for m, one, other in zip(train, was, now, strict=True)
+        if len(m.events)
+    ]
+
+
+def _motions(search: Search, trial: Trial, train: Sequence[Measured]) -> list[Motion]:
+    """Readings, their rates and modes as a hypothesis has them, turned as the runs are; NaN between windows."""
+    bench, length, omega = search.verdicts.bench, search.units.scales.length, search.units.scales.omega
+    out: list[Motion] = []
+    for m in train:
+        none = np.full(len(m.run.t), np.nan)
+        out.append((none, none.copy(), np.zeros(len(m.run.t), dtype=np.int8)))
+    fit = trial.fit
+    for s, one in zip(bench.stretches, fit.windows.motions(fit.at, fit.own), strict=True):
+        if one is None:
+            continue
+        part, sign = slice(s.start, s.stop), train[s.run].run.sign
+        x, v, mode = out[s.run]
+        x[part] = sign * length * one.readings[:, 0]
+        v[part] = sign * length * omega * np.gradient(one.readings[:, 0], one.t)
+        mode[part] = (sign * one.mode).astype(np.int8)
+    return out

@@ -1,0 +1,82 @@
+"""Discovery on a block on a belt whose friction differs from event to event, its constants nearly right."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import stickslip as ss
+from scattering import MASS, STIFFNESS, block_case
+from stickslip.shown.report.write import write_report
+
+SCATTER = 0.02
+NEARLY = {"mass": 0.008, "stiffness": -0.006, "gain": 0.003}
+
+
+def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
+    found = ss.discover(ss.load_case(block_case(tmp_path, seed=1, scatter=SCATTER, off=NEARLY)))
+    assert found.verdict is ss.discovery.result.Verdict.no_effect
+    assert found.scatter["kinetic"].value == pytest.approx(SCATTER, rel=0.35)
+    for name, true in (("mass", MASS), ("stiffness", STIFFNESS), ("spring_force", 1.003)):
+        one = found.constants[name]
+        assert one.low is not None
+        assert one.high is not None
+        assert one.low < true < one.high
+    assert found.error.after == found.error.before
+    assert found.error.after < 1.3 * found.error.floor
+
+
+def test_a_damping_is_named_and_the_error_falls_to_the_noise(tmp_path: Path) -> None:
+    c = 2.0
+    case = ss.load_case(
+        block_case(
+            tmp_path,
+            (ss.effect("block_viscous_damping", c=c),),
+            seed=2,
+            scatter=SCATTER,
+            length=0.008,
+            off=NEARLY,
+        )
+    )
+    found = ss.discover(case)
+    assert [one.name for one in found.effects] == ["block_viscous_damping"]
+    number = found.effects[0].parameters["c"]
+    assert number.low is not None
+    assert number.high is not None
+    assert number.low < c < number.high
+    assert found.error.after < 1.3 * found.error.floor
+    write_report(found, case, tmp_path / "out")
+    report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
+    assert report["effects"][0]["name"] == "block_viscous_damping"
+    assert set(report["scatter"]) == {"static", "kinetic", "belt"}
+    assert set(report["declared"]) == {"m", "k", "c", "spring_force"}
+    model = ss.load_model(tmp_path / "out" / "model_after.toml")
+    assert model == found.model
+    run = case.validate[0]
+    past = run.window(float(run.t[0]), float(run.t[0]) + 1.5)
+    ahead = ss.forecast(model, past, belt_speed=run.belt_speed, horizon=0.2)
+    assert "spring_force" in ahead
+    assert float(ahead["spring_force"].abs().max()) < 12.0
+
+
+def test_a_wrong_mass_is_named_and_nothing_beside_it(tmp_path: Path) -> None:
+    found = ss.discover(ss.load_case(block_case(tmp_path, seed=3, scatter=SCATTER, off={"mass": 0.12})))
+    assert [one.name for one in found.effects] == ["rig_mass"]
+    e = found.effects[0].parameters["e"]
+    assert e.low is not None
+    assert e.high is not None
+    assert e.low < 1 / 1.12 - 1 < e.high
+    assert found.error.after < found.error.before
+
+
+def test_a_wave_of_the_belt_comes_with_its_length(tmp_path: Path) -> None:
+    seam = ss.effect("belt_seam", a=0.08, L=0.05, phi=0.0)
+    found = ss.discover(ss.load_case(block_case(tmp_path, (seam,), seed=4, scatter=0.01, off=NEARLY)))
+    assert [one.name for one in found.effects] == ["belt_seam"]
+    numbers = found.effects[0].parameters
+    assert numbers["a"].value == pytest.approx(0.08, rel=0.1)
+    assert numbers["L"].value == pytest.approx(0.05, rel=0.02)
+    assert len(found.effects[0].phases) == 3
+    assert found.error.after < found.error.before
+    assert all(math.isfinite(one) for one in (found.error.before, found.error.after, found.error.floor))
