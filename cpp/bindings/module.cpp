@@ -8,4 +8,5 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
   bind_simulate(m);
   bind_sweep(m);
   bind_windows(m);
+  bind_bodies(m);
 }

@@ -20,6 +20,7 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;                          
 using IndexVector = Eigen::Ref<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1>>;  // (n,) int32
 using ModeVector = Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>;                      // (n,) int8: -1, 0, 1
 
+void bind_bodies(py::module_& m);
 void bind_config(py::module_& m);
 void bind_filter(py::module_& m);
 void bind_simulate(py::module_& m);

@@ -12,19 +12,24 @@ import typing
 
 __all__: list[str] = [
     "EFFECTS",
+    "Formulas",
     "LawKind",
     "Locator",
     "MAX_KNOTS",
     "MAX_SWEEP_POINTS",
+    "OPERATIONS",
     "Outcome",
     "PARAMETERS",
+    "PrescribedSpeed",
     "RigKind",
     "STATES",
     "SWEEP_ROW",
     "Structure",
+    "bodies_layout",
     "build_config",
     "first_order",
     "simulate",
+    "simulate_bodies",
     "simulate_windows",
     "sweep",
 ]
@@ -68,6 +73,48 @@ class Structure:
         knots: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
     ) -> None: ...
 
+class Formulas:
+    """
+    Formulas of a law in one direction, or of a speed: rows (operation, a, b); of the rows, which is the force (in slip, or of a contact without stick), the static limit (-1: none), each state's rate.
+    """
+
+    def __init__(
+        self,
+        *,
+        nodes: collections.abc.Sequence[
+            typing.Annotated[
+                collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"
+            ]
+        ],
+        force: typing.SupportsInt | typing.SupportsIndex,
+        limit: typing.SupportsInt | typing.SupportsIndex = -1,
+        rates: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [],
+    ) -> None: ...
+
+class PrescribedSpeed:
+    """
+    A speed over time: a formula of t from each time on, the first before it too.
+    """
+
+    def __init__(
+        self,
+        *,
+        begins: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        pieces: collections.abc.Sequence[Formulas],
+    ) -> None: ...
+
+def bodies_layout(
+    *,
+    n: typing.SupportsInt | typing.SupportsIndex,
+    contacts: typing.SupportsInt | typing.SupportsIndex,
+    speeds: typing.SupportsInt | typing.SupportsIndex,
+    parameters: typing.SupportsInt | typing.SupportsIndex,
+    states: typing.SupportsInt | typing.SupportsIndex,
+) -> dict[str, int]:
+    """
+    Where each array begins among the values, row by row, and how many values there are.
+    """
+
 def build_config() -> dict[str, object]:
     """
     How this build was made and which instruction set its kernel uses on this processor.
@@ -103,6 +150,25 @@ def simulate(
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
     order: typing.SupportsInt | typing.SupportsIndex = 0,
     fixed_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
+) -> dict[str, object]: ...
+def simulate_bodies(
+    *,
+    n: typing.SupportsInt | typing.SupportsIndex,
+    laws: collections.abc.Sequence[tuple[Formulas, Formulas]],
+    contact_speed: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
+    speeds: collections.abc.Sequence[PrescribedSpeed],
+    parameters: typing.SupportsInt | typing.SupportsIndex,
+    values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    modes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    t_start: typing.SupportsFloat | typing.SupportsIndex,
+    t_end: typing.SupportsFloat | typing.SupportsIndex,
+    t_eval: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"] | None,
+    rtol: typing.SupportsFloat | typing.SupportsIndex,
+    atol: typing.SupportsFloat | typing.SupportsIndex,
+    locator: Locator,
+    seeds: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    max_transitions: typing.SupportsInt | typing.SupportsIndex,
     max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
 ) -> dict[str, object]: ...
 def simulate_windows(
@@ -150,6 +216,7 @@ def sweep(
 EFFECTS: tuple[str, ...]
 MAX_KNOTS: int = 24
 MAX_SWEEP_POINTS: int = 64
+OPERATIONS: tuple[str, ...]
 PARAMETERS: tuple[str, ...]
 STATES: tuple[str, ...]
 SWEEP_ROW: tuple[str, ...]

@@ -1,0 +1,120 @@
+// One trajectory of a rig of bodies: `_core.simulate_bodies`, laws and speeds as tapes.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bodies_tapes.hpp"
+#include "results.hpp"
+#include "stickslip/bodies/record.hpp"
+
+namespace stickslip::bindings {
+
+namespace {
+
+py::dict as_dict(BodiesRecord&& r) {
+  const auto n = static_cast<py::ssize_t>(r.t.size()), k = static_cast<py::ssize_t>(r.event_t.size());
+  const auto p = static_cast<py::ssize_t>(r.seeds), kinks = static_cast<py::ssize_t>(r.kink_t.size());
+  const auto d = static_cast<py::ssize_t>(r.states), m = static_cast<py::ssize_t>(r.contacts);
+  py::dict out;
+  out["t"] = as_array(std::move(r.t), {n});
+  out["state"] = as_array(std::move(r.state), {n, d});
+  out["mode"] = as_array(std::move(r.mode), {n, m});
+  out["sensitivity"] = as_array(std::move(r.sensitivity), {n, d, p});
+  out["transition_t"] = as_array(std::move(r.event_t), {k});
+  out["transition_state"] = as_array(std::move(r.event_state), {k, d});
+  out["transition_before"] = as_array(std::move(r.event_before), {k, m});
+  out["transition_after"] = as_array(std::move(r.event_after), {k, m});
+  out["transition_sensitivity"] = as_array(std::move(r.event_sensitivity), {k, d + 1, p});
+  out["kink_t"] = as_array(std::move(r.kink_t), {kinks});
+  out["outcome"] = r.summary.outcome;
+  out["t_reached"] = r.summary.t;
+  out["steps"] = r.summary.steps;
+  return out;
+}
+
+py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>& laws,
+                         const IndexVector& contact_speed, const std::vector<Speed>& speeds, int parameters,
+                         const ConstVector& values, const std::vector<int>& modes, double t_start, double t_end,
+                         const std::optional<ConstVector>& t_eval, double rtol, double atol, Locator locator,
+                         const ConstMatrix& seeds, long max_transitions, long max_steps) {
+  check(contact_speed.size() == static_cast<Eigen::Index>(laws.size()) && modes.size() == laws.size(),
+        "a speed and a mode for every contact");
+  const Model model = model_of(n, laws, contact_speed, speeds, parameters);
+  const int size = layout_of(model.bodies).size;
+  check(parameters >= 0 && values.size() == size, "values must hold every number of bodies_layout");
+  check(seeds.rows() == 0 || seeds.cols() == size, "seeds must have a column for every value");
+  std::vector<signed char> start;
+  for (const int one : modes) {
+    check(one >= -1 && one <= 2, "a mode is -1, 0, 1, or 2 for what the state says");
+    start.push_back(static_cast<signed char>(one));
+  }
+  const BodiesRequest request{&model.bodies,
+                              values.data(),
+                              start.data(),
+                              t_start,
+                              t_end,
+                              t_eval ? t_eval->data() : nullptr,
+                              t_eval ? static_cast<long>(t_eval->size()) : 0,
+                              rtol,
+                              atol,
+                              locator,
+                              static_cast<int>(seeds.rows()),
+                              seeds.data(),
+                              max_transitions,
+                              max_steps};
+  BodiesRecord r;
+  {
+    const py::gil_scoped_release release;
+    r = record_bodies(request, interrupted);
+  }
+  if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
+  return as_dict(std::move(r));
+}
+
+}  // namespace
+
+void bind_bodies(py::module_& m) {
+  py::class_<Formulas>(
+      m, "Formulas",
+      "Formulas of a law in one direction, or of a speed: rows (operation, a, b); of the rows, which is the "
+      "force (in slip, or of a contact without stick), the static limit (-1: none), each state's rate.")
+      .def(py::init<const Rows&, int, int, std::vector<int>>(), py::kw_only(), py::arg("nodes"), py::arg("force"),
+           py::arg("limit") = -1, py::arg("rates") = std::vector<int>{});
+  py::class_<Speed>(m, "PrescribedSpeed",
+                    "A speed over time: a formula of t from each time on, the first before it too.")
+      .def(py::init([](std::vector<double> begins, std::vector<Formulas> pieces) {
+             check(!begins.empty() && begins.size() == pieces.size(), "a piece for every time");
+             for (std::size_t i = 1; i < begins.size(); ++i) check(begins[i] > begins[i - 1], "times must increase");
+             return Speed{std::move(begins), std::move(pieces)};
+           }),
+           py::kw_only(), py::arg("begins"), py::arg("pieces"));
+  py::list names;
+  for (const auto& name : op_names) names.append(py::str(name.data(), name.size()));
+  m.attr("OPERATIONS") = py::tuple(names);
+  m.def(
+      "bodies_layout",
+      [](int n, int contacts, int speeds, int parameters, int states) {
+        const BodiesLayout l = layout_of(Bodies{n, contacts, speeds, parameters, states, nullptr, nullptr, nullptr});
+        return std::map<std::string, int>{{"M", l.M},
+                                          {"C", l.C},
+                                          {"K", l.K},
+                                          {"force", l.force},
+                                          {"D", l.D},
+                                          {"pull_x", l.pull_x},
+                                          {"pull_v", l.pull_v},
+                                          {"parameters", l.parameters},
+                                          {"initial", l.initial},
+                                          {"dwell", l.dwell},
+                                          {"size", l.size}};
+      },
+      "Where each array begins among the values, row by row, and how many values there are.", py::kw_only(),
+      py::arg("n"), py::arg("contacts"), py::arg("speeds"), py::arg("parameters"), py::arg("states"));
+  m.def("simulate_bodies", &simulate_bodies, py::kw_only(), py::arg("n"), py::arg("laws"),
+        py::arg("contact_speed").noconvert(), py::arg("speeds"), py::arg("parameters"), py::arg("values").noconvert(),
+        py::arg("modes"), py::arg("t_start"), py::arg("t_end"), py::arg("t_eval").noconvert(), py::arg("rtol"),
+        py::arg("atol"), py::arg("locator"), py::arg("seeds").noconvert(), py::arg("max_transitions"),
+        py::arg("max_steps") = most_steps);
+}
+
+}  // namespace stickslip::bindings

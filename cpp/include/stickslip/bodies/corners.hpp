@@ -1,0 +1,27 @@
+// Times at which a prescribed speed goes over to another piece.
+#pragma once
+
+#include "stickslip/bodies/changes.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+template <class T>
+int piece_at(const BodiesSystem<T>& sys, int speed, double t) {
+  const SpeedTape& tape = sys.b->speed[speed];
+  int piece = 0;
+  while (piece + 1 < tape.count && tape.begins[piece + 1] <= t) ++piece;
+  return piece;
+}
+
+template <class T>
+Real<T> next_corner(const BodiesSystem<T>& sys) {
+  Real<T> first(std::numeric_limits<double>::infinity());
+  for (int i = 0; i < sys.speeds; ++i) {
+    const SpeedTape& tape = sys.b->speed[i];
+    const int next = sys.rail[i].now + 1;
+    if (next < tape.count) first = smallest(first, Real<T>(tape.begins[next]));
+  }
+  return first;
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

@@ -1,0 +1,110 @@
+// The series of a piece: every coordinate, every law's state, the force that holds what sticks.
+#pragma once
+
+#include "stickslip/bodies/motion.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+constexpr int polynomial_order = 4;  // enough where all is stuck on belts whose speed is linear in t
+
+// u = |v| of a contact in slip.
+template <class T>
+T speed_coefficient(const BodiesSystem<T>& sys, int j, int k) {
+  const Contact<T>& c = sys.contact[j];
+  T s(0.0);
+  if (k == 0 && c.leaving) return s;
+  for (int i = 0; i < sys.n; ++i) add_product(s, sys.D(j)[i], sys.v[i * series_size + k]);
+  if (c.speed >= 0) s = s - sys.V[c.speed * series_size + k];
+  return s * static_cast<double>(c.mode);
+}
+
+// Coefficient k of the forces and rates of all laws, u known.
+template <class T>
+void laws_next(BodiesSystem<T>& sys, int k, bool rates) {
+  for (int j = 0; j < sys.contacts; ++j) {
+    Contact<T>& c = sys.contact[j];
+    if (c.mode != sticks) sys.u[j * series_size + k] = speed_coefficient(sys, j, k);
+    Tape<T>& tape = tape_of(c);
+    run(tape.inner, tape.inners, k);
+    if (!c.linear) {
+      const double sign = c.compliant[c.mode > 0] ? 1.0 : c.mode;
+      sys.force[j * series_size + k] = coefficient(tape, tape.formulas->force, k) * sign;
+    }
+    if (!rates) continue;
+    for (int i = 0; i < c.states; ++i)
+      sys.z[(c.first_state + i) * series_size + k + 1] =
+          coefficient(tape, tape.formulas->rates[i], k) * inverse<T>(k + 1);
+  }
+}
+
+// Friction that holds the stuck contacts, coefficient k: held row by row, less what the belt's acceleration takes.
+template <class T>
+T holding_force(const BodiesSystem<T>& sys, int h, const int* curved, int count, int k) {
+  const int n = sys.n, first_V = 2 * n + 1 + sys.speeds;
+  const T* row = sys.held + h * sys.columns;
+  T s = k == 0 ? row[2 * n] : T(0.0);
+  for (int c = 0; c < n; ++c) {
+    add_product(s, row[c], sys.q[c * series_size + k]);
+    add_product(s, row[n + c], sys.v[c * series_size + k]);
+  }
+  for (int i = 0; i < sys.speeds; ++i) {
+    add_product(s, row[2 * n + 1 + i], sys.x[i * series_size + k]);
+    add_product(s, row[first_V + i], sys.V[i * series_size + k]);
+  }
+  for (int c = 0; c < count; ++c)
+    add_product(s, row[first_V + sys.speeds + curved[c]], sys.force[curved[c] * series_size + k]);
+  for (int a = 0; a < sys.stuck_count; ++a) {
+    const int speed = sys.contact[sys.stuck[a]].speed;
+    if (speed < 0 || sys.rail[speed].steady) continue;
+    add_product(s, -sys.stiff[h * sys.stuck_count + a],
+                sys.V[speed * series_size + k + 1] * static_cast<double>(k + 1));
+  }
+  return s;
+}
+
+// Prescribed speeds, which hang on t alone, to one order more than the rest, and where they lead.
+template <class T>
+void expand_speeds(BodiesSystem<T>& sys, int order) {
+  for (int s = 0; s < sys.speeds; ++s) {
+    Tape<T>& tape = sys.rail[s].piece[sys.rail[s].now];
+    T *V = sys.V + s * series_size, *x = sys.x + s * series_size;
+    for (int k = 0; k <= order + 1; ++k) {
+      run(tape.inner, tape.inners, k);
+      V[k] = coefficient(tape, tape.formulas->force, k);
+      if (k <= order) x[k + 1] = V[k] * inverse<T>(k + 1);
+    }
+  }
+}
+
+// All series from their first coefficients, which the caller has set: t, q, q', z, x and the dwell.
+template <class T>
+void expand_bodies(BodiesSystem<T>& sys, int order) {
+  int curved[64] = {};
+  int count = 0;
+  for (int j = 0; j < sys.contacts; ++j)
+    if (!sys.contact[j].linear) curved[count++] = j;
+  expand_speeds(sys, order);
+  for (int k = 0; k < order; ++k) {
+    laws_next(sys, k, true);
+    motion_next(sys, curved, count, k);
+  }
+  laws_next(sys, order, false);
+  for (int h = 0; h < sys.stuck_count; ++h)
+    for (int k = 0; k <= order; ++k)
+      sys.friction[sys.stuck[h] * series_size + k] = holding_force(sys, h, curved, count, k);
+  for (int j = 0; j < sys.contacts; ++j) {
+    Contact<T>& c = sys.contact[j];
+    for (int s = 0; s < 2; ++s) {
+      if (c.mode != sticks && s != (c.mode > 0)) continue;
+      Tape<T>& tape = c.tape[s];
+      for (int k = 0; k <= order; ++k) run(tape.outer, tape.outers, k);
+      if (c.mode != sticks) continue;
+      T* margin = sys.margin + (2 * j + s) * series_size;  // of T above -limit_minus, below limit_plus
+      const T* friction = sys.friction + j * series_size;
+      for (int k = 0; k <= order; ++k)
+        margin[k] = coefficient(tape, tape.formulas->limit, k) + (s == 0 ? friction[k] : -friction[k]);
+    }
+  }
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

@@ -1,0 +1,127 @@
+// Plain data that crosses into the kernel of rigs of bodies:
+//
+//   M q'' + C q' + K q = force + sum over speeds s of (pull_x_s x_s + pull_v_s V_s(t)) - sum over contacts j of d_j T_j
+//   x_s' = V_s,  v_j = d_j . q' - V_(speed of j)
+//
+// A law is a tape: nodes, each an operation on nodes before it. No templates and nothing of the standard library, as in
+// interface.hpp.
+#pragma once
+
+#include "stickslip/interface.hpp"
+
+namespace stickslip_abi {
+
+enum class Op : int {
+  parameter = 0,  // a: its place among the parameters; a constant is a parameter
+  u,              // |v|
+  v,
+  t,
+  dwell,  // time since the contact came to rest
+  state,  // a: which of the law's own
+  add,
+  subtract,
+  multiply,
+  divide,
+  power,
+  negate,
+  absolute,
+  minimum,
+  maximum,
+  sign,
+  exponential,
+  logarithm,
+  square_root,
+  sine,
+  cosine,
+  tangent,
+  tanh,
+  asinh,
+  count
+};
+
+struct Node {
+  Op op;
+  int a, b;
+};
+
+// Formulas of one direction of slip. A rigid law: force is the magnitude R in slip, T = sgn(v) R, and `limit` what it
+// holds at rest. A compliant one (limit -1) has no stick: force is T itself.
+struct BranchTape {
+  const Node* nodes;
+  int count;
+  int force, limit;
+  const int* rates;  // a node for every state of the law
+};
+
+struct LawTape {
+  BranchTape branch[2];  // v < 0, v > 0
+  int states;
+};
+
+// V(t), a formula of t from begins[i] on; the first holds before too.
+struct SpeedTape {
+  const double* begins;
+  const BranchTape* pieces;
+  int count;
+};
+
+constexpr int most_law_states = 16;
+
+struct Bodies {
+  int n, contacts, speeds, parameters, states;  // states: of all laws together
+  const LawTape* laws;                          // a law for every contact
+  const int* contact_speed;                     // which speed it rubs on; -1: ground
+  const SpeedTape* speed;
+};
+
+// The numbers of a rig in a row, and the same places for seeds: M, C, K (n x n), force (n), D (contacts x n), pull_x, pull_v
+// (speeds x n), parameters, then the start: q, q', states of the laws, x of the speeds, and dwell of the contacts.
+struct BodiesLayout {
+  int M, C, K, force, D, pull_x, pull_v, parameters, initial, dwell, size, state;
+};
+constexpr BodiesLayout layout_of(const Bodies& b) {
+  BodiesLayout l{};
+  l.C = b.n * b.n;
+  l.K = 2 * l.C;
+  l.force = 3 * l.C;
+  l.D = l.force + b.n;
+  l.pull_x = l.D + b.contacts * b.n;
+  l.pull_v = l.pull_x + b.speeds * b.n;
+  l.parameters = l.pull_v + b.speeds * b.n;
+  l.initial = l.parameters + b.parameters;
+  l.state = 2 * b.n + b.states + b.speeds;
+  l.dwell = l.initial + l.state;
+  l.size = l.dwell + b.contacts;
+  return l;
+}
+
+struct BodiesRequest {
+  const Bodies* bodies;
+  const double* values;      // layout.size
+  const signed char* modes;  // of the contacts at the start: -1, 0, 1; 2: found from the state
+  double t_start, t_end;
+  const double* t_eval;  // increasing, within [t_start, t_end]; null: every step's end
+  long n_eval;
+  double rtol, atol;
+  Locator locator;
+  int n_seeds;
+  const double* seeds;  // n_seeds x layout.size
+  long max_transitions, max_steps;
+};
+
+struct BodiesTransition {
+  double t;
+  const signed char *before, *after;  // modes of the contacts
+  bool kink;                          // all modes stay: a formula or a speed goes over to another piece
+  const double* state;                // layout.state
+  const double* derivatives;          // of (t, state): (1 + layout.state) x seeds
+};
+
+struct BodiesSink {
+  void* context;
+  void (*sample)(void*, double t, const double* state, const double* derivatives, const signed char* modes);
+  void (*transition)(void*, const BodiesTransition&);
+  bool (*interrupted)(void*);
+};
+
+}  // namespace stickslip_abi

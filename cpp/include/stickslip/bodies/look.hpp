@@ -1,0 +1,67 @@
+// The state of a rig of bodies, and its forces now.
+#pragma once
+
+#include "stickslip/bodies/onset.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+template <class T>
+struct BodiesState {
+  T* z;  // q, q', states of laws, x
+  T t;
+};
+
+// The first coefficients of all series.
+template <class T>
+void set_first(BodiesSystem<T>& sys, const BodiesState<T>& s) {
+  const int n = sys.n;
+  for (int i = 0; i < n; ++i) {
+    sys.q[i * series_size] = s.z[i];
+    sys.v[i * series_size] = s.z[n + i];
+  }
+  for (int i = 0; i < sys.states; ++i) sys.z[i * series_size] = s.z[2 * n + i];
+  for (int i = 0; i < sys.speeds; ++i) sys.x[i * series_size] = s.z[2 * n + sys.states + i];
+  for (int k = 0; k < series_size; ++k) sys.time[k] = T(k == 1 ? 1.0 : 0.0);
+  sys.time[0] = s.t;
+  for (int j = 0; j < sys.contacts; ++j) {
+    T* dwell = sys.dwell + j * series_size;
+    const bool stuck = sys.contact[j].mode == sticks;
+    for (int k = 0; k < series_size; ++k) dwell[k] = T(k == 1 && stuck ? 1.0 : 0.0);
+    if (stuck) dwell[0] = s.t - sys.contact[j].since;
+  }
+}
+
+// v of a contact, by the present velocities and speeds.
+template <class T>
+T relative_speed(const BodiesSystem<T>& sys, const BodiesState<T>& s, int j) {
+  T v = dot(sys.D(j), s.z + sys.n, sys.n);
+  const int speed = sys.contact[j].speed;
+  return speed < 0 ? v : v - sys.V[speed * series_size];
+}
+
+// Takes rounding off: what sticks moves with what it sticks to.
+template <class T>
+void follow(BodiesSystem<T>& sys, BodiesState<T>& s) {
+  const int held = sys.stuck_count, n = sys.n;
+  for (int a = 0; a < held; ++a) sys.room[a] = relative_speed(sys, s, sys.stuck[a]);
+  for (int i = 0; i < n; ++i)
+    for (int a = 0; a < held; ++a) s.z[n + i] = s.z[n + i] - sys.yields[i * held + a] * sys.room[a];
+}
+
+// Links everything for the present modes and looks at the forces now.
+template <class T>
+void look(BodiesSystem<T>& sys, BodiesState<T>& s) {
+  set_first(sys, s);
+  link_speeds(sys);
+  expand_speeds(sys, 1);
+  for (int j = 0; j < sys.contacts; ++j) {
+    if (sys.contact[j].mode != sticks) sys.u[j * series_size] = speed_coefficient(sys, j, 0);
+    link_contact(sys, j);
+  }
+  hold(sys);
+  follow(sys, s);
+  set_first(sys, s);
+  expand_bodies(sys, 1);
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

@@ -1,0 +1,148 @@
+// The mode machine of a rig of bodies: expand, step, watch, land, change modes, go on.
+#pragma once
+
+#include "stickslip/bodies/corners.hpp"
+#include "stickslip/trajectory.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+template <class T>
+struct BodiesMachine {
+  using R = Real<T>;
+  BodiesSystem<T>& sys;
+  Options opt;
+  BodiesState<T> s{};
+  Side *on = nullptr, *next_on = nullptr;
+  Watch<T>* watch = nullptr;
+  signed char *before = nullptr, *partner = nullptr;
+  T* landed = nullptr;
+  Summary summary;
+  Chatter<R> chatter;
+
+  BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {}
+  void place(Arena& arena) {
+    on = arena.take<Side>(sys.ids);
+    next_on = arena.take<Side>(sys.ids);
+    watch = arena.take<Watch<T>>(sys.ids);
+    before = arena.take<signed char>(sys.contacts);
+    partner = arena.take<signed char>(sys.contacts);
+    landed = arena.take<T>(sys.at.state);
+    s.z = arena.take<T>(sys.at.state);
+  }
+
+  // Take the state from the system's values, and the modes given or (2) found from it.
+  void start(double t, const signed char* modes) {
+    s.t = T(t);
+    for (int i = 0; i < sys.at.state; ++i) s.z[i] = sys.values[sys.at.initial + i];
+    for (int i = 0; i < sys.ids; ++i) on[i] = Side::none;
+    for (int j = 0; j < sys.contacts; ++j) sys.contact[j].since = s.t - sys.values[sys.at.dwell + j];
+    for (int i = 0; i < sys.speeds; ++i) sys.rail[i].now = piece_at(sys, i, t);
+    set_bodies_modes(sys, s, modes, true, on);
+  }
+
+  template <class Observe, class Changed, class Stepped, class Stop>
+  void run(Observe&& observe, Changed&& changed, Stepped&& stepped, Stop&& stop) {
+    const R pace = largest(R(largest(sys.frequency, sys.rate)), R(1.0 / (opt.t_end - value(s.t) + 1e-300)));
+    while (value(s.t) < opt.t_end) {
+      if (summary.steps >= opt.max_steps) return finish(Outcome::too_many_steps);
+      if ((++summary.steps & 1023) == 0 && stop()) return finish(Outcome::interrupted);
+      const R ahead = smallest(R(opt.t_end), next_corner(sys)), left = ahead - value(s.t);
+      R h(0.0);
+      const int order = expand(h, left);
+      if (!(h > 0)) return finish(Outcome::not_finite);
+      const bool last = h >= left;
+      if (last) h = left;
+      const R least = std::numeric_limits<R>::epsilon() * magnitude(value(s.t));
+      if (!(h > least) && !last) return finish(Outcome::step_too_small);
+      const int watches = list_watches(sys, watch);
+      const Exit<T> exit = first_exit(watch, watches, order, h, on, opt.henon);
+      T dt(h);
+      if (exit.found) {
+        const Watch<T>& w = watch[exit.watch];
+        dt = with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
+        h = exit.t;
+      } else if (last) {
+        dt = T(ahead) - s.t;
+      }
+      const bool ends = last && !exit.found && ahead >= opt.t_end;
+      observe(*this, h, order, ends);
+      const int met = exit.found ? watch[exit.watch].id : -1;
+      find_partners(sys, met, order, h, partner);
+      advance(dt, order);
+      if (!finite()) return finish(Outcome::not_finite);
+      leave_surfaces(sys, watch, watches, order, h, met, on, next_on);
+      const bool corner = last && !exit.found && !ends;
+      if (exit.found || corner) {
+        for (int j = 0; j < sys.contacts; ++j) before[j] = sys.contact[j].mode;
+        if (corner) {
+          turn_corners(ahead);
+        } else if (met < 2 * sys.contacts) {
+          change_contact(sys, s, met, exit.side, partner, on);
+        } else {
+          change_surface(sys, s, met, exit.side, on);
+        }
+        bool kink = true;
+        for (int j = 0; j < sys.contacts; ++j) kink = kink && before[j] == sys.contact[j].mode;
+        ++(kink ? summary.kinks : summary.transitions);
+        changed(*this, kink);
+        const long changes = summary.transitions + summary.kinks;
+        if (!corner && chatter.sees(changes, value(s.t), pace)) return finish(Outcome::chatter);
+        if (changes >= opt.max_transitions) return finish(Outcome::too_many_transitions);
+      }
+      stepped(*this);
+      if (ends) break;
+    }
+    finish(Outcome::finished);
+  }
+
+  void state_at(const T& h, int order, T* z) const {
+    const int n = sys.n;
+    int k = 0;
+    for (int i = 0; i < n; ++i) z[k++] = evaluate_at(sys.q + i * series_size, order, h);
+    for (int i = 0; i < n; ++i) z[k++] = evaluate_at(sys.v + i * series_size, order, h);
+    for (int i = 0; i < sys.states; ++i) z[k++] = evaluate_at(sys.z + i * series_size, order, h);
+    for (int i = 0; i < sys.speeds; ++i) z[k++] = evaluate_at(sys.x + i * series_size, order, h);
+  }
+
+ private:
+  void turn_corners(const R& t) {
+    for (int i = 0; i < sys.speeds; ++i) {
+      const SpeedTape& tape = sys.b->speed[i];
+      Rail<T>& rail = sys.rail[i];
+      while (rail.now + 1 < tape.count && tape.begins[rail.now + 1] <= t) ++rail.now;
+    }
+    set_bodies_modes(sys, s, nullptr, false, on);
+  }
+
+  // The series of the piece that starts here; returns their order, and the step in h.
+  int expand(R& h, const R& left) {
+    set_first(sys, s);
+    const Curves<T> curves = curves_of(sys);
+    const bool polynomial = !curves.motion && !curves.others && sys.stuck_count == sys.n;
+    const int order = polynomial ? polynomial_order : (curves.motion ? opt.order : linear_order);
+    if (curves.motion && starts_at_zero(sys)) {
+      h = R(expand_at_zero(sys, order, opt.rtol, opt.atol, static_cast<double>(left)));
+      return order;
+    }
+    expand_bodies(sys, order);
+    h = polynomial ? left : step_of_bodies(sys, curves, order, opt.rtol, opt.atol, left);
+    return order;
+  }
+
+  void advance(const T& dt, int order) {
+    state_at(dt, order, landed);
+    for (int i = 0; i < sys.at.state; ++i) s.z[i] = landed[i];
+    s.t = s.t + dt;
+  }
+  bool finite() const {
+    R sum = value(s.t);
+    for (int i = 0; i < sys.at.state; ++i) sum += value(s.z[i]);
+    return std::isfinite(sum);
+  }
+  void finish(Outcome outcome) {
+    summary.outcome = outcome;
+    summary.t = static_cast<double>(value(s.t));
+  }
+};
+
+}  // namespace stickslip::inline STICKSLIP_ISA

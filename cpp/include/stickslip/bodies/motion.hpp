@@ -1,0 +1,66 @@
+// The recurrence of the coordinates.
+#pragma once
+
+#include "stickslip/bodies/modes.hpp"
+
+namespace stickslip::inline STICKSLIP_ISA {
+
+// Coefficient k + 1 of q' and q from the k-th, N coordinates (0: as many as there are).
+template <int N, class T>
+void motion_next(const BodiesSystem<T>& sys, const int* curved, int curved_count, int k) {
+  const int n = N > 0 ? N : sys.n, columns = sys.columns;
+  const Real<T> over = inverse<T>(k + 1);
+  const int first_V = 2 * n + 1 + sys.speeds, first_T = first_V + sys.speeds;
+  T q[N > 0 ? N : 1], v[N > 0 ? N : 1];
+  if constexpr (N > 0)
+    for (int i = 0; i < N; ++i) {
+      q[i] = sys.q[i * series_size + k];
+      v[i] = sys.v[i * series_size + k];
+    }
+  for (int i = 0; i < n; ++i) {
+    const T* row = sys.projected + i * columns;
+    T a(0.0), b(0.0);
+    if (k == 0) a = row[2 * n];
+    if constexpr (N > 0) {
+      for (int c = 0; c < N; ++c) {
+        add_product(a, row[c], q[c]);
+        add_product(b, row[N + c], v[c]);
+      }
+    } else {
+      for (int c = 0; c < n; ++c) {
+        add_product(a, row[c], sys.q[c * series_size + k]);
+        add_product(b, row[n + c], sys.v[c * series_size + k]);
+      }
+    }
+    for (int s = 0; s < sys.speeds; ++s) {
+      if (sys.pulled) add_product(a, row[2 * n + 1 + s], sys.x[s * series_size + k]);
+      if (k == 0 || !sys.rail[s].steady) add_product(b, row[first_V + s], sys.V[s * series_size + k]);
+    }
+    for (int c = 0; c < curved_count; ++c)
+      add_product(a, row[first_T + curved[c]], sys.force[curved[c] * series_size + k]);
+    for (int h = 0; h < sys.stuck_count; ++h) {
+      const int s = sys.contact[sys.stuck[h]].speed;
+      if (s < 0 || sys.rail[s].steady) continue;
+      add_product(b, sys.yields[i * sys.stuck_count + h], sys.V[s * series_size + k + 1] * static_cast<double>(k + 1));
+    }
+    sys.v[i * series_size + k + 1] = (a + b) * over;
+    sys.q[i * series_size + k + 1] = sys.v[i * series_size + k] * over;
+  }
+}
+
+template <class T>
+void motion_next(const BodiesSystem<T>& sys, const int* curved, int count, int k) {
+  switch (sys.n) {
+    case 1: return motion_next<1>(sys, curved, count, k);
+    case 2: return motion_next<2>(sys, curved, count, k);
+    case 3: return motion_next<3>(sys, curved, count, k);
+    case 4: return motion_next<4>(sys, curved, count, k);
+    case 5: return motion_next<5>(sys, curved, count, k);
+    case 6: return motion_next<6>(sys, curved, count, k);
+    case 7: return motion_next<7>(sys, curved, count, k);
+    case 8: return motion_next<8>(sys, curved, count, k);
+    default: return motion_next<0>(sys, curved, count, k);
+  }
+}
+
+}  // namespace stickslip::inline STICKSLIP_ISA

@@ -1,0 +1,139 @@
+#include "stickslip/bodies/record.hpp"
+
+#include <memory>
+
+#include "stickslip/bodies/kernel.hpp"
+#include "stickslip/kernel.hpp"
+
+namespace stickslip {
+
+using Workspace = std::size_t(const stickslip_abi::BodiesRequest&);
+using Simulate = void(const stickslip_abi::BodiesRequest&, const stickslip_abi::BodiesSink&, stickslip_abi::Summary&,
+                      void*);
+#ifdef STICKSLIP_HAS_AVX2
+namespace avx2 {
+Workspace bodies_workspace;
+Simulate simulate_bodies;
+}  // namespace avx2
+#endif
+#ifdef STICKSLIP_HAS_AVX512
+namespace avx512 {
+Workspace bodies_workspace;
+Simulate simulate_bodies;
+}  // namespace avx512
+#endif
+
+namespace dispatch {
+
+std::size_t bodies_workspace(const stickslip_abi::BodiesRequest& q) {
+  switch (isa_in_use()) {
+#ifdef STICKSLIP_HAS_AVX512
+    case Isa::avx512: return avx512::bodies_workspace(q);
+#endif
+#ifdef STICKSLIP_HAS_AVX2
+    case Isa::avx2: return avx2::bodies_workspace(q);
+#endif
+    default: return baseline::bodies_workspace(q);
+  }
+}
+void simulate_bodies(const stickslip_abi::BodiesRequest& q, const stickslip_abi::BodiesSink& sink,
+                     stickslip_abi::Summary& summary, void* workspace) {
+  switch (isa_in_use()) {
+#ifdef STICKSLIP_HAS_AVX512
+    case Isa::avx512: return avx512::simulate_bodies(q, sink, summary, workspace);
+#endif
+#ifdef STICKSLIP_HAS_AVX2
+    case Isa::avx2: return avx2::simulate_bodies(q, sink, summary, workspace);
+#endif
+    default: return baseline::simulate_bodies(q, sink, summary, workspace);
+  }
+}
+
+}  // namespace dispatch
+
+namespace {
+
+using namespace stickslip_abi;
+
+// Where one group of seeds writes: values the first time, derivatives into its columns.
+struct Collector {
+  BodiesRecord* out;
+  std::size_t first, count;
+  bool merge;  // rows at one time, as before and after a transition at the start, become one: the last
+  std::size_t row = 0, event_row = 0;
+  double last = 0;
+
+  void place(std::vector<double>& all, std::size_t at, std::size_t numbers, const double* derivatives) const {
+    if (out->seeds == 0) return;
+    const std::size_t stride = numbers * out->seeds;
+    if (all.size() < (at + 1) * stride) all.resize((at + 1) * stride);
+    for (std::size_t i = 0; i < numbers; ++i)
+      for (std::size_t k = 0; k < count; ++k)
+        all[at * stride + i * out->seeds + first + k] = derivatives[i * count + k];
+  }
+};
+
+void on_sample(void* context, double t, const double* state, const double* derivatives, const signed char* modes) {
+  Collector& c = *static_cast<Collector*>(context);
+  BodiesRecord& out = *c.out;
+  if (c.merge && c.row > 0 && t == c.last) {
+    --c.row;
+    if (c.first == 0) {
+      out.t.pop_back();
+      out.state.resize(out.state.size() - out.states);
+      out.mode.resize(out.mode.size() - out.contacts);
+    }
+  }
+  c.last = t;
+  if (c.first == 0) {
+    out.t.push_back(t);
+    out.state.insert(out.state.end(), state, state + out.states);
+    out.mode.insert(out.mode.end(), modes, modes + out.contacts);
+  }
+  c.place(out.sensitivity, c.row++, out.states, derivatives);
+}
+
+void on_transition(void* context, const BodiesTransition& event) {
+  Collector& c = *static_cast<Collector*>(context);
+  BodiesRecord& out = *c.out;
+  if (event.kink) {
+    if (c.first == 0) out.kink_t.push_back(event.t);
+    return;
+  }
+  if (c.first == 0) {
+    out.event_t.push_back(event.t);
+    out.event_state.insert(out.event_state.end(), event.state, event.state + out.states);
+    out.event_before.insert(out.event_before.end(), event.before, event.before + out.contacts);
+    out.event_after.insert(out.event_after.end(), event.after, event.after + out.contacts);
+  }
+  c.place(out.event_sensitivity, c.event_row++, 1 + out.states, event.derivatives);
+}
+
+}  // namespace
+
+BodiesRecord record_bodies(const BodiesRequest& request, bool (*interrupted)(void*)) {
+  BodiesRecord out;
+  const BodiesLayout at = layout_of(*request.bodies);
+  out.seeds = static_cast<std::size_t>(request.n_seeds);
+  out.states = static_cast<std::size_t>(at.state);
+  out.contacts = static_cast<std::size_t>(request.bodies->contacts);
+  for (int group = 0; group < dispatch::seed_groups(request.n_seeds); ++group) {
+    const auto [first, count] = dispatch::seed_group(request.n_seeds, group);
+    BodiesRequest part = request;
+    part.n_seeds = count;
+    if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * at.size;
+    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count),
+                        request.t_eval == nullptr};
+    const BodiesSink sink{&collector, on_sample, on_transition, interrupted};
+    constexpr std::size_t line = 64;
+    std::vector<std::byte> memory(dispatch::bodies_workspace(part) + line);
+    void* workspace = memory.data();
+    std::size_t room = memory.size();
+    std::align(line, room - line, workspace, room);
+    dispatch::simulate_bodies(part, sink, out.summary, workspace);
+    if (out.summary.outcome == Outcome::interrupted) break;
+  }
+  return out;
+}
+
+}  // namespace stickslip
