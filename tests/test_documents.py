@@ -104,3 +104,30 @@ def test_the_tests_named_by_the_readings_exist() -> None:
 
 def test_the_page_of_effects_is_the_catalogue() -> None:
     assert PAGE.read_text() == page(), "stale: run `python tests/effects_page.py`"
+
+
+def test_the_page_of_rigs_runs_from_top_to_bottom(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown: dict[str, Any] = {}
+    for one in snippets("rigs", "python"):
+        exec(compile(one, "docs/rigs.md", "exec"), shown)
+    told = capsys.readouterr().out
+    slip = 2 * (np.pi - np.arctan(0.0016 * 1000**0.5 / 0.01)) / 1000**0.5
+    assert f"{2 * 0.0016 / 0.01 + slip:.6f}" in told  # the pulled slider's period, in closed form
+    grown = [float(one) for one in re.findall(r"is (\S+) times what it was", told)]
+    assert grown[0] < 0.9 < 1.1 < grown[1]
+    assert float(told.split()[-1]) < 1e-9  # LuGre built in, and as a formula
+    drill, matrices, formula = snippets("rigs", "toml")
+    for name, text in (("drill", drill), ("matrices", matrices), ("formula", formula)):
+        (tmp_path / f"{name}.toml").write_text(text)
+    assert ss.load_model("drill.toml") == shown["model"]
+    named = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+    core = ss.simulate(named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=40)
+    run = ss.simulate(ss.load_model("matrices.toml"), belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=40)
+    np.testing.assert_allclose(run.transitions.t, core.transitions.t, atol=1e-8)
+    commands = re.findall(r"^    stickslip (.*)$", (ROOT / "docs" / "rigs.md").read_text(), re.MULTILINE)
+    for command in [*commands, "simulate formula.toml --belt-speed '5 mm/s' --t-end '2 s' --out own.csv"]:
+        result = CliRunner().invoke(main, shlex.split(command), catch_exceptions=False)
+        assert result.exit_code == 0, result.output

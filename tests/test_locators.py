@@ -15,7 +15,8 @@ from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
-from stickslip.simulated.simulate import Trajectory, simulate
+from stickslip.simulated.simulate import simulate
+from stickslip.simulated.trajectory import Trajectory
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 START = (0.1, 0.1, 0.0, 0.0)

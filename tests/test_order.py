@@ -14,7 +14,8 @@ from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
-from stickslip.simulated.simulate import Trajectory, simulate
+from stickslip.simulated.simulate import simulate
+from stickslip.simulated.trajectory import Trajectory
 
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 BELT = 0.1

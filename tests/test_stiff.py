@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import stickslip as ss
 from stickslip.errors import InputError
-from stickslip.simulated.simulate import Status
+from stickslip.simulated.trajectory import Status
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 START = (0.1, 0.1, 0, 0)

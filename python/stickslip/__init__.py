@@ -39,8 +39,9 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.simulated.orbits.limit_cycle import LimitCycle, limit_cycle
     from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum, lyapunov
     from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, steady_sliding
-    from stickslip.simulated.simulate import Status, Trajectory, Transitions, simulate
+    from stickslip.simulated.simulate import simulate
     from stickslip.simulated.sweep.sweep import sweep
+    from stickslip.simulated.trajectory import Status, Trajectory, Transitions
 
     __version__: str
 
@@ -82,14 +83,14 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Scales": "stickslip.declared.rig",
     "SpecialPoint": "stickslip.simulated.orbits.branch",
     "Speed": "stickslip.declared.speeds",
-    "Status": "stickslip.simulated.simulate",
+    "Status": "stickslip.simulated.trajectory",
     "SteadySliding": "stickslip.simulated.orbits.steady_sliding",
     "StickslipError": "stickslip.errors",
     "StribeckFriction": "stickslip.declared.formula_laws.stribeck",
     "Tabulated": "stickslip.declared.effect",
     "TabulatedFriction": "stickslip.declared.formula_laws.tabulated",
-    "Trajectory": "stickslip.simulated.simulate",
-    "Transitions": "stickslip.simulated.simulate",
+    "Trajectory": "stickslip.simulated.trajectory",
+    "Transitions": "stickslip.simulated.trajectory",
     "build_config": "stickslip._core",
     "compare": "stickslip.fitted.compare",
     "continuation": "stickslip.simulated.orbits.continuation",

@@ -13,15 +13,18 @@ from rich.console import Console
 
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_lines, say_written
+from stickslip.cli.simulate_rig import read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import DrivenSlider
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
+from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning
 from stickslip.files import apart, write_csv
 from stickslip.fitted.identify import natural_period
 from stickslip.measured.fit_window import Array
-from stickslip.simulated.simulate import Trajectory
 from stickslip.simulated.simulate import simulate as run_model
+from stickslip.simulated.trajectory import Trajectory
 
 MOST = 50_000_000  # samples
 FEW = 5  # rows a transition, below which the CSV does not show the motion
@@ -33,21 +36,27 @@ LONGEST = 1000  # natural periods in the figure
 @click.argument("model", type=Named())
 @click.option(
     "--belt-speed",
-    required=True,
-    help="v_b, as in '14 mm/s'; without a unit in that of the belt channel, or in m/s if there is none.",
+    default=None,
+    help="v_b, as in '14 mm/s'; without a unit in that of the belt channel, or in m/s if there is none. Or a formula "
+    "of t, '0.5*sin(1.7*t)', or a file: .toml with [[speed]] tables, .csv with columns t and belt.",
+)
+@click.option(
+    "--drive-speed", default=None, help="Likewise of the drive that pulls at links of a rig of bodies."
 )
 @click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
 @click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")
 @click.option(
     "--initial",
     default=None,
-    help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent.",
+    help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent. Of other rigs coordinates, then "
+    "velocities, then states of laws if they are to be given.",
 )
 @click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
 def simulate(
     model: Path,
-    belt_speed: str,
+    belt_speed: str | None,
+    drive_speed: str | None,
     t_end: str,
     dt: str | None,
     initial: str | None,
@@ -61,7 +70,7 @@ def simulate(
     there are no channels, and a bare number for a rig without units. The columns are in the same units, with the unit
     in their head. The mode is 0 in stick, -1 and 1 in slip with v_w below and above zero. The figure is drawn from at
     least 120 points a natural period and every transition, whatever the step; of a run longer than 1000 periods it
-    shows the last 1000.
+    shows the last 1000. Of a rig of bodies or matrices everything is in SI, and there is a mode for every contact.
 
     \b
     Example:
@@ -70,8 +79,14 @@ def simulate(
     """
     apart(out, figure, {"MODEL": model_file(model)})
     loaded = load_model(model)
+    if isinstance(loaded.rig, GeneralRig):
+        sys.exit(simulate_rig(loaded, belt_speed, drive_speed, t_end, dt, initial, out, figure))
     units = scales(loaded.rig, loaded.channels)
-    v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
+    if belt_speed is None:
+        raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")
+    if drive_speed is not None:
+        raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
+    v_b = read_speed(belt_speed, units["t"], units["belt"], loaded.rig)
     times = _times(loaded, units["t"], t_end, dt)
     start = None if initial is None else _start(loaded, units, initial)
     _say_understood(loaded, units, v_b, times, start)
@@ -96,7 +111,8 @@ def simulate(
 
         seen = _at(run, drawn)
         seen = seen if len(seen.t) else kept  # it ended before the stretch to be drawn
-        shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=v_b, units=units)
+        speed = v_b if isinstance(v_b, float) else float(v_b(0.0))
+        shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=speed, units=units)
         written += plot.save_figure(shown, out.with_suffix(""))
     console.print(
         f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
@@ -167,16 +183,20 @@ def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]
 
 
 def _say_understood(
-    model: Model, units: dict[Quantity, Scale], v_b: float, times: Array, start: list[float] | None
+    model: Model, units: dict[Quantity, Scale], v_b: float | Speed, times: Array, start: list[float] | None
 ) -> None:
     """Print what was understood of the numbers, in their units."""
-    own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+    if isinstance(v_b, Speed):
+        own, told = "", v_b.text
+    else:
+        own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+        told = units["belt"].of(v_b)
     at = "rest at the origin"
     if start is not None:
         names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
         at = ", ".join(f"{name} = {units[name].of(x)}" for name, x in zip(names, start, strict=True))
     console.print(
-        f"belt speed {units['belt'].of(v_b)}{own}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
+        f"belt speed {told}{own}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
         f"{units['t'].of(times[1] - times[0])}",
         soft_wrap=True,
     )

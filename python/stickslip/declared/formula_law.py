@@ -212,15 +212,18 @@ def piecewise_cubic(
 
     Each part adds what the curve does between two knots, of a distance clamped to its width: nothing cancels.
     """
-    tree: Tree = Number(float(start))
+    terms: list[Tree] = [Number(float(start))]
     for left, right, coefficients in zip(knots[:-1], knots[1:], parts, strict=True):
         inside = Apply("max", (Apply("subtract", (Name(name), Number(float(left)))), Number(0.0)))
         clamped = Apply("min", (inside, Number(float(right - left))))
         sum_: Tree = Number(float(coefficients[0]))
         for one in coefficients[1:]:
             sum_ = Apply("add", (Apply("multiply", (sum_, clamped)), Number(float(one))))
-        tree = Apply("add", (tree, Apply("multiply", (sum_, clamped))))
-    return tree
+        terms.append(Apply("multiply", (sum_, clamped)))
+    while len(terms) > 1:  # added in pairs: the tree stays flat, however many knots there are
+        pairs = [Apply("add", (a, b)) for a, b in zip(terms[::2], terms[1::2], strict=False)]
+        terms = [*pairs, *terms[2 * len(pairs) :]]
+    return terms[0]
 
 
 def finite(key: str, values: object, *, least: float = -math.inf) -> tuple[float, ...]:

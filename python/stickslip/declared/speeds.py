@@ -13,7 +13,7 @@ from stickslip.arguments import explained, vector
 from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.range import check_range
-from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted, switches
 from stickslip.declared.formula.value import Value, value
 from stickslip.errors import InputError, number
 
@@ -58,6 +58,9 @@ class Speed:
         except InputError as error:
             raise InputError(error.what, key=key, value=error.value) from None
         check_range(key, tree, "t", {})
+        if found := switches(tree):
+            words = f"'{found[0].operation}' has a kink in time; give the speed in steps, with a formula each"
+            raise InputError(words, key=key, value=given)
         return cls((0.0,), (tree,), given)
 
     @classmethod

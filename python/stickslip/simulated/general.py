@@ -104,12 +104,8 @@ def general(model: Model, belt_speed: object, drive_speed: object = None) -> Gen
     rig = model.rig
     if model.effects:
         raise InputError(f"'{model.effects[0].name}' acts where the belt's speed is a number", key="effects")
-    if isinstance(rig, GeneralRig):
-        own, order = rig.equations, tuple(range(2 * len(rig.equations.names)))
-        laws = tuple(form_of(law_of(model.friction, one)) for one in own.contacts)
-    else:
-        own, order = _named(rig)
-        laws = (form_of(model.friction),)
+    own, order = rig_equations(rig)
+    laws = tuple(form_of(law_of(model.friction, one)) for one in own.contacts)
     speeds = []
     for key, given, needed in (
         ("belt_speed", belt_speed, own.on_belt),
@@ -125,8 +121,16 @@ def general(model: Model, belt_speed: object, drive_speed: object = None) -> Gen
     return General(own, laws, speeds[0], speeds[1], order, rig.state_names)
 
 
-def _named(rig: object) -> tuple[Equations, tuple[int, ...]]:
-    """Equations of a named rig, and the places of its states."""
+def rig_equations(rig: object) -> tuple[Equations, tuple[int, ...]]:
+    """Equations of a rig, and the places of its states among (q, v).
+
+    Raises
+    ------
+    InputError
+        It is a driven slider.
+    """
+    if isinstance(rig, GeneralRig):
+        return rig.equations, tuple(range(2 * len(rig.equations.names)))
     if isinstance(rig, BlockOnBelt):
         matrices = ([[rig.mass]], [[rig.damping]], [[rig.stiffness]])
         names: tuple[str, ...] = ("x1",)

@@ -1,13 +1,11 @@
-"""One trajectory of a model on its belt: `simulate` and what it returns."""
+"""One trajectory of a model: `simulate`."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import Enum
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,136 +13,25 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip import _core
 from stickslip.arguments import explained, must_be, texts, vector, whole_number
 from stickslip.declared.effect import Effect
-from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
-from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.lowering import Lowered, lower
+from stickslip.simulated.simulate_bodies import lacks_belt_speed, needs_bodies, simulate_any
 from stickslip.simulated.states import HIDDEN, VISIBLE
-
-if TYPE_CHECKING:
-    import pandas as pd
+from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
 Floats = NDArray[np.float64]
-Modes = NDArray[np.int8]
-
-
-class Status(Enum):
-    """How a run ended; the value is the sentence for the user."""
-
-    finished = "reached the end time"
-    chatter = (
-        "stopped: transitions accumulate without time passing (chatter); the law or start is ill-posed there"
-    )
-    not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
-    step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
-    too_many_transitions = "stopped: more transitions than max_transitions allows"
-    too_many_steps = (
-        "stopped: more steps than max_steps allows; the run is long, or the equations are too stiff for it"
-    )
-    interrupted = "stopped by the user"
-
-    def __str__(self) -> str:
-        return self.value
-
-    @property
-    def ok(self) -> bool:
-        """Did the run reach its end time?"""
-        return self is Status.finished
-
-
-MODE_NAMES = {0: "stick", -1: "slip -", 1: "slip +"}
-
-
-@dataclass(frozen=True, repr=False)
-class Transitions:
-    """Changes of the contact mode, in time order; printed, one a line.
-
-    Attributes
-    ----------
-    t : (k,) times.
-    state : (k, d) states at them.
-    before, after : (k,) modes in {-1, 0, 1}: the sign of v_w, 0 for stick.
-    sensitivity : (k, p) derivative of the times.
-    state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
-    """
-
-    t: Floats
-    state: Floats
-    before: Modes
-    after: Modes
-    sensitivity: Floats
-    state_sensitivity: Floats
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __str__(self) -> str:
-        rows = zip(self.t, self.before, self.after, strict=True)
-        return "\n".join(f"{t:12.6f}  {MODE_NAMES[a]:<6} -> {MODE_NAMES[b]}" for t, a, b in rows)
-
-    def __repr__(self) -> str:
-        span = f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self) else ""
-        return f"<Transitions: {len(self)}{span}>"
-
-
-@dataclass(frozen=True, repr=False)
-class Trajectory:
-    """What `simulate` returns.
-
-    Attributes
-    ----------
-    t : (n,) times: `t_eval`, or the ends of the integrator's own steps.
-    state : (n, d) states in the order of `rig.state_names`.
-    mode : (n,) int8 in {-1, 0, 1}: the mode that holds from that time on.
-    hidden : name -> (n,) hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell.
-    transitions : changes of the contact mode.
-    kinks : (j,) times at which a branch saturates or an effect switches, the mode staying.
-    sensitivity : (n, d, p) d state / d parameter at fixed time, parameters in the order asked for.
-    hidden_sensitivity : name -> (n, p).
-    status : how it ended.
-    steps : number of integration steps.
-    sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
-    hidden_names : hidden states that an effect of the model has; of the others nothing hangs.
-    """
-
-    t: Floats
-    state: Floats
-    mode: Modes
-    hidden: dict[str, Floats]
-    transitions: Transitions
-    kinks: Floats
-    sensitivity: Floats
-    hidden_sensitivity: dict[str, Floats]
-    status: Status
-    steps: int
-    sensitivity_names: tuple[str, ...]
-    state_names: tuple[str, ...]
-    hidden_names: tuple[str, ...]
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """A row for each time: t, the states by their names, mode, and the hidden states that the effects have."""
-        import pandas as pd  # slow to import
-
-        states = dict(zip(self.state_names, self.state.T, strict=True))
-        hidden = {name: self.hidden[name] for name in self.hidden_names}
-        return pd.DataFrame({"t": self.t, **states, "mode": self.mode, **hidden})
-
-    def __repr__(self) -> str:
-        n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
-        kept = f", {len(self.sensitivity_names)} sensitivities" if self.sensitivity_names else ""
-        return (
-            f"<Trajectory: {n} samples of {self.state.shape[1]} states{span}; {len(self.transitions)} transitions"
-            f"{kept}; {self.status}>"
-        )
+Mode = Literal["auto", "stick", "slip-", "slip+"]
 
 
 @explained
 def simulate(
     model: Model,
     *,
-    belt_speed: float,
+    belt_speed: float | str | Speed | None = None,
+    drive_speed: float | str | Speed | None = None,
     initial: ArrayLike | None = None,
     t_end: float,
     t_start: float = 0.0,
@@ -152,7 +39,7 @@ def simulate(
     rtol: float = 1e-10,
     atol: float = 1e-10,
     sensitivity: Sequence[str] = (),
-    contact: Literal["auto", "stick", "slip-", "slip+"] = "auto",
+    contact: Mode | Sequence[Mode] = "auto",
     locator: Literal["henon", "bracket"] = "henon",
     max_transitions: int = 1_000_000,
     max_steps: int = 5_000_000,
@@ -170,10 +57,13 @@ def simulate(
     model
         What to simulate.
     belt_speed
-        v_b, the set-point of the belt, of either sign or zero.
+        v_b, the set-point of the belt, of either sign or zero; or a formula of t ("0.5*sin(1.7*t)"), or a `Speed`.
+        Left out where no contact rubs on a belt.
+    drive_speed
+        Likewise of the drive that pulls at links of a rig of bodies, which is at 0 at `t_start`.
     initial
         State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
-        b, m, dwell. At rest at the origin if absent.
+        b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it.
     t_end, t_start
         Time span, in the rig's unit of time.
     t_eval
@@ -185,7 +75,7 @@ def simulate(
         Names of parameters (as in `model.parameters`, "belt_speed", "initial.x1", ...) to differentiate by.
     contact
         Mode to start in; found from the state by "auto". "stick" sets the block on the belt (x2 becomes the belt's
-        speed); a slip whose sign v_w contradicts is refused.
+        speed); a slip whose sign v_w contradicts is refused. Of several contacts, one for all or a list.
     locator
         "henon", or "bracket" for plain bisection on the same series.
     max_transitions
@@ -194,7 +84,7 @@ def simulate(
         Steps after which the run is ended: it is very long, or stiff by an effect's time constant far below the
         motion's.
     order, step
-        Fixed order and step of the series of curved pieces; chosen from the tolerance if absent.
+        Fixed order and step of the series of curved pieces, of a named rig; chosen from the tolerance if absent.
 
     Returns
     -------
@@ -213,45 +103,48 @@ def simulate(
         -1 at the contact): it is simulated as declared, with friction that drives.
     """
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
-    if isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula):
-        kind = model.rig.kind if isinstance(model.rig, GeneralRig) else model.friction.kind
-        told = f"'{kind}' has no place in the core as yet; stickslip.reference.simulate_bodies simulates it, slowly"
-        raise InputError(told, key="model")
-    speed = number("belt_speed", belt_speed)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
+    times = None if t_eval is None else _sample_times(t_eval, start, end)
+    names = texts("sensitivity", sensitivity, "parameter names")
+    asked: object = locator  # whatever was given: an array has no truth value
+    if not isinstance(asked, str) or locator not in ("henon", "bracket"):
+        raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
+    shared: dict[str, Any] = {
+        "t_start": start,
+        "t_end": end,
+        "rtol": tolerances[0],
+        "atol": tolerances[1],
+        "locator": _core.Locator[locator],
+        "max_transitions": whole_number("max_transitions", max_transitions),
+        "max_steps": whole_number("max_steps", max_steps),
+    }
+    if needs_bodies(model, belt_speed, drive_speed):
+        if order is not None or step is not None:
+            key = "step" if order is None else "order"
+            raise InputError("is for a named rig under its own laws; leave it out", key=key)
+        return simulate_any(model, belt_speed, drive_speed, initial, contact, names, times, **shared)
+    if belt_speed is None:
+        raise lacks_belt_speed()
+    speed = number("belt_speed", belt_speed)  # type: ignore[arg-type]  # text is no number here either
     if model.effects:
         for said in driving_friction(model, start, end):
             warnings.warn(said, ModelWarning, stacklevel=3)
     lowered = lower(model, speed)
-    times = None if t_eval is None else _sample_times(t_eval, start, end)
-    names = texts("sensitivity", sensitivity, "parameter names")
-    words: tuple[object, object] = (contact, locator)  # whatever was given: an array has no truth value
-    if not isinstance(words[0], str) or contact not in _CONTACTS:
-        raise InputError(f"must be one of {', '.join(_CONTACTS)}", key="contact", value=contact)
-    if not isinstance(words[1], str) or locator not in ("henon", "bracket"):
-        raise InputError("must be 'henon' or 'bracket'", key="locator", value=locator)
+    if not isinstance(contact, str) or contact not in CONTACTS:
+        raise InputError(f"must be one of {', '.join(CONTACTS)}", key="contact", value=contact)
     raw = _core.simulate(
         structure=lowered.structure,
         parameters=lowered.parameters,
         initial=_started(model, lowered, initial, contact, speed),
-        t_start=start,
-        t_end=end,
-        contact=_CONTACTS[contact],
+        contact=CONTACTS[contact],
         t_eval=times,
-        rtol=tolerances[0],
-        atol=tolerances[1],
-        locator=_core.Locator[locator],
         seeds=lowered.seeds(map(model.full_name, names)),
-        max_transitions=whole_number("max_transitions", max_transitions),
         order=0 if order is None else whole_number("order", order, least=2, most=30),
         fixed_step=0.0 if step is None else number("step", step, above=0),
-        max_steps=whole_number("max_steps", max_steps),
+        **shared,
     )
     return _trajectory(raw, model, names)
-
-
-_CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}
 
 
 def _span(t_start: float, t_end: float) -> tuple[float, float]:
@@ -301,7 +194,7 @@ def _started(model: Model, lowered: Lowered, initial: ArrayLike | None, contact:
         return state
     v = state[1] - speed
     moving = any(term.where == "belt" for term in model.effects)
-    if not moving and v * _CONTACTS[contact] < -1e-12 * abs(speed):
+    if not moving and v * CONTACTS[contact] < -1e-12 * abs(speed):
         raise InputError(
             f"x2 = {state[1]:g} on a belt of {speed:g} slips the other way", key="contact", value=contact
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self, TypeVar
@@ -321,16 +322,25 @@ class BodiesRig(GeneralRig):
 
     def with_numbers(self, values: Mapping[str, float]) -> Self:
         """Return the rig with some numbers changed, in SI."""
+        return replace(self, **self._changed(values))
+
+    def moved(self, values: Mapping[str, float]) -> Equations:
+        """Return the equations with some numbers a little off; what they may be is not asked."""
+        other = copy(self)
+        other.__dict__.pop("equations", None)
+        other.__dict__.update(self._changed(values))
+        return other.equations
+
+    def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
         by: dict[str, dict[str, float]] = {}
         for name, size in values.items():
             owner, _, key = name.rpartition(".")
             by.setdefault(owner, {})[key] = size
-        return replace(
-            self,
-            body={name: replace(one, **by.get(name, {})) for name, one in self.body.items()},
-            link=[replace(one, **by.get(f"link_{i + 1}", {})) for i, one in enumerate(self.link)],  # type: ignore[arg-type]  # numbers by name
-            contact=[replace(one, **by.get(f"contact_{i + 1}", {})) for i, one in enumerate(self.contact)],  # type: ignore[arg-type]
-        )
+        return {
+            "body": {name: replace(one, **by.get(name, {})) for name, one in self.body.items()},
+            "link": [replace(one, **by.get(f"link_{i + 1}", {})) for i, one in enumerate(self.link)],  # type: ignore[arg-type]  # numbers by name
+            "contact": [replace(one, **by.get(f"contact_{i + 1}", {})) for i, one in enumerate(self.contact)],  # type: ignore[arg-type]
+        }
 
     def _parts(self) -> dict[str, Part]:
         links: dict[str, Part] = {f"link_{i + 1}": one for i, one in enumerate(self.link)}

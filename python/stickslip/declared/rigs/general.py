@@ -107,6 +107,10 @@ class GeneralRig:
         """Return the rig with some numbers changed."""
         raise NotImplementedError
 
+    def moved(self, values: Mapping[str, float]) -> Equations:
+        """Return the equations with some numbers a little off; what they may be is not asked."""
+        raise NotImplementedError
+
     def table(self) -> dict[str, object]:
         """Return a file's table [rig]."""
         raise NotImplementedError

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Self, get_args
+from typing import Any, ClassVar, Self, get_args
 
 import numpy as np
 
@@ -145,7 +146,17 @@ class MatricesRig(GeneralRig):
 
     def with_numbers(self, values: Mapping[str, float]) -> Self:
         """Return the rig with some numbers changed; M stays symmetric only if both its entries are given."""
-        changed: dict[str, object] = {}
+        return replace(self, **self._changed(values))
+
+    def moved(self, values: Mapping[str, float]) -> Equations:
+        """Return the equations with some numbers a little off; what they may be is not asked."""
+        other = copy(self)
+        other.__dict__.pop("equations", None)
+        other.__dict__.update(self._changed(values))
+        return other.equations
+
+    def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
+        changed: dict[str, Any] = {}
         all_ = {**self.numbers, **values}
         for name in ("M", "C", "K", "contact"):
             rows = getattr(self, name) or ()
@@ -157,7 +168,7 @@ class MatricesRig(GeneralRig):
         for name in ("rest", "drive_stiffness", "drive_damping"):
             if (given := getattr(self, name)) is not None:
                 changed[name] = [all_[f"{name}_{i + 1}"] for i in range(len(given))]
-        return replace(self, **changed)  # type: ignore[arg-type]  # of their own types
+        return changed
 
     def table(self) -> dict[str, object]:
         """Return a file's table [rig]."""

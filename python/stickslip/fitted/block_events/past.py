@@ -20,8 +20,9 @@ from stickslip.fitted.block_events.sensor import Reading
 from stickslip.measured import sticks as segments
 from stickslip.measured.cutting import local_state
 from stickslip.simulated.lowering import hidden_states
-from stickslip.simulated.simulate import Trajectory, simulate
+from stickslip.simulated.simulate import simulate
 from stickslip.simulated.states import HIDDEN
+from stickslip.simulated.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 RTOL, ATOL = 1e-9, 1e-4  # of the noise

@@ -24,7 +24,7 @@ from stickslip.fitted.identified import BRANCHES, Branch, Identified
 from stickslip.measured.fit_window import Array
 from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import Track
-from stickslip.simulated.simulate import Trajectory
+from stickslip.simulated.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -17,8 +17,9 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import on_belt
 from stickslip.errors import InputError, StickslipError
 from stickslip.simulated.lowering import READ_ALONE, hidden_states
-from stickslip.simulated.simulate import Trajectory, simulate
+from stickslip.simulated.simulate import simulate
 from stickslip.simulated.states import HIDDEN
+from stickslip.simulated.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 Contact = Literal["auto", "stick", "slip-", "slip+"]

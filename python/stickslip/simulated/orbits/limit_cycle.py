@@ -21,7 +21,7 @@ from stickslip.declared.model import Model
 from stickslip.errors import InputError, StickslipError, number
 from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow, wiped_out
 from stickslip.simulated.orbits.steady_sliding import Complexes, NoLimitCycleError, equilibrium
-from stickslip.simulated.simulate import Trajectory, Transitions
+from stickslip.simulated.trajectory import Trajectory, Transitions
 
 NEWTON_STEPS = 30
 LOOK_BACK = 40  # crossings of the section in which a repetition is looked for

@@ -1,0 +1,45 @@
+"""A figure of a run of a rig of bodies or matrices: every coordinate and velocity over time, sticks shaded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.scale import Scale
+from stickslip.simulated.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT = 8.0, 1.8  # inches, of the figure and of a row of it
+
+
+def coordinates(run: Trajectory, rig: GeneralRig) -> Figure:
+    """Draw the coordinates (left) and velocities (right) of a run, a row each; grey where a contact of it sticks."""
+    from matplotlib.figure import Figure
+
+    own = rig.equations
+    n = len(own.names)
+    figure = Figure(figsize=(WIDTH, HEIGHT * n + 0.6), layout="constrained")
+    axes = figure.subplots(n, 2, sharex=True, squeeze=False)
+    for i, (name, unit) in enumerate(zip(own.names, own.units, strict=True)):
+        for k, (label, scale) in enumerate(
+            ((name, unit), (f"v_{name}", "1" if unit == "1" else f"{unit}/s"))
+        ):
+            axis = axes[i, k]
+            axis.plot(run.t, run.state[:, i + k * n], lw=0.9)
+            axis.set_ylabel(Scale(1.0, scale).head(label))
+            for j, contact in enumerate(own.contacts):
+                if contact.direction[i]:
+                    _shade(axis, run.t, run.mode[:, j] == 0)
+    for axis in axes[-1]:
+        axis.set_xlabel("t" if set(own.units) == {"1"} else "t [s]")
+    return figure
+
+
+def _shade(axis: object, t: np.ndarray, stuck: np.ndarray) -> None:
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
+    for begin, end in ends.reshape(-1, 2):
+        axis.axvspan(t[begin], t[min(end, len(t) - 1)], color="0.9", lw=0)  # type: ignore[attr-defined]

@@ -1,0 +1,140 @@
+"""One trajectory of a model of any rig, by the core of such rigs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip import _core
+from stickslip.arguments import vector
+from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.speeds import Speed
+from stickslip.errors import CallError, InputError
+from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
+from stickslip.simulated.general import General, general
+from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
+
+Floats = NDArray[np.float64]
+
+
+def needs_bodies(model: Model, belt_speed: object, drive_speed: object) -> bool:
+    """Say whether only the core of general rigs can simulate this: another rig or law, a speed that is no number."""
+    formulas = isinstance(belt_speed, (str, Speed)) and Speed.of(belt_speed).constant is None
+    general_rig = isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula)
+    if drive_speed is not None and not isinstance(model.rig, GeneralRig):
+        raise InputError("nothing is pulled by a drive in this rig; leave it out", key="drive_speed")
+    return general_rig or formulas
+
+
+def simulate_any(
+    model: Model,
+    belt_speed: object,
+    drive_speed: object,
+    initial: ArrayLike | None,
+    contact: str | Sequence[str],
+    names: tuple[str, ...],
+    times: Floats | None,
+    **settings: Any,
+) -> Trajectory:
+    """Return the trajectory; what was given has been looked at, but for the start and the modes.
+
+    Parameters
+    ----------
+    model, belt_speed, drive_speed, initial, contact
+        As for `simulate`.
+    names
+        Parameters to differentiate by.
+    times
+        As `_core.simulate_bodies` takes them.
+    settings
+        The rest of what `_core.simulate_bodies` takes.
+    """
+    own = general(model, belt_speed, drive_speed)
+    lowered = lower_bodies(own, model)
+    visible, hidden = _initial(own, initial)
+    modes = _modes(own, contact)
+    z = own.start(visible, hidden, settings["t_start"])
+    seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
+    raw = _core.simulate_bodies(
+        **lowered.arguments, values=lowered.started(z), modes=modes, t_eval=times, seeds=seeds, **settings
+    )
+    return _trajectory(raw, lowered, names)
+
+
+def _initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str, float]]:
+    """Return the rig's states and what was given of the laws' states."""
+    names = own.state_names
+    if initial is None:
+        return np.zeros(len(names)), {}
+    given = vector("initial", initial, f"one start ({', '.join(names)})")
+    everything = (*names, *own.hidden)
+    if len(given) not in (len(names), len(everything)):
+        words = f"has {len(given)} number{'s' * (len(given) != 1)}; give {len(names)} ({', '.join(names)})"
+        if own.hidden:
+            words += f", or {len(everything)} with the laws' states {', '.join(own.hidden)}"
+        raise InputError(words, key="initial")
+    for name, size in zip(everything, given.tolist(), strict=False):
+        if not math.isfinite(size):
+            raise InputError(f"{name} is not finite", key="initial", value=given.tolist())
+    return given[: len(names)], dict(zip(own.hidden, given[len(names) :].tolist(), strict=False))
+
+
+def _modes(own: General, contact: str | Sequence[str]) -> list[int]:
+    contacts = own.equations.contacts
+    each: list[str] = [contact] * len(contacts) if isinstance(contact, str) else list(contact)
+    if len(each) != len(contacts):
+        raise InputError(f"has {len(each)} modes for {len(contacts)} contacts", key="contact")
+    for one, law, place in zip(each, own.laws, contacts, strict=True):
+        if one not in CONTACTS:
+            raise InputError(f"must be one of {', '.join(CONTACTS)}", key="contact", value=one)
+        if one == "stick" and law.compliant:
+            raise InputError(f"the law of '{place.name}' has no stick", key="contact", value=one)
+    return [CONTACTS[one] for one in each]
+
+
+def _trajectory(raw: dict[str, Any], lowered: LoweredBodies, names: tuple[str, ...]) -> Trajectory:
+    own = lowered.own
+    n, order = len(own.equations.names), list(own.order)
+    hidden = slice(2 * n, 2 * n + len(own.hidden))
+    alone = not isinstance(lowered.model.rig, GeneralRig)  # of a named rig the one contact is the mode
+
+    def modes(given: NDArray[np.int8]) -> NDArray[np.int8]:
+        return given[:, 0].copy() if alone else given
+
+    events = raw["transition_sensitivity"]
+    transitions = Transitions(
+        t=raw["transition_t"],
+        state=raw["transition_state"][:, order],
+        before=modes(raw["transition_before"]),
+        after=modes(raw["transition_after"]),
+        sensitivity=events[:, 0],
+        state_sensitivity=events[:, 1:][:, order],
+    )
+    sensitivity: Floats = raw["sensitivity"]
+    return Trajectory(
+        t=raw["t"],
+        state=raw["state"][:, order],
+        mode=modes(raw["mode"]),
+        hidden=dict(zip(own.hidden, raw["state"].T[hidden].copy(), strict=True)),
+        transitions=transitions,
+        kinks=raw["kink_t"],
+        sensitivity=sensitivity[:, order],
+        hidden_sensitivity=dict(zip(own.hidden, sensitivity.transpose(1, 0, 2)[hidden], strict=True)),
+        status=Status[raw["outcome"].name],
+        steps=int(raw["steps"]),
+        sensitivity_names=names,
+        state_names=own.state_names,
+        hidden_names=own.hidden,
+        contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
+    )
+
+
+def lacks_belt_speed() -> CallError:
+    """Return the error of a call without the belt's speed, where the rig has a belt."""
+    return CallError("lacks belt_speed; it needs model, belt_speed, t_end", key="simulate")

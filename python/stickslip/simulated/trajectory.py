@@ -1,0 +1,145 @@
+"""What `simulate` returns: a trajectory, its transitions, how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Modes = NDArray[np.int8]
+CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}  # modes to start in, as the core has them
+
+
+class Status(Enum):
+    """How a run ended; the value is the sentence for the user."""
+
+    finished = "reached the end time"
+    chatter = (
+        "stopped: transitions accumulate without time passing (chatter); the law or start is ill-posed there"
+    )
+    not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
+    step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
+    too_many_transitions = "stopped: more transitions than max_transitions allows"
+    too_many_steps = (
+        "stopped: more steps than max_steps allows; the run is long, or the equations are too stiff for it"
+    )
+    interrupted = "stopped by the user"
+
+    def __str__(self) -> str:
+        return self.value
+
+    @property
+    def ok(self) -> bool:
+        """Did the run reach its end time?"""
+        return self is Status.finished
+
+
+MODE_NAMES = {0: "stick", -1: "slip -", 1: "slip +"}
+
+
+@dataclass(frozen=True, repr=False)
+class Transitions:
+    """Changes of the contact mode, in time order; printed, one a line.
+
+    Attributes
+    ----------
+    t : (k,) times.
+    state : (k, d) states at them.
+    before, after : (k,) modes in {-1, 0, 1}: the sign of v_w, 0 for stick. Of a rig of bodies or matrices (k, m), of
+        every contact.
+    sensitivity : (k, p) derivative of the times.
+    state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
+    """
+
+    t: Floats
+    state: Floats
+    before: Modes
+    after: Modes
+    sensitivity: Floats
+    state_sensitivity: Floats
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __str__(self) -> str:
+        if self.before.ndim == 2:
+            rows_of_all = zip(self.t, self.before, self.after, strict=True)
+            return "\n".join(f"{t:12.6f}  {_modes(a)} -> {_modes(b)}" for t, a, b in rows_of_all)
+        rows = zip(self.t, self.before, self.after, strict=True)
+        return "\n".join(f"{t:12.6f}  {MODE_NAMES[a]:<6} -> {MODE_NAMES[b]}" for t, a, b in rows)
+
+    def __repr__(self) -> str:
+        span = f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self) else ""
+        return f"<Transitions: {len(self)}{span}>"
+
+
+@dataclass(frozen=True, repr=False)
+class Trajectory:
+    """What `simulate` returns.
+
+    Attributes
+    ----------
+    t : (n,) times: `t_eval`, or the ends of the integrator's own steps.
+    state : (n, d) states in the order of `rig.state_names`.
+    mode : (n,) int8 in {-1, 0, 1}: the mode that holds from that time on. Of a rig of bodies or matrices (n, m), of
+        every contact.
+    hidden : name -> (n,) hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell; or of laws.
+    transitions : changes of the contact mode.
+    kinks : (j,) times at which a branch saturates or an effect switches, the mode staying.
+    sensitivity : (n, d, p) d state / d parameter at fixed time, parameters in the order asked for.
+    hidden_sensitivity : name -> (n, p).
+    status : how it ended.
+    steps : number of integration steps.
+    sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
+    hidden_names : hidden states that an effect or a law of the model has; of the others nothing hangs.
+    contact_names : contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
+    """
+
+    t: Floats
+    state: Floats
+    mode: Modes
+    hidden: dict[str, Floats]
+    transitions: Transitions
+    kinks: Floats
+    sensitivity: Floats
+    hidden_sensitivity: dict[str, Floats]
+    status: Status
+    steps: int
+    sensitivity_names: tuple[str, ...]
+    state_names: tuple[str, ...]
+    hidden_names: tuple[str, ...]
+    contact_names: tuple[str, ...] = ()
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each time: t, the states by their names, mode (or mode_<contact> each), and hidden states."""
+        import pandas as pd  # slow to import
+
+        states = dict(zip(self.state_names, self.state.T, strict=True))
+        hidden = {name: self.hidden[name] for name in self.hidden_names}
+        return pd.DataFrame({"t": self.t, **states, **self.modes, **hidden})
+
+    @property
+    def modes(self) -> dict[str, Modes]:
+        """Modes by the names of their columns: "mode" of a named rig, "mode_<contact>" of others."""
+        if not self.contact_names:
+            return {"mode": self.mode}
+        return {f"mode_{name}": self.mode[:, i] for i, name in enumerate(self.contact_names)}
+
+    def __repr__(self) -> str:
+        n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
+        kept = f", {len(self.sensitivity_names)} sensitivities" if self.sensitivity_names else ""
+        return (
+            f"<Trajectory: {n} samples of {self.state.shape[1]} states{span}; {len(self.transitions)} transitions"
+            f"{kept}; {self.status}>"
+        )
+
+
+def _modes(modes: Modes) -> str:
+    return " | ".join(f"{MODE_NAMES[int(one)]:<6}" for one in modes)
