@@ -1,0 +1,68 @@
+"""Rigs of bodies and matrices, laws as formulas, prescribed speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import stickslip as ss
+from bad_input import bad_input
+
+AREA = "rigs of bodies and matrices, formulas"
+HEAD = "[rig]\nkind = 'bodies'\n[rig.body.table]\ninertia = '0.35 kg m^2'\n"
+LAW = "[[rig.contact]]\nbody = 'table'\n[friction]\nkind = 'coulomb'\n"
+FILES = {
+    "an inertia that is a mass": HEAD.replace("kg m^2", "kg") + LAW,
+    "a link to no body": HEAD + "[[rig.link]]\nbetween = ['tabel', 'ground']\nstiffness = 1\n" + LAW,
+    "a torque for a stiffness": HEAD
+    + "[[rig.link]]\nbetween = ['table', 'ground']\nstiffness = '12 N m'\n"
+    + LAW,
+    "a contact on no body": HEAD + LAW.replace("'table'", "'bit'"),
+    "two contacts on one direction": HEAD + "[[rig.contact]]\nbody = 'table'\n" + LAW,
+    "a rig without a contact": HEAD + "[friction]\nkind = 'coulomb'\n",
+    "a singular mass matrix": "[rig]\nkind = 'matrices'\nM = [[1, 0], [0, 0]]\nK = [[1, 0], [0, 1]]\n",
+    "a force where the contact turns": HEAD + LAW + "static = '2 N'\n",
+    "a law that nobody names": HEAD
+    + LAW.replace("[friction]", "[law.other]").replace("body =", "law = 'bit'\nbody ="),
+}
+
+
+def file(text: str) -> Callable[[Path], object]:
+    def attempt(folder: Path) -> object:
+        (folder / "model.toml").write_text(text)
+        return ss.load_model(folder / "model.toml")
+
+    return attempt
+
+
+for what, text in FILES.items():
+    bad_input(AREA, what)(file(text))
+
+LAWS: dict[str, dict[str, object]] = {
+    "a formula that is a program": {"kinetic": "__import__('os')"},
+    "a formula with a name misspelt": {"kinetic": "F_c + c*w", "F_c": 1, "c": 2},
+    "a formula that divides by zero": {"kinetic": "F_c/u", "F_c": 1},
+    "a formula cut short": {"kinetic": "F_c*(1 + u", "F_c": 1},
+    "static friction below kinetic friction": {"kinetic": "F_c", "static": "F_s", "F_c": 2, "F_s": 1},
+    "a number that no formula reads": {"kinetic": "F_c", "F_c": 2, "F_s": 3},
+}
+for what, law in LAWS.items():
+    bad_input(AREA, what)(lambda _, law=law: ss.FormulaFriction(**law))  # type: ignore[misc]
+
+BLOCK = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction())
+
+
+@bad_input(AREA, "a formula of units that do not go together")
+def units(_: Path) -> object:
+    return ss.Model(ss.BlockOnBelt(), friction=ss.FormulaFriction(kinetic="F_c + u", F_c="2 N"))
+
+
+@bad_input(AREA, "a belt speed that is no formula of t")
+def speed(_: Path) -> object:
+    return ss.simulate(BLOCK, belt_speed="0.5*sin(w*t)", t_end=1)
+
+
+@bad_input(AREA, "a limit cycle of a law that is a formula")
+def cycle(_: Path) -> object:
+    law = ss.StribeckFriction(F_c=1, F_s=2, v_s=0.1)
+    return ss.limit_cycle(ss.Model(ss.BlockOnBelt(), friction=law), belt_speed=0.1)
