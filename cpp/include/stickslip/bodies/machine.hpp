@@ -120,11 +120,11 @@ struct BodiesMachine {
     const Curves<T> curves = curves_of(sys);
     const bool polynomial = !curves.motion && !curves.others && sys.stuck_count == sys.n;
     const int order = polynomial ? polynomial_order : (curves.motion ? opt.order : linear_order);
+    expand_bodies(sys, order);
     if (curves.motion && starts_at_zero(sys)) {
       h = R(expand_at_zero(sys, order, opt.rtol, opt.atol, static_cast<double>(left)));
       return order;
     }
-    expand_bodies(sys, order);
     h = polynomial ? left : step_of_bodies(sys, curves, order, opt.rtol, opt.atol, left);
     return order;
   }

@@ -12,11 +12,10 @@ T slope_product(T* slope, const T* a, const T* b, int k) {
   return rotation_next(slope, b, k);
 }
 
-// a^x, x no whole number. Where a starts at 0 there is no series: the step is short, and a line takes its place whose
-// mean and moment over the step are those of the power (start_at_zero).
+// a^x, x no whole number. Where a starts at 0 there is no series: what stands for it was put beside it (onset.hpp).
 template <class T>
 T power_next(const Instruction<T>& in, int k) {
-  if (value(in.a[0]) == 0) return k < 2 ? in.aux[1 + k] : T(0.0);
+  if (value(in.a[0]) == 0) return in.aux[1 + k];
   if (k == 0) {
     in.aux[0] = T(1.0) / in.a[0];
     return raised(in.a[0], in.x);
