@@ -253,9 +253,6 @@ ASKED: list[Callable[[ss.Model], object]] = [
     lambda model: ss.lyapunov(model, belt_speed=0.1, t_end=10),
     lambda model: ss.steady_sliding(model, belt_speed=0.1),
     lambda model: ss.cycle_sensitivity(ss.limit_cycle(model, belt_speed=0.1)),
-    lambda model: ss.sweep(
-        model, over={"belt_speed": [0.1, 0.2]}, t_end=1, initial=[0.0] * len(model.rig.state_names)
-    ),
     lambda model: ss.compare(model, None),  # type: ignore[arg-type]
     lambda model: ss.forecast(model, None, belt_speed=0.1, horizon=1),  # type: ignore[arg-type]
 ]

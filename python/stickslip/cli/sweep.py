@@ -79,6 +79,7 @@ class Settings(BaseModel):
     t_end: float
     after: float = 0.0
     belt_speed: float | None = None
+    drive_speed: float | None = None
     initial: list[float] | None = None
     rtol: float = 1e-8
     atol: float = 1e-8

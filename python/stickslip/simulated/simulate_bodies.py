@@ -57,7 +57,7 @@ def simulate_any(
     """
     own = general(model, belt_speed, drive_speed)
     lowered = lower_bodies(own, model)
-    visible, hidden = _initial(own, initial)
+    visible, hidden = split_initial(own, initial)
     modes = _modes(own, contact)
     z = own.start(visible, hidden, settings["t_start"])
     seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
@@ -67,7 +67,7 @@ def simulate_any(
     return _trajectory(raw, lowered, names)
 
 
-def _initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str, float]]:
+def split_initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str, float]]:
     """Return the rig's states and what was given of the laws' states."""
     names = own.state_names
     if initial is None:
@@ -82,7 +82,7 @@ def _initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str,
     for name, size in zip(everything, given.tolist(), strict=False):
         if not math.isfinite(size):
             raise InputError(f"{name} is not finite", key="initial", value=given.tolist())
-    return given[: len(names)], dict(zip(own.hidden, given[len(names) :].tolist(), strict=False))
+    return given[: len(names)].copy(), dict(zip(own.hidden, given[len(names) :].tolist(), strict=False))
 
 
 def _modes(own: General, contact: str | Sequence[str]) -> list[int]:

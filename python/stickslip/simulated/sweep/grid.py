@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +16,26 @@ from stickslip.arguments import must_be
 from stickslip.declared.effect import CATALOGUE, CONSTANTS
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, number
-from stickslip.simulated.lowering import READ_ALONE, Lowered
+from stickslip.simulated.lowering import READ_ALONE
 
 Floats = NDArray[np.float64]
 MOST = 10**18  # members
 CHECKED = 2000  # members of which a model is made to see that it is allowed
+
+
+class Slots(Protocol):
+    """What is asked of a lowered model: where each name goes, and by what it is multiplied there."""
+
+    @property
+    def slots(self) -> Mapping[str, tuple[int, ...]]:
+        """Places of a name."""
+
+    @property
+    def factors(self) -> Mapping[str, float]:
+        """What a name is multiplied by there, where that is not 1."""
+
+    def seeds(self, names: Iterable[str]) -> Floats:
+        """Return a row of weights a name."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +91,7 @@ class Grid:
         return {column.name: float(column.values[place[column.dim]]) for column in self.columns}
 
 
-def make_grid(over: object, model: Model, lowered: Lowered, taken: frozenset[str]) -> Grid:
+def make_grid(over: object, model: Model, lowered: Slots, taken: frozenset[str]) -> Grid:
     """Check `over` and turn it into a grid.
 
     Parameters
@@ -113,7 +129,7 @@ def _varied(
     given: object,
     over: Mapping[str, object],
     model: Model,
-    lowered: Lowered,
+    lowered: Slots,
     taken: frozenset[str],
 ) -> Column:
     must_be("over", name, str, "the names of what varies are strings")
@@ -170,7 +186,7 @@ def _all_numbers(key: str, given: Iterable[object]) -> None:
             raise InputError(f"entry {i} is {one!r}, not a number", key=key)
 
 
-def _slots(given: str, name: str, model: Model, lowered: Lowered) -> tuple[int, ...]:
+def _slots(given: str, name: str, model: Model, lowered: Slots) -> tuple[int, ...]:
     """Slots of a full name; what is wrong is said of the name as given."""
     known, owner = model.parameters, name.partition(".")[0]
     if name == "initial.m" or (name in known and (name not in lowered.slots or owner in READ_ALONE)):

@@ -147,6 +147,15 @@ class Request:
             np.dtype(OBSERVABLES[name].dtype).itemsize * math.prod(self.extra(name)) for name in self.observe
         )
 
+    @property
+    def fixed_speeds(self) -> Mapping[str, object]:
+        """Prescribed speeds that do not vary, by name."""
+        return {"belt_speed": self.belt_speed}
+
+    def more_settings(self) -> Mapping[str, object]:
+        """Return what other kinds of sweeps depend on beside."""
+        return {}
+
     def settings(self) -> Mapping[str, object]:
         """Everything the numbers depend on, as JSON takes it, for a store to be known by."""
         over = {
@@ -172,6 +181,7 @@ class Request:
             "initial": list(self.initial),
             "observe": list(self.observe),
             **{name: getattr(self, name) for name in plain},
+            **self.more_settings(),
             "instruction_set": str(build.get("isa", "")),
             "stickslip_version": str(build.get("version", "")),
         }

@@ -22,6 +22,7 @@ import numpy as np
 
 import stickslip
 from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
 from stickslip.errors import InputError
 from stickslip.files import whole
 from stickslip.simulated.sweep.observables import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
@@ -78,7 +79,7 @@ def variable_attrs(request: Request, name: str) -> dict[str, object]:
 
 def _unit(request: Request, unit: str) -> str:
     """All is nondimensional in (2.1); a block on a belt is in whatever units its numbers are in."""
-    return "1" if unit == "1" or len(request.model.rig.state_names) == 4 else f"{unit}, in the rig's units"
+    return "1" if unit == "1" or isinstance(request.model.rig, Rig) else f"{unit}, in the rig's units"
 
 
 def attributes(request: Request) -> dict[str, object]:
@@ -87,7 +88,7 @@ def attributes(request: Request) -> dict[str, object]:
     scales = getattr(rig, "scales", None)
     named = {f"initial.{n}": v for n, v in zip(rig.state_names, request.initial, strict=False)}
     varied = {column.name for column in request.grid.columns}
-    fixed = {"belt_speed": request.belt_speed, **named}
+    fixed = {**request.fixed_speeds, **named}
     return {
         "title": KIND,
         "version": stickslip.__version__,

@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +16,14 @@ from stickslip.arguments import explained, whole_number
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
+from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.progress import counts
+from stickslip.simulated.general import general
 from stickslip.simulated.lowering import lower
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
+from stickslip.simulated.simulate_bodies import needs_bodies
+from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, check_observed, checked_start, named
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
 from stickslip.simulated.sweep.grid import Grid, make_grid
 from stickslip.simulated.sweep.observables import DEFAULT, TAKEN, Arrays, chosen
@@ -39,7 +43,8 @@ def sweep(
     *,
     t_end: float,
     initial: ArrayLike | None = None,
-    belt_speed: float | None = None,
+    belt_speed: float | str | Speed | None = None,
+    drive_speed: float | str | Speed | None = None,
     rtol: float = 1e-8,
     atol: float = 1e-8,
     observe: str | Iterable[str] = DEFAULT,
@@ -68,8 +73,8 @@ def sweep(
         End of every run, in the rig's unit of time; runs start at 0.
     initial
         State at the start as for `simulate`; at rest at the origin if absent.
-    belt_speed
-        v_b where it does not vary.
+    belt_speed, drive_speed
+        v_b, and the drive's speed, where they do not vary; as for `simulate`.
     rtol, atol
         Error allowed to each step.
     observe
@@ -103,7 +108,8 @@ def sweep(
         points repeat; 0 if none does), state_min, state_max (.., state), dissipated, points (.., point, state) and
         point_time (.., point): states and times of the last releases, the last first, NaN where there was none; status
         (its flags in the attributes; the others are NaN or -1 where it is not "finished"). Attributes say the model,
-        the settings and the build.
+        the settings and the build. Of a rig of bodies or matrices, a law of formulas or a speed that changes there is
+        no state_min, state_max and dissipated; counts are those of all contacts, stick_fraction is their mean.
 
     Raises
     ------
@@ -127,7 +133,7 @@ def sweep(
         over,
         t_end,
         initial,
-        belt_speed,
+        (belt_speed, drive_speed),
         (rtol, atol),
         observe,
         after,
@@ -205,7 +211,7 @@ def _request(
     over: Mapping[str, object],
     t_end: float,
     initial: ArrayLike | None,
-    belt_speed: float | None,
+    speeds: tuple[float | str | Speed | None, float | str | Speed | None],
     tolerances: tuple[float, float],
     observe: str | Iterable[str],
     after: float,
@@ -215,27 +221,74 @@ def _request(
 ) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
-    speed = 0.0 if belt_speed is None else number("belt_speed", belt_speed)
+    belt_speed = speeds[0]
+    if needs_bodies(model, *speeds):
+        return _bodies_request(
+            model, over, t_end, initial, speeds, tolerances, observe, after, points, lanes, most
+        )
+    speed = 0.0 if belt_speed is None else number("belt_speed", belt_speed)  # type: ignore[arg-type]  # text is none
     lowered = lower(model, speed)
     grid = make_grid(over, model, lowered, TAKEN)
     _belt_speed_is_given_once(grid, belt_speed)
+    start = tuple(float(x) for x in checked_initial(model, lowered, initial))
+    shared = _shared(t_end, tolerances, observe, after, points, lanes, most)
+    return Request(model=model, grid=grid, belt_speed=speed, initial=start, **shared)
+
+
+def _bodies_request(
+    model: Model,
+    over: Mapping[str, object],
+    t_end: float,
+    initial: ArrayLike | None,
+    speeds: tuple[float | str | Speed | None, float | str | Speed | None],
+    tolerances: tuple[float, float],
+    observe: str | Iterable[str],
+    after: float,
+    points: int,
+    lanes: bool,
+    most: tuple[int, int],
+) -> Request:
+    """Return the sweep of what only the core of general rigs simulates."""
+    asked: object = over
+    varied = asked if isinstance(asked, Mapping) else {}
+    nominal = [0.0 if key in varied else one for key, one in zip(SPEEDS, speeds, strict=True)]
+    for key, one in zip(SPEEDS, speeds, strict=True):
+        if key in varied and one is not None:
+            raise InputError("varies in `over`; leave it out here", key=key, value=str(one))
+    own = general(model, *nominal)
+    grid = make_grid(over, model, named(own, model.parameters), TAKEN)
+    shared = _shared(t_end, tolerances, observe, after, points, lanes, most)
+    check_observed(shared["observe"])
+    kept = tuple(None if one is None else Speed.of(one, key) for key, one in zip(SPEEDS, speeds, strict=True))
+    start = checked_start(own, initial)
+    return BodiesRequest(
+        model=model, grid=grid, belt_speed=0.0, initial=start, speeds=(kept[0], kept[1]), **shared
+    )
+
+
+def _shared(
+    t_end: float,
+    tolerances: tuple[float, float],
+    observe: str | Iterable[str],
+    after: float,
+    points: int,
+    lanes: bool,
+    most: tuple[int, int],
+) -> dict[str, Any]:
+    """Return the settings of every sweep, checked."""
     end = number("t_end", t_end, above=0)
     rtol, atol = checked_tolerances(*tolerances)
-    return Request(
-        model=model,
-        grid=grid,
-        belt_speed=speed,
-        initial=tuple(float(x) for x in checked_initial(model, lowered, initial)),
-        t_end=end,
-        after=number("after", after, least=0, below=end, why="it must come before t_end"),
-        rtol=rtol,
-        atol=atol,
-        observe=chosen(observe),
-        points=whole_number("points", points, least=2, most=_core.MAX_SWEEP_POINTS),
-        lanes=_yes_or_no("lanes", lanes),
-        max_transitions=whole_number("max_transitions", most[0]),
-        max_steps=whole_number("max_steps", most[1]),
-    )
+    return {
+        "t_end": end,
+        "after": number("after", after, least=0, below=end, why="it must come before t_end"),
+        "rtol": rtol,
+        "atol": atol,
+        "observe": chosen(observe),
+        "points": whole_number("points", points, least=2, most=_core.MAX_SWEEP_POINTS),
+        "lanes": _yes_or_no("lanes", lanes),
+        "max_transitions": whole_number("max_transitions", most[0]),
+        "max_steps": whole_number("max_steps", most[1]),
+    }
 
 
 def _yes_or_no(key: str, value: object) -> bool:
@@ -244,7 +297,7 @@ def _yes_or_no(key: str, value: object) -> bool:
     return bool(value)
 
 
-def _belt_speed_is_given_once(grid: Grid, belt_speed: float | None) -> None:
+def _belt_speed_is_given_once(grid: Grid, belt_speed: object) -> None:
     varies = any(column.name == "belt_speed" for column in grid.columns)
     if varies and belt_speed is not None:
         raise InputError("varies in `over`; leave it out here", key="belt_speed", value=belt_speed)
