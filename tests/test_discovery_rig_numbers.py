@@ -20,7 +20,7 @@ from stickslip.discovery.trace import declared, explained
 from stickslip.fitted.data import prepare
 from stickslip.measured.case import Case
 from stickslip.progress import stage
-from stickslip.shown.report.page import numbers
+from stickslip.shown.pages.filters import numbers
 from stickslip.shown.report.words import headline, kind, sureness
 
 SPEEDS = (0.06, 0.13, -0.09, 0.1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -173,6 +174,6 @@ def test_the_page_of_a_block_on_a_belt_has_units(tmp_path: Path) -> None:
     effect = replace(whole.effects[0], name="static_aging", parameters=aging)
     found = replace(whole, effects=(effect,), law=numbers, law_before=numbers)
     text = page(found, case, contents(found, case), {})
-    assert "0.11 N" in text
-    assert "0.02 N" in text
-    assert "4 s" in text
+    assert re.search(r'>0\.11</td><td class="n">0\.1 … 0\.12</td><td>N</td>', text)
+    assert re.search(r'>0\.02</td><td class="n">0\.01 … 0\.03</td><td>N</td>', text)
+    assert re.search(r'>4</td><td class="n">–</td><td>s</td>', text)

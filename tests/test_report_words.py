@@ -20,9 +20,10 @@ from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
 from stickslip.discovery.result import Part
+from stickslip.shown.pages.filters import error, interval, percent, span, valued
 from stickslip.shown.report import words
 from stickslip.shown.report.contents import contents
-from stickslip.shown.report.page import error, interval, page, percent, span, valued
+from stickslip.shown.report.page import page
 from stickslip.shown.report.units import axes_of
 
 

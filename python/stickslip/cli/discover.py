@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -66,9 +67,17 @@ def discover(
             tell(f"note: {finding}")
         found = stickslip.discover(loaded, progress=tell, seed=seed, threads=threads)
         tell("drawing the report")
-        fill(temporary, found, loaded)
+        fill(temporary, found, loaded, _again(case, out, seed, files_from))
     say(found, loaded, console)
     say_written(written(out))
+
+
+def _again(case: Path, out: Path, seed: int, files_from: Path | None) -> str:
+    """The command that makes this result again; --threads changes nothing."""
+    words = ["stickslip", "discover", str(case), "--out", str(out)]
+    words += ["--seed", str(seed)] if seed else []
+    words += ["--files-from", str(files_from)] if files_from else []
+    return shlex.join(words)
 
 
 def folded(findings: Iterable[str]) -> list[str]:

@@ -25,7 +25,9 @@ NAMES = (
 )
 
 
-def write_report(found: Found, case: Case, out: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
+def write_report(
+    found: Found, case: Case, out: str | os.PathLike[str], *, force: bool = False, command: str | None = None
+) -> list[Path]:
     """Write report.json, report.html, model_before.toml, model_after.toml and the figures into a folder.
 
     Parameters
@@ -39,6 +41,8 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str], *, force
         removed, others are left alone.
     force : bool
         Replace files of these names that no earlier result put there, too.
+    command : str, optional
+        The command that the page says makes it again; one of this case, if absent.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def write_report(found: Found, case: Case, out: str | os.PathLike[str], *, force
         The folder cannot be written to, or holds somebody's own files of these names. Nothing half-written is left.
     """
     with folder(Path(out), NAMES, force=force) as temporary:
-        fill(temporary, found, case)
+        fill(temporary, found, case, command)
     return written(Path(out))
 
 
@@ -67,7 +71,7 @@ def _ours(figure: Path) -> bool:
     return figure.suffix in (".svg", ".png") and figure.stem in {*FIGURES, *DRIVEN}
 
 
-def fill(into: Path, found: Found, case: Case) -> None:
+def fill(into: Path, found: Found, case: Case, command: str | None = None) -> None:
     """Write every file of the report into an existing folder."""
     report = contents(found, case)
     write_text(into / "report.json", json.dumps(report, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
@@ -75,7 +79,7 @@ def fill(into: Path, found: Found, case: Case) -> None:
     found.after.save(into / "model_after.toml")
     if isinstance(found, DrivenFound):
         drawings = driven.draw(found, into / "figures")
-        write_text(into / "report.html", driven.page(found, case, report, drawings))
+        write_text(into / "report.html", driven.page(found, case, report, drawings, command))
         return
     drawings = draw(found, case, into / "figures")
-    write_text(into / "report.html", page(found, case, report, drawings))
+    write_text(into / "report.html", page(found, case, report, drawings, command))

@@ -1,0 +1,1 @@
+"""What pages share: their skeleton, and figures that zoom and show values."""
