@@ -87,6 +87,9 @@ def test_a_side_can_be_frozen_beyond_its_surface() -> None:
         ("1e999", "not finite"),
         ("(" * 300 + "a" + ")" * 300, "not a formula|too deep"),
         ("a+" * 1200 + "a", "characters"),
+        ("a+" * 150 + "a", "operations within each other; 100 are the most"),
+        ("-" * 900 + "a", "operations within each other|too deep"),
+        ("a**" * 600 + "a", "operations within each other|too deep"),
     ],
 )
 def test_what_is_no_formula_is_refused_in_a_line(text: str, words: str) -> None:
@@ -220,6 +223,12 @@ def test_a_law_that_cannot_be_meant_is_refused_in_a_line(table: dict[str, object
     with pytest.raises(InputError, match=words) as caught:
         ss.FormulaFriction(**table)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
+
+
+def test_definitions_that_double_are_refused_before_they_fill_the_memory() -> None:
+    define = {"g0": "a*u"} | {f"g{i + 1}": f"g{i}*g{i}" for i in range(40)}
+    with pytest.raises(InputError, match=r"define\.g\d+: has \d+ operations, its definitions put in"):
+        ss.FormulaFriction(kinetic="g40", a=1, define=define)
 
 
 def test_prescribed_speeds_are_numbers_formulas_steps_or_measured() -> None:

@@ -17,7 +17,7 @@ FUNCTIONS: dict[str, tuple[Operation, int]] = {  # operation and how many argume
     "tanh": ("tanh", 1), "asinh": ("asinh", 1), "pow": ("power", 2),
 }  # fmt: skip
 CONSTANTS = {"pi": math.pi}
-LONGEST = 2000  # characters
+LONGEST, DEEPEST, LARGEST = 2000, 100, 5000  # characters; operations within each other, and in all
 _BINARY: dict[type[ast.operator], Operation] = {
     ast.Add: "add",
     ast.Sub: "subtract",
@@ -52,7 +52,7 @@ def parse(text: object, known: Collection[str] | None = None) -> Tree:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # of "2(x)": it is refused below
             parsed = ast.parse(text.strip(), mode="eval")
-        tree = _Reader(text, known).tree(parsed.body)
+        tree = fit(_Reader(text, known).tree(parsed.body))
     except SyntaxError as error:
         words = f"not a formula (line {error.lineno or 1}, column {error.offset or 1}: {error.msg})"
         if "^" in text:
@@ -62,6 +62,34 @@ def parse(text: object, known: Collection[str] | None = None) -> Tree:
         if isinstance(error, InputError):
             raise
         raise InputError("too deep or not text that can be read", value=text) from None
+    return tree
+
+
+def fit(tree: Tree) -> Tree:
+    """Return a tree, or refuse one that is too deep or too large to be gone through.
+
+    Raises
+    ------
+    InputError
+        Operations are nested deeper than 100, or more than 5000 with all definitions put in.
+    """
+    depth: dict[int, int] = {}
+    size: dict[int, int] = {}
+    todo: list[tuple[Tree, bool]] = [(tree, False)]
+    while todo:
+        one, seen = todo.pop()
+        if id(one) in depth:
+            continue
+        below = one.operands if isinstance(one, Apply) else ()
+        if not seen:
+            todo += [(one, True), *((each, False) for each in below)]
+            continue
+        depth[id(one)] = 1 + max((depth[id(each)] for each in below), default=0)
+        size[id(one)] = 1 + sum(size[id(each)] for each in below)
+    if depth[id(tree)] > DEEPEST:
+        raise InputError(f"has {depth[id(tree)]} operations within each other; {DEEPEST} are the most")
+    if size[id(tree)] > LARGEST:
+        raise InputError(f"has {size[id(tree)]} operations, its definitions put in; {LARGEST} are the most")
     return tree
 
 

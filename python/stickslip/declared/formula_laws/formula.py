@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 from stickslip.arguments import must_be
 from stickslip.declared.dimensions import Dimension
-from stickslip.declared.formula.parse import CONSTANTS, FUNCTIONS, parse
+from stickslip.declared.formula.parse import CONSTANTS, FUNCTIONS, fit, parse
 from stickslip.declared.formula.range import check_range
 from stickslip.declared.formula.tree import Number, Tree, names, substituted
 from stickslip.declared.formula.value import value
@@ -170,12 +170,12 @@ class FormulaFriction(LawByFormula):
         for name, text in self.define:
             # a definition may read what stands before it
             tree = _read(f"define.{name}", text, [*own, *VARIABLES, *defined])
-            defined[name] = substituted(tree, defined)
+            defined[name] = _fit(f"define.{name}", substituted(tree, defined))
 
         def read(key: str, text: str, reads: str) -> Tree:
             known = [*own, *READS[reads], *defined]
             rates = {f"{name}_rate": tree for name, tree in by_rate.items()} if reads == "force" else {}
-            tree = substituted(_read(key, text, [*known, *rates]), {**defined, **rates})
+            tree = _fit(key, substituted(_read(key, text, [*known, *rates]), {**defined, **rates}))
             if wrong := names(tree) & (set(VARIABLES) - set(READS[reads])):
                 words = f"uses '{min(wrong)}' through a definition; it may read {', '.join(READS[reads])}"
                 raise InputError(words, key=key)
@@ -240,6 +240,13 @@ def _read(key: str, text: object, known: list[str]) -> Tree:
         return parse(text, known)
     except InputError as error:
         raise InputError(error.what, key=key, value=error.value) from None
+
+
+def _fit(key: str, tree: Tree) -> Tree:
+    try:
+        return fit(tree)
+    except InputError as error:
+        raise InputError(error.what, key=key) from None
 
 
 def _with_unit(size: float, unit: str | None) -> float | str:

@@ -329,19 +329,12 @@ def simulate(
     steps, changes, recent, message = list[Step](), list[Change](), list[float](), ""
     breaks = sorted({b for one in (own.belt, own.drive) for b in one.begins[1:] if 0 < b < t_end} | {t_end})
     while t < t_end and not message:
-        ahead = next(b for b in breaks if b > t)
         before, modes = len(steps), side.modes
-        hit: Any = leg(system, side, t, z, ahead, tol, max_step, steps)
-        if isinstance(hit, str):
-            message = hit
+        found = _next(system, side, t, z, [b for b in breaks if b > t], tol, max_step, steps)
+        if isinstance(found, str):
+            message = found
             break
-        if hit is None:
-            t, z = ahead, steps[-1].dense(ahead)
-            if t < t_end:
-                z, side = system.start(t, z, side)
-        else:
-            name, t, z = hit
-            z, side = system.switch(name, t, z, side)
+        t, z, side = found
         pairs = enumerate(zip(modes, side.modes, strict=True))
         changes += [Change(t, z[: system.d], j, a, b) for j, (a, b) in pairs if a != b]
         recent = [*recent, t] if len(steps) == before else [t]
@@ -350,6 +343,27 @@ def simulate(
         elif len(changes) >= max_transitions:
             message = f"gave up at t = {t!r} after {max_transitions} switchings"
     return _collect(system, [*steps, Step(t, z, t, side, lambda _: z)], changes, message, t_eval)
+
+
+def _next(
+    system: Bodies,
+    side: Modes,
+    t: float,
+    z: Floats,
+    breaks: list[float],
+    tol: float,
+    max_step: float,
+    steps: list[Step],
+) -> tuple[float, Floats, Modes] | str:
+    """Integrate to the next switching, or to the first of the breaks; what follows it, or why it failed."""
+    hit: Any = leg(system, side, t, z, breaks[0], tol, max_step, steps)
+    if isinstance(hit, str):
+        return hit
+    if hit is None:
+        t, z = breaks[0], steps[-1].dense(breaks[0])
+        return (t, *system.start(t, z, side)) if len(breaks) > 1 else (t, z, side)
+    name, t, z = hit
+    return (t, *system.switch(name, t, z, side))
 
 
 def _collect(
