@@ -136,3 +136,14 @@ def test_identical_blocks_let_go_and_stop_together(coupled: bool) -> None:
     np.testing.assert_allclose(got["state"][:, 0], got["state"][:, 1], rtol=0, atol=1e-9)
     settled = got["mode"][np.append(np.diff(got["t"]) > 1e-9, True)]
     np.testing.assert_array_equal(settled[:, 0], settled[:, 1])
+
+
+def test_what_others_pull_back_is_held_again() -> None:
+    """At t = 10.6 one contact turns and, while it is held for a moment, seems to push another over its limit."""
+    core, _, start = random_rig(323, 3)
+    got = core.run(list(start), 20.0, rtol=1e-12, atol=1e-14)
+    assert got["outcome"] == _core.Outcome.finished
+    assert np.diff(got["transition_t"]).min() > 1e-9
+    speeds = [float(pieces[0][1]) for pieces in core.speeds]
+    for row, mode in zip(got["state"], got["mode"], strict=True):
+        assert np.all((core.D @ row[3:6] - speeds) * mode >= -1e-12)

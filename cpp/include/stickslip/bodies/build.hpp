@@ -9,6 +9,8 @@ namespace stickslip::inline STICKSLIP_ISA {
 template <class T>
 void build(BodiesSystem<T>& sys) {
   const int n = sys.n;
+  for (int k = 0; k < series_size; ++k) sys.time[k] = T(k == 1 ? 1.0 : 0.0);
+  for (int k = 0; k < sys.contacts * series_size; ++k) sys.dwell[k] = T(0.0);
   for (int i = 0; i < n * n; ++i) sys.room[i] = sys.values[sys.at.M + i];
   invert(sys.room, sys.inverse, n);
   for (int i = 0; i < n; ++i) sys.weight[i] = square_root(magnitude(value(sys.values[sys.at.M + i * (n + 1)])));

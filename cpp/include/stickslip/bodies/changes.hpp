@@ -1,7 +1,7 @@
 // What happens at a surface: a contact comes to rest or lets go, a formula goes over to another piece.
 #pragma once
 
-#include "stickslip/bodies/settle.hpp"
+#include "stickslip/bodies/start.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 

@@ -2,8 +2,13 @@
 #pragma once
 
 #include "stickslip/bodies/changes.hpp"
+#include "stickslip/trajectory.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
+
+inline int surface_order_for(double tol) {
+  return order_for(tolerance_share * surface_tolerance(tol)) + surface_orders;
+}
 
 template <class T>
 int piece_at(const BodiesSystem<T>& sys, int speed, double t) {

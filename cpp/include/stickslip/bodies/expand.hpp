@@ -37,6 +37,29 @@ void laws_next(BodiesSystem<T>& sys, int k, bool rates) {
   }
 }
 
+// The recurrence, N coordinates (0: as many as there are).
+template <int N, class T>
+void expand_motion(BodiesSystem<T>& sys, const int* curved, int count, int order) {
+  for (int k = 0; k < order; ++k) {
+    laws_next(sys, k, true);
+    motion_next<N>(sys, curved, count, k);
+  }
+}
+template <class T>
+void expand_motion(BodiesSystem<T>& sys, const int* curved, int count, int order) {
+  switch (sys.n) {
+    case 1: return expand_motion<1>(sys, curved, count, order);
+    case 2: return expand_motion<2>(sys, curved, count, order);
+    case 3: return expand_motion<3>(sys, curved, count, order);
+    case 4: return expand_motion<4>(sys, curved, count, order);
+    case 5: return expand_motion<5>(sys, curved, count, order);
+    case 6: return expand_motion<6>(sys, curved, count, order);
+    case 7: return expand_motion<7>(sys, curved, count, order);
+    case 8: return expand_motion<8>(sys, curved, count, order);
+    default: return expand_motion<0>(sys, curved, count, order);
+  }
+}
+
 // Friction that holds the stuck contacts, coefficient k: held row by row, less what the belt's acceleration takes.
 template <class T>
 T holding_force(const BodiesSystem<T>& sys, int h, const int* curved, int count, int k) {
@@ -68,12 +91,28 @@ void expand_speeds(BodiesSystem<T>& sys, int order) {
   for (int s = 0; s < sys.speeds; ++s) {
     Tape<T>& tape = sys.rail[s].piece[sys.rail[s].now];
     T *V = sys.V + s * series_size, *x = sys.x + s * series_size;
+    if (sys.rail[s].steady) {
+      if (!sys.rail[s].filled)
+        for (int k = 0; k < series_size; ++k) {
+          V[k] = k == 0 ? coefficient(tape, tape.formulas->force, 0) : T(0.0);
+          if (k > 0) x[k] = V[k - 1];
+        }
+      sys.rail[s].filled = true;
+      continue;
+    }
     for (int k = 0; k <= order + 1; ++k) {
       run(tape.inner, tape.inners, k);
       V[k] = coefficient(tape, tape.formulas->force, k);
       if (k <= order) x[k + 1] = V[k] * inverse<T>(k + 1);
     }
   }
+}
+
+// To what order the surfaces of a formula are expanded. Where the force goes over continuously an error in the time of it
+// counts by its square.
+template <class T>
+int watched_order(const BodiesSystem<T>& sys, int j, const Tape<T>& tape, int order) {
+  return sys.contact[j].mode == sticks || tape.jumps || order < sys.surface_order ? order : sys.surface_order;
 }
 
 // All series from their first coefficients, which the caller has set: t, q, q', z, x and the dwell.
@@ -84,10 +123,7 @@ void expand_bodies(BodiesSystem<T>& sys, int order) {
   for (int j = 0; j < sys.contacts; ++j)
     if (!sys.contact[j].linear) curved[count++] = j;
   expand_speeds(sys, order);
-  for (int k = 0; k < order; ++k) {
-    laws_next(sys, k, true);
-    motion_next(sys, curved, count, k);
-  }
+  expand_motion(sys, curved, count, order);
   laws_next(sys, order, false);
   for (int h = 0; h < sys.stuck_count; ++h)
     for (int k = 0; k <= order; ++k)
@@ -97,7 +133,10 @@ void expand_bodies(BodiesSystem<T>& sys, int order) {
     for (int s = 0; s < 2; ++s) {
       if (c.mode != sticks && s != (c.mode > 0)) continue;
       Tape<T>& tape = c.tape[s];
-      for (int k = 0; k <= order; ++k) run(tape.outer, tape.outers, k);
+      const int top = watched_order(sys, j, tape, order);
+      for (int k = 0; k <= top; ++k) run(tape.outer, tape.outers, k);
+      for (int i = 0; i < tape.surface_count; ++i)
+        for (int k = top + 1; k <= order; ++k) tape.surface_series[i * series_size + k] = T(0.0);
       if (c.mode != sticks) continue;
       T* margin = sys.margin + (2 * j + s) * series_size;  // of T above -limit_minus, below limit_plus
       const T* friction = sys.friction + j * series_size;

@@ -50,6 +50,7 @@ void link(Tape<T>& tape, const int* roots, int root_count, int watched) {
   if (watched >= 0) want(tape, watched, true);
   Emitter<T> outer{tape, tape.outer};
   tape.surface_count = 0;
+  tape.jumps = false;
   T bound(0.0);
   bool above = false;
   bool any = watched >= 0;
@@ -57,6 +58,7 @@ void link(Tape<T>& tape, const int* roots, int root_count, int watched) {
     if (tape.wanted[i] && is_piecewise(tape.at(i).op) && tape.node[i].watched &&
         !linear_surface(tape, i, bound, above)) {
       tape.surfaces[tape.surface_count++] = i;
+      tape.jumps = tape.jumps || tape.at(i).op == Op::sign;
       any = true;
     }
   if (any) outer.wanted_nodes();

@@ -21,13 +21,12 @@ void set_first(BodiesSystem<T>& sys, const BodiesState<T>& s) {
   }
   for (int i = 0; i < sys.states; ++i) sys.z[i * series_size] = s.z[2 * n + i];
   for (int i = 0; i < sys.speeds; ++i) sys.x[i * series_size] = s.z[2 * n + sys.states + i];
-  for (int k = 0; k < series_size; ++k) sys.time[k] = T(k == 1 ? 1.0 : 0.0);
   sys.time[0] = s.t;
   for (int j = 0; j < sys.contacts; ++j) {
     T* dwell = sys.dwell + j * series_size;
     const bool stuck = sys.contact[j].mode == sticks;
-    for (int k = 0; k < series_size; ++k) dwell[k] = T(k == 1 && stuck ? 1.0 : 0.0);
-    if (stuck) dwell[0] = s.t - sys.contact[j].since;
+    dwell[0] = stuck ? s.t - sys.contact[j].since : T(0.0);
+    dwell[1] = T(stuck ? 1.0 : 0.0);
   }
 }
 

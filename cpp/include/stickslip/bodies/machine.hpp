@@ -2,7 +2,6 @@
 #pragma once
 
 #include "stickslip/bodies/corners.hpp"
-#include "stickslip/trajectory.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
@@ -19,7 +18,9 @@ struct BodiesMachine {
   Summary summary;
   Chatter<R> chatter;
 
-  BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {}
+  BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {
+    sys.surface_order = std::min(surface_order_for(opt.rtol > 0 ? opt.rtol : opt.atol), opt.order);
+  }
   void place(Arena& arena) {
     on = arena.take<Side>(sys.ids);
     next_on = arena.take<Side>(sys.ids);

@@ -65,6 +65,7 @@ void link_speeds(BodiesSystem<T>& sys) {
     const NodeFacts<T>& f = tape.node[source(tape, root)];
     one.steady = f.form == Form::constant;
     one.linear = f.form != Form::curved;
+    one.filled = false;
   }
 }
 

@@ -48,19 +48,4 @@ void motion_next(const BodiesSystem<T>& sys, const int* curved, int curved_count
   }
 }
 
-template <class T>
-void motion_next(const BodiesSystem<T>& sys, const int* curved, int count, int k) {
-  switch (sys.n) {
-    case 1: return motion_next<1>(sys, curved, count, k);
-    case 2: return motion_next<2>(sys, curved, count, k);
-    case 3: return motion_next<3>(sys, curved, count, k);
-    case 4: return motion_next<4>(sys, curved, count, k);
-    case 5: return motion_next<5>(sys, curved, count, k);
-    case 6: return motion_next<6>(sys, curved, count, k);
-    case 7: return motion_next<7>(sys, curved, count, k);
-    case 8: return motion_next<8>(sys, curved, count, k);
-    default: return motion_next<0>(sys, curved, count, k);
-  }
-}
-
 }  // namespace stickslip::inline STICKSLIP_ISA

@@ -6,7 +6,7 @@
 namespace stickslip::inline STICKSLIP_ISA {
 
 template <class T>
-T next(const Instruction<T>& in, int k) {
+[[gnu::always_inline]] inline T next(const Instruction<T>& in, int k) {
   T *slope = in.aux, *other = in.aux + series_size;
   switch (in.code) {
     case Code::combine: {

@@ -19,6 +19,7 @@ struct Contact {
   T level, slope;
   Interval<T> interval;  // of u, in which no linear surface changes its side
   bool leaving = false;  // it slips off from rest: u is 0 at the start of the piece
+  bool tried = false;    // let go by the rule at this transition
   T since;               // time from which the dwell counts
 };
 
@@ -26,8 +27,8 @@ template <class T>
 struct Rail {  // a prescribed speed
   Tape<T>* piece;
   int now = 0;
-  bool steady = true;  // constant at present
-  bool linear = true;  // linear in t at present
+  bool steady = true, filled = false;  // constant at present; its series stands
+  bool linear = true;                  // linear in t at present
 };
 
 template <class T>
@@ -46,8 +47,9 @@ struct BodiesSystem {
   T *compliance = nullptr, *stiff = nullptr, *room = nullptr;  // G = D M^-1 D', its inverse
   int* stuck = nullptr;
   int stuck_count = 0;
-  Real<T> rate{}, frequency{};  // bounds on the eigenvalues of the present modes, and of the springs
-  bool pulled = false;          // some force follows a prescribed motion
+  int surface_order = max_order;  // of surfaces where a formula goes over continuously
+  Real<T> rate{}, frequency{};    // bounds on the eigenvalues of the present modes, and of the springs
+  bool pulled = false;            // some force follows a prescribed motion
   Contact<T>* contact = nullptr;
   Rail<T>* rail = nullptr;
   // the series of a piece

@@ -90,6 +90,7 @@ struct Tape {
   int inners = 0, outers = 0;
   int* surfaces = nullptr;  // nodes that are watched as series of their own: their `surface` series
   int surface_count = 0;
+  bool jumps = false;  // a surface is that of a sign
   T* surface_series = nullptr;
   bool* wanted = nullptr;
   int first_id = 0;  // of its switching functions: one a node
