@@ -194,3 +194,41 @@ def test_derivatives_are_those_of_perturbation() -> None:
             want = (8 * (c - b) - (d - a)) / (12 * h)
             tol = 1e-7 * max(1, np.abs(want).max())
             np.testing.assert_allclose(slope[..., i], want, rtol=0, atol=tol, err_msg=str(seed))
+
+
+def test_den_hartog_forced_by_a_formula_of_time() -> None:
+    """x'' + x = cos(r t) - S sgn x', non-stop, r = 0.8, S = 0.3 (Den Hartog 1931): amplitude in closed form."""
+    r, S = 0.8, 0.3
+    rig = Bodies(
+        np.eye(1), np.zeros((1, 1)), np.eye(1), np.eye(1), [Law("S", "S")], {"S": S, "r": r},
+        [[(0.0, "cos(r*t)")]], [-1], pull_v=np.array([[1.0]]),
+    )  # fmt: skip
+    got = rig.run([0.0, 0.0], 600.0, rtol=1e-11, atol=1e-13)
+    turns = np.abs(got["transition_state"][got["transition_t"] > 500, 0])
+    amplitude = math.sqrt((1 / (1 - r**2)) ** 2 - (S * math.tan(math.pi / (2 * r)) / r) ** 2)
+    np.testing.assert_allclose(turns, amplitude, rtol=0, atol=1e-9)
+
+
+def test_a_block_without_spring_stops_and_stays() -> None:
+    rig = Bodies(
+        np.eye(1),
+        np.zeros((1, 1)),
+        np.zeros((1, 1)),
+        np.eye(1),
+        [Law("Fk", "Fs")],
+        {"Fk": 0.5, "Fs": 1.0},
+        [],
+        [-1],
+    )
+    got = rig.run([0.0, 1.0], 1e6)
+    assert got["transition_t"] == pytest.approx([2.0], abs=1e-14)
+    assert got["state"][-1] == pytest.approx([1.0, 0.0], abs=1e-14)
+    assert got["steps"] <= 3
+
+
+def test_a_force_that_jumps_against_the_motion_is_called_ill_posed() -> None:
+    """Friction that jumps up where |v| passes 0.3 holds it there: no mode of the law does, and the run says so."""
+    got = block(Law("Fk*(1 + 0.5*sign(u - 0.3))", "Fs"), {"Fk": 0.5, "Fs": 1.0}, [(0.0, "0.2")]).run(
+        [1.5, 0.9], 60.0
+    )
+    assert got["outcome"] == _core.Outcome.chatter
