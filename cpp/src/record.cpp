@@ -68,6 +68,7 @@ Record record(const Request& request, bool (*interrupted)(void*)) {
   if (request.t_eval != nullptr) {
     out.t.reserve(static_cast<std::size_t>(request.n_eval));
     out.state.reserve(static_cast<std::size_t>(request.n_eval) * state_count);
+    out.sensitivity.reserve(out.state.capacity() * out.seeds);  // growing would hold three times as much
   }
   constexpr int row = parameter_count + state_count;
   for (int group = 0; group < dispatch::seed_groups(request.n_seeds); ++group) {

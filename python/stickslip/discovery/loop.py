@@ -41,7 +41,11 @@ from stickslip.errors import InputError, number
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
 from stickslip.measured.case import Case
+from stickslip.measured.thinning import sentences, thinned_case
 
+MOST_SAMPLES = (
+    60_000  # of the train runs, and of the others: two minutes; what traces a cause takes samples squared
+)
 MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating
 BUDGET = 51.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
@@ -99,19 +103,35 @@ def discover(
     threads = None if threads is None else arguments.whole_number("threads", threads)
     if progress is not None and not callable(progress):
         raise InputError("must be a function of one sentence", key="progress")
-    began = time.monotonic()
     tell = progress or (lambda _: None)
+    tell("looking at the readings")
+    copied = copied_words((*case.train, *case.validate)) if isinstance(case.rig, Rig) else ()
+    case, less = thinned_case(case, MOST_SAMPLES)
+    found = _searched(case, copied, tell, threads, seed, budget)
+    return replace(found, thinned=less, messages=(*sentences(less), *found.messages))
+
+
+def _searched(
+    case: Case,
+    copied: tuple[str, ...],
+    tell: Callable[[str], None],
+    threads: int | None,
+    seed: int,
+    budget: float,
+) -> Found:
+    """What is found by the search for the case's rig."""
+    began = time.monotonic()
     # products of many small matrices: threads that wait for each other cost far more
     with threadpool_limits(1):
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)
         if isinstance(case.rig, BlockOnBelt):
             found = block.discover(case, tell, seed)
-            return found or slider.carried(slider.discover(case, progress=progress, seed=seed))
+            return found or slider.carried(slider.discover(case, progress=tell, seed=seed))
         if not isinstance(case.rig, Rig):
             raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
-        data, notes = _checked(case)
+        data, notes = _checked(case, copied)
         workers = Workers(count, __name__)  # not for a case that is refused
         try:
             return _discover(_Asked(case, data, notes, tell, count, seed, budget, began, workers))
@@ -120,12 +140,12 @@ def discover(
             raise
 
 
-def _checked(case: Case) -> tuple[list[Data], tuple[str, ...]]:
+def _checked(case: Case, copied: tuple[str, ...]) -> tuple[list[Data], tuple[str, ...]]:
     """The runs with what was found amiss in them, said; or a refusal."""
     recordings = (*case.train, *case.validate)
     one_rig(case.rig, recordings)
     data = prepare(recordings)
-    found = (*copied_words(recordings), *held_words(data))
+    found = (*copied, *held_words(data))
     data, notes = plausible(case, data)
     return data, (*found, *notes)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.measured.thinning import Thinned
 
 Floats = NDArray[np.float64]
 SEEN = 4  # samples in stick, at least, of a block that sticks
@@ -291,6 +292,7 @@ class Found:
         the model's number ("alpha2", "mass", ...), or by the channel of a gain, which is 1 where it is as declared.
     scatter : relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the
         "belt"; empty where every event is like every other.
+    thinned : what was done to runs too long to be fitted reading by reading.
     """
 
     title: str
@@ -312,6 +314,7 @@ class Found:
     seconds: float
     constants: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
     scatter: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
+    thinned: tuple[Thinned, ...] = field(default=(), kw_only=True)
 
     @property
     def model(self) -> Model:

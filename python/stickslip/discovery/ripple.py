@@ -20,6 +20,7 @@ from stickslip.fitted.solve import Fit
 from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
+AT_ONCE = 4_000_000  # sines of samples and frequencies at once: 32 MB
 
 
 def ripple_starts(
@@ -108,12 +109,28 @@ def _lines(
     *,
     swap: bool,
 ) -> tuple[Floats, Floats]:
-    sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
+    slow = []  # what is projected out of each stick
     for k in np.unique(label):
-        part = label == k
-        slow = np.vander(t[part] - t[part].mean(), 3 if swap else 1)
-        q = np.linalg.qr(slow)[0]
-        for x in (sine, cosine, value):
+        part = np.flatnonzero(label == k)
+        slow.append((part, np.linalg.qr(np.vander(t[part] - t[part].mean(), 3 if swap else 1))[0]))
+        value[part] -= slow[-1][1] @ (slow[-1][1].T @ value[part])
+    gain, amplitudes = np.empty(len(w)), np.empty((2, len(w)))
+    wide = max(AT_ONCE // max(len(t), 1), 1)
+    for first in range(
+        0, len(w), wide
+    ):  # sines of all frequencies at once would be as many as samples squared
+        some = slice(first, first + wide)
+        gain[some], amplitudes[:, some] = _fitted(t, value, slow, w[some], swap)
+    return gain, amplitudes * noise * rate
+
+
+def _fitted(
+    t: Floats, value: Floats, slow: Sequence[tuple[NDArray[np.intp], Floats]], w: Floats, swap: bool
+) -> tuple[Floats, Floats]:
+    """Gain and amplitudes at some frequencies, what is slow projected out."""
+    sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
+    for part, q in slow:
+        for x in (sine, cosine):
             x[part] -= q @ (q.T @ x[part])
     ss, cc, sc = (sine**2).sum(0), (cosine**2).sum(0), (sine * cosine).sum(0)
     bs, bc = value @ sine, value @ cosine
@@ -121,4 +138,4 @@ def _lines(
     s, c = (cc * bs - sc * bc) / det, (ss * bc - sc * bs) / det
     # displacement -(V/w) cos(w t + phi) to speed V sin(w t + phi)
     amplitudes = np.stack([-c, s]) if swap else np.stack([s, c])
-    return s * bs + c * bc, amplitudes * noise * rate
+    return s * bs + c * bc, amplitudes

@@ -14,14 +14,14 @@ from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.errors import InputError
 from stickslip.measured import signals
 from stickslip.measured.case import Recording
+from stickslip.measured.fit_window import half_apart
+from stickslip.measured.repeats import held, held_sentence
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
 GLITCH_SIGMAS = 8.0
 GLITCH_TURNS = 3  # one taken out shows the smaller beside it
-SAME = 5  # readings in a row that are one and the same, at least, to be no noise
 COPIED = 50  # values in a row that two records share by no chance
-CHANCE = 1e-3  # how often noise may make so many in a run
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
@@ -42,6 +42,7 @@ class Data:
     cycle : time from slip to slip; a natural period where there are none.
     held : (n, c) readings that only repeat the one before.
     declared : (c,) whether a channel's noise is the declared one; else it is as the readings scatter.
+    half : what readings that are means are simulated at on either side of their times; 0 of single readings.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Data:
     cycle: float
     held: NDArray[np.bool_]
     declared: tuple[bool, ...] = ()
+    half: float = 0.0
     _states: dict[tuple[int, bool], Floats] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -88,20 +90,24 @@ def prepare(runs: Sequence[Recording]) -> list[Data]:
     InputError
         A run lacks a channel or is too short to hold a cycle.
     """
-    noise = _noise(runs)
-    return [_prepare(run, noise) for run in runs]
+    return [_prepare(run, noise) for run, noise in zip(runs, _noise(runs), strict=True)]
 
 
 def _noise(runs: Sequence[Recording]) -> Floats:
+    """Noise of each run by channel (r, c); that of a mean falls with the root of how many it is of."""
     channels: Sequence[str] = CHANNELS if all(run.belt is not None for run in runs) else CHANNELS[:2]
     if all(isinstance(run.rig, BlockOnBelt) for run in runs):
         channels = CHANNELS[:1]
+    root = np.sqrt([run.averaged for run in runs])
     found = []
     for channel in channels:
         given = [run.noise[channel] for run in runs if channel in run.noise]
-        size = given[0] if given else float(np.median([_estimated(run, channel) for run in runs]))
-        found.append(size)
-    return np.array(found)
+        if given:
+            found.append([run.noise.get(channel, given[0]) for run in runs])
+        else:
+            single = [size * _estimated(run, channel) for run, size in zip(runs, root, strict=True)]
+            found.append(list(float(np.median(single)) / root))
+    return np.array(found).T
 
 
 def rounding(readings: Floats) -> Floats:
@@ -143,29 +149,16 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
     slips, cycle = _slips(t, v, run.belt_speed)
     told = tuple(channel in run.noise for channel in CHANNELS[: len(noise)])
-    return Data(run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same, told)
-
-
-def held(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Readings that repeat the one before, in a row too long for noise: a channel that was held, not measured."""
-    out = np.zeros(len(values), dtype=bool)
-    alike = float(rounding(values[:, None])[0]) / noise  # at most the chance of two neighbours
-    if not alike < 0.5:
-        return out
-    least = max(SAME, 2 + math.ceil(math.log(CHANCE / len(values)) / math.log(max(alike, 1e-9))))
-    same = np.concatenate([[False], np.diff(values) == 0, [False]])
-    first, last = (np.flatnonzero(np.diff(same.astype(np.int8)) == step) for step in (1, -1))
-    for a, b in zip(first, last, strict=True):
-        if b - a + 1 >= least:
-            out[a + 1 : b + 1] = True
-    return out
+    half = half_apart(t, run.averaged)
+    return Data(
+        run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same, told, half
+    )
 
 
 def held_words(data: Sequence[Data]) -> tuple[str, ...]:
     """What was found held, channel by channel."""
     return tuple(
-        f"{run.name}: {channel} repeats one reading over {int(mask.sum())} samples, first at t = "
-        f"{run.t[np.argmax(mask)]:.4g} (model units): held, not measured, and left out"
+        held_sentence(run.name, channel, run.t, mask)
         for run in data
         for channel, mask in zip(run.channels, run.held.T, strict=True)
         if mask.any()

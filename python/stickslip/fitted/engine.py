@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.fitted.data import Data
+from stickslip.fitted.means import instants, pooled
 from stickslip.fitted.readings import Chain, Learned, read, states_read
 from stickslip.fitted.unknowns import Hypothesis
 from stickslip.fitted.window import AUTO, Window, by_free, window_penalties
@@ -146,6 +147,7 @@ class Engine:
         numbers, _ = self._parameters(vector)
         initial = np.stack([w.state for w in windows]) if states is None else states
         lengths = np.array([w.stop - w.start for w in windows])
+        twice = np.array([self.data[w.run].half > 0 for w in windows])
         offset = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
         n, kept = int(offset[-1]), self.kept
         sane = np.asarray(np.isfinite(numbers).all(axis=1))
@@ -156,14 +158,14 @@ class Engine:
             if not left.size:
                 break
             chosen = [windows[i] for i in left.tolist()]
-            raw = _core.simulate_windows(
+            made = _core.simulate_windows(
                 structure=self.lowered[0].structure,
                 parameters=numbers,
                 set=np.array([w.run for w in chosen], dtype=np.int32),
                 initial=np.ascontiguousarray(initial[left] + nudge * VISIBLE),
                 contact=np.array([min(w.contact, AUTO) for w in chosen], dtype=np.int32),
-                t=np.concatenate([self.data[w.run].t[w.start : w.stop] for w in chosen]),
-                offset=np.concatenate([[0], np.cumsum(lengths[left])]).astype(np.int64),
+                t=np.concatenate([instants(self.data[w.run], w.start, w.stop) for w in chosen]),
+                offset=np.concatenate([[0], np.cumsum((lengths * (1 + twice))[left])]).astype(np.int64),
                 rtol=rtol,
                 atol=ATOL,
                 seeds=np.ascontiguousarray(self.seeds[list(seeds)]),
@@ -175,6 +177,7 @@ class Engine:
                 order=order,
                 threads=self.threads,
             )
+            raw = pooled(made, twice[left], lengths[left])
             done = _into(out, raw, left, kept)
             out.ok[left[done]] = True
             if done.all():

@@ -19,6 +19,7 @@ from stickslip.declared.units import Channel
 from stickslip.files import folder
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
+from stickslip.measured.thinning import Thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,7 +125,7 @@ class Identified:
     covered : mapping
         Per branch ("minus": v_w < 0, "plus": v_w > 0) the range of |v_w| visited in slip, or None.
     noise : mapping of str to float
-        Standard deviation per channel, in the rig's units.
+        Standard deviation of a reading per channel, in the rig's units.
     reduced_chi2 : float
         Squared residual over noise per degree of freedom: 1 where noise alone remains.
     force : ForcePoints or None
@@ -133,6 +134,8 @@ class Identified:
     diagnostics : mapping of str to float
     messages : tuple of str
         Sentences a person should read.
+    thinned : tuple of Thinned
+        What was done to runs too long to be fitted reading by reading.
     channels, reading_noise : mapping or None
         Columns and units of the readings, and the noise declared in these units, where a case says so.
     """
@@ -149,6 +152,7 @@ class Identified:
     events: Events | None = None
     diagnostics: Mapping[str, float] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
+    thinned: tuple[Thinned, ...] = ()
     channels: Mapping[str, Channel] | None = None
     reading_noise: Mapping[str, float] | None = None
 
@@ -275,6 +279,7 @@ class Identified:
             "reduced_chi2": self.reduced_chi2,
             "diagnostics": dict(self.diagnostics),
             "messages": list(self.messages),
+            "thinned": [{**vars(one), "how": one.how.value} for one in self.thinned],
             "events": events,
         }
 

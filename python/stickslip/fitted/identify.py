@@ -32,6 +32,7 @@ from stickslip.measured.case import Case, Recording
 from stickslip.measured.fit_window import Array, Window
 from stickslip.measured.prepared import Measured, Motion
 from stickslip.measured.stick_speed import why_idle, wrong_set_point
+from stickslip.measured.thinning import sentences, thinned
 from stickslip.simulated.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
@@ -73,14 +74,16 @@ def measured(
         number(f"noise.{name}", size, least=0)
     channels: list[Array] = []
     stds: list[float] = []
-    known = noise or recording.noise or {}
+    root = np.sqrt(recording.averaged)
+    known = {name: size / root for name, size in noise.items()} if noise else recording.noise or {}
     for name in ("x1", "y1")[: len(columns(rig))]:
         x = getattr(recording, name)
         if x is None:
             raise InputError(f"{recording.name}: channel {name} is missing; the rig of (2.1) needs x1 and y1")
         x = np.array(x, dtype=float)
-        std = float(known[name]) if name in known else signals.noise_std(x, t=recording.t)
-        x[signals.find_glitches(x).mask] = np.nan
+        there = np.isfinite(x)  # of a record that was thinned not all are
+        std = float(known[name]) if name in known else signals.noise_std(x[there], t=recording.t[there])
+        x[np.flatnonzero(there)[signals.find_glitches(x[there]).mask]] = np.nan
         channels.append(x)
         stds.append(std)
         stds[-1] = max(stds[-1], RESOLVED * _size(x))
@@ -101,7 +104,24 @@ def measured(
         speed, std = segments.plateau_speed(look, behind, size)
     look = look if motion is None else segments.as_read(look, t, channels[0])
     readings = np.column_stack(channels)
-    return Measured(recording.name, t, readings, np.array(stds), used, set_point, speed, std, look, motion)
+    return Measured(
+        recording.name,
+        t,
+        readings,
+        np.array(stds),
+        used,
+        set_point,
+        speed,
+        std,
+        look,
+        recording.averaged,
+        motion,
+    )
+
+
+def single_noise(runs: Sequence[Measured]) -> Array:
+    """Standard deviation of a single reading of each channel (c,), over all runs."""
+    return np.asarray(np.mean([r.noise * np.sqrt(r.averaged) for r in runs], axis=0))
 
 
 def _size(x: Array) -> float:
@@ -145,7 +165,7 @@ def identify(
     friction : PaperFriction, CoulombFriction or HyperbolicFriction, optional
         The law's form and the values to start from; the case's, or Table 1, if absent.
     noise : mapping of str to float, optional
-        Standard deviation per channel in the rig's units; the recording's, or estimated, if absent.
+        Standard deviation of a reading per channel in the rig's units; the recording's, or estimated, if absent.
     belt_speed : "set-point" or "plateau"
         Whether v_b is what was set, or what the block was seen to ride at in its sticks.
     scatter : bool, optional
@@ -180,9 +200,12 @@ def identify(
         )
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
     told = friction or (source.friction if isinstance(source, Case) else None)
-    notes = checked(source) if isinstance(source, Case) and rig in (None, source.rig) else ()
-    recordings, rig, friction = _material(source, rig, friction)
     tell = progress or (lambda _what, _share: None)
+    tell("looking at the readings", 0.0)
+    own = rig
+    recordings, rig, friction = _material(source, rig, friction)
+    recordings, less = thinned(recordings, rig)
+    notes = checked(source, recordings) if isinstance(source, Case) and own in (None, source.rig) else ()
     tell("reading modes", 0.0)
     runs = [measured(r, rig, noise=noise, belt=belt_speed) for r in recordings]
     if scatter:
@@ -206,9 +229,9 @@ def identify(
         found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
-    said = (*notes, *found.messages, *rode, *misfit_messages(found))
+    said = (*sentences(less), *notes, *found.messages, *rode, *misfit_messages(found))
     estimates = _beside_declared(found, told, undeclared)
-    found = replace(found, estimates=estimates, force=_force(runs, rig), messages=said)
+    found = replace(found, estimates=estimates, force=_force(runs, rig), messages=said, thinned=less)
     if rig == recordings[0].rig:
         known = dict(source.noise) or None if isinstance(source, Case) else None
         found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
@@ -254,13 +277,9 @@ def _identify_by_shooting(
     names = tuple(dict.fromkeys([*branches["minus"], *branches["plus"]]))
     model = Model(rig, friction=start)
     declared = np.array([model.parameters[n] for n in names], dtype=float)
-    noise = np.mean([r.noise for r in runs], axis=0)
+    noise = single_noise(runs)
     period, cols = natural_period(rig), columns(rig)
-    windows = [
-        cutting.window(r.track, r.readings, b, run=i, columns=cols)
-        for i, r in enumerate(runs)
-        for b in cutting.cut(r.track, period)
-    ]
+    windows = [_window(r, b, i, cols) for i, r in enumerate(runs) for b in cutting.cut(r.track, period)]
     steps = iter(np.linspace(0.1, 0.9, 80))
 
     def fit(model: Model, windows: Sequence[Window], what: str) -> Shot:
@@ -288,15 +307,16 @@ def _identify_by_shooting(
     return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
 
 
+def _window(run: Measured, bounds: tuple[int, int], number: int, cols: tuple[int, ...]) -> Window:
+    """A window of a run, with the state at its start."""
+    made = cutting.window(run.track, run.readings, bounds, run=number, columns=cols)
+    return replace(made, averaged=run.averaged)
+
+
 def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
     """One window a run, from the state its first short window was found to start in."""
     first = {w.run: w for w in reversed(short.windows)}
-    return [
-        replace(
-            cutting.window(r.track, r.readings, (0, len(r.t)), run=i, columns=cols), initial=first[i].initial
-        )
-        for i, r in enumerate(runs)
-    ]
+    return [replace(_window(r, (0, len(r.t)), i, cols), initial=first[i].initial) for i, r in enumerate(runs)]
 
 
 def _explains(long: Shot, short: Shot) -> bool:
@@ -339,7 +359,7 @@ def _conclude(
             names, values, np.diag(covariance), best.prior_share, declared, strict=True
         )
     }
-    kept, noise = np.flatnonzero(seen), np.mean([r.noise for r in runs], axis=0)
+    kept, noise = np.flatnonzero(seen), single_noise(runs)
     covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
     starts = dict(zip(names, declared.tolist(), strict=True))
     messages = fit_messages(estimates, covered, best, where, starts, undeclared)

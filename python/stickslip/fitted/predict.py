@@ -133,7 +133,7 @@ class Forecaster:
     def run_on(self, window: Window, t: Floats) -> Prediction:
         """Simulate from a window's start through times t after it."""
         numbers, p = self.engine.parameters(self.vector, 0)
-        start = float(self.run.t[window.start])
+        start = float(self.run.t[window.start]) - self.run.half
         raw: dict[str, object] = _core.simulate(
             structure=self.engine.lowered[0].structure,
             parameters=numbers,

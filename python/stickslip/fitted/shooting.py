@@ -39,6 +39,14 @@ class Run(Protocol):
 Simulator = Callable[..., Run]
 
 
+class _Means:
+    """A run at two instants for each row, as the means of these."""
+
+    def __init__(self, run: Run) -> None:
+        self.state: Array = 0.5 * (run.state[::2] + run.state[1::2])
+        self.sensitivity: Array = np.empty((len(self.state), 0, 0))
+
+
 @dataclass(frozen=True)
 class Shot:
     """Result of `shoot`.
@@ -105,24 +113,26 @@ class _Problem:
         return self._latest[1].replace(local) if local else self._latest[1]
 
     def run(self, shared: Array, window: Window, sensitivity: tuple[str, ...] = ()) -> Run:
-        """Simulate one window."""
+        """Simulate one window: a row's state as the mean that it is, derivatives as they are in its middle."""
+        t = window.middles if sensitivity else window.instants
         run = self.simulate(
             self.model_at(shared, window.local),
             belt_speed=window.belt_speed,
             initial=tuple(window.initial),
-            t_end=float(window.t[-1]),
-            t_eval=window.t,
+            t_end=float(t[-1]),
+            t_eval=t,
             **({"sensitivity": sensitivity, "rtol": 1e-9, "atol": self.atol} if self.exact else {}),
         )
-        if len(run.state) != len(window.t):
+        if len(run.state) != len(t):
             raise StickslipError("the simulation stopped before the end of the window")
-        return run
+        return run if len(t) == len(window.t) else _Means(run)
 
     def _weighed(self, difference: Array, window: Window) -> Array:
-        """Over the noise, flat, 0 where a reading is missing; (n, c, ..) to (n c, ..)."""
-        noise = self.noise.reshape((1, -1) + (1,) * (difference.ndim - 2))
-        there = np.isfinite(window.readings).reshape(window.readings.shape + (1,) * (difference.ndim - 2))
-        return np.where(there, difference / noise, 0.0).reshape(-1, *difference.shape[2:])
+        """Over the noise, flat, 0 where a reading is missing; (n, c, ..) to (n c, ..), in place."""
+        noise = self.noise.reshape((1, -1) + (1,) * (difference.ndim - 2)) / np.sqrt(window.averaged)
+        difference /= noise
+        difference[~np.isfinite(window.readings)] = 0.0
+        return difference.reshape(-1, *difference.shape[2:])
 
     def residual(self, shared: Array, window: Window) -> Array:
         """(readings - simulation)/noise, flat."""
@@ -135,8 +145,11 @@ class _Problem:
             own_names = (*(f"initial.{n}" for n in window.free), *window.local)
             run = self.run(shared, window, (*self.names, *own_names))
             columns = list(window.columns)
-            r = self._weighed(window.readings - run.state[:, columns], window)
-            D = self._weighed(-run.sensitivity[:, columns, :], window)
+            state = run.state if window.averaged == 1 else self.run(shared, window).state
+            r = self._weighed(window.readings - state[:, columns], window)
+            slopes = run.sensitivity[:, columns, :]
+            del run  # holds all states' derivatives
+            D = self._weighed(np.negative(slopes, out=slopes), window)
             if not np.isfinite(D).all():
                 return self._by_differences(shared, window, scale)
             return _Block(r, D[:, : shared.size], D[:, shared.size :])
@@ -205,7 +218,7 @@ def shoot(
     names : sequence of str
         Shared parameters, as `Model.parameters` names them.
     noise : (c,) array
-        Standard deviation of each channel.
+        Standard deviation of a single reading of each channel.
     simulator : callable
         `stickslip.simulate` or anything with its signature.
     prior_std : (p,) array, optional

@@ -133,7 +133,7 @@ def identify_events(
         raise InputError("slips are fitted one by one only for a BlockOnBelt; use scatter=False")
     slips = [s for i, r in enumerate(runs) for s in _slips(r, i, rig)]
     branch = _branch(runs)
-    noise = np.mean([r.noise for r in runs], axis=0)
+    noise = np.asarray(np.mean([r.noise * np.sqrt(r.averaged) for r in runs], axis=0))  # of a single reading
     seen = {s.run for s in slips}
     coulomb, slips = _one_by_one(slips, rig, noise, simulator, tell)
     used = {s.run for s in slips}
@@ -207,6 +207,7 @@ def _event_window(run: Measured, number: int, before: Segment, start: int, stop:
         columns=(0,),
         initial=np.array([x, run.belt_speed]),
         free=("x1",),
+        averaged=run.averaged,
     )
 
 
@@ -313,7 +314,12 @@ def _events(choice: _Choice, local: dict[str, Array], slips: Sequence[_Slip], no
         static=static,
         kinetic=kinetic,
         amplitude=np.array([s.amplitude for s in slips]),
-        rms=np.array([float(np.sqrt(np.mean(r**2))) * noise[0] for r in choice.shot.residuals]),
+        rms=np.array(
+            [
+                float(np.sqrt(np.mean(r**2))) * noise[0] / np.sqrt(s.window.averaged)
+                for r, s in zip(choice.shot.residuals, slips, strict=True)
+            ]
+        ),
         run=np.array([float(s.run) for s in slips]),
     )
 

@@ -15,6 +15,7 @@ from stickslip import _core
 from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
+from stickslip.fitted.means import instants, pooled
 from stickslip.fitted.readings import Chain, Slopes, no_slopes
 from stickslip.fitted.window import STICK
 from stickslip.likelihoods.motion import Motion
@@ -183,7 +184,7 @@ class _Run:
         self.lengths = np.array([w.stop - w.start for w in self.places])
         self.offset = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
         self.samples = np.concatenate([np.arange(w.start, w.stop) for w in self.places])
-        self.begins = self.data.t[[w.start for w in self.places]]
+        self.begins = self.data.t[[w.start for w in self.places]] - self.data.half
 
     def active(self, j: int) -> bool:
         """Whether a shared number belongs to this run."""
@@ -280,27 +281,26 @@ class _Run:
         initial[:, self.of.sensors.begins] = self.own[:, : self.of.begins]
         initial[:, DERIVED] = derived
         initial[:, DWELL] = [w.dwell for w in self.places]
-        return dict(
-            _core.simulate_windows(
-                structure=self.lowered.structure,
-                parameters=np.nan_to_num(self._parameters()),
-                set=np.arange(len(self.places), dtype=np.int32),
-                initial=np.nan_to_num(initial),
-                contact=np.full(len(self.places), STICK, dtype=np.int32),
-                t=self.data.t[self.samples],
-                offset=self.offset,
-                rtol=policy.relative_tolerance,
-                atol=policy.absolute_tolerance,
-                seeds=seeds,
-                column=np.arange(len(seeds), dtype=np.int32),
-                columns=len(seeds),
-                kept=self.of.kept,
-                max_transitions=policy.most_transitions,
-                max_steps=policy.most_integration_steps,
-                order=0,
-                threads=1,
-            )
+        raw = _core.simulate_windows(
+            structure=self.lowered.structure,
+            parameters=np.nan_to_num(self._parameters()),
+            set=np.arange(len(self.places), dtype=np.int32),
+            initial=np.nan_to_num(initial),
+            contact=np.full(len(self.places), STICK, dtype=np.int32),
+            t=np.concatenate([instants(self.data, w.start, w.stop) for w in self.places]),
+            offset=self.offset * (2 if self.data.half else 1),
+            rtol=policy.relative_tolerance,
+            atol=policy.absolute_tolerance,
+            seeds=seeds,
+            column=np.arange(len(seeds), dtype=np.int32),
+            columns=len(seeds),
+            kept=self.of.kept,
+            max_transitions=policy.most_transitions,
+            max_steps=policy.most_integration_steps,
+            order=0,
+            threads=1,
         )
+        return dict(pooled(raw, self.data.half > 0, self.lengths))
 
     def _seeds(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return seeds and the column each belongs to; -1 for those of the derived states."""

@@ -25,4 +25,5 @@ class Measured:
     plateau: float
     plateau_std: float
     track: segments.Track
+    averaged: int = 1  # readings that each row is the mean of
     motion: Motion | None = None  # what shows where the block sticks, if not the readings themselves

@@ -79,6 +79,8 @@ class Recording:
         What is odd: gaps, clipping, quantisation, ...
     drive
         Force of the drive on a `DrivenSlider` (n,), held from each sample to the next; None on other rigs.
+    averaged
+        How many readings each sample is the mean of, at the mean of their times (`stickslip.measured.thinning`).
     """
 
     name: str
@@ -96,6 +98,7 @@ class Recording:
     source: Path
     findings: tuple[Finding, ...] = ()
     drive: Floats | None = None
+    averaged: int = 1
 
     def __len__(self) -> int:
         return self.t.size

@@ -120,7 +120,7 @@ def prepare(recording: Recording, *, at_rest: bool = False) -> Run:
     noise = recording.noise.get("x1") or float(signals.noise_std(x[good], t=t[good]))
     noise = max(noise, RESOLVED * float(np.ptp(x[good])))
     x = x.copy()
-    x[signals.find_glitches(x).mask] = np.nan
+    x[np.flatnonzero(good)[signals.find_glitches(x[good]).mask]] = np.nan
     speed = abs(recording.belt_speed)
     track = segments.track(
         t, x, belt_speed=speed, noise=noise, period=2 * np.pi / natural_rate(rig), tolerance=segments.CREEP
