@@ -88,7 +88,9 @@ class Scaled:
     def data(self, run: Data) -> Data:
         """Return a run's times and belt speed in the declared units; its readings stay scaled."""
         length, omega = self.scales.length, self.scales.omega
-        return replace(run, t=run.t / omega, belt_speed=run.belt_speed * length * omega)
+        return replace(
+            run, t=run.t / omega, belt_speed=run.belt_speed * length * omega, half=run.half / omega
+        )
 
     def run(self, recording: Recording) -> Recording:
         """Return a recording in scaled numbers."""
