@@ -136,6 +136,16 @@ def test_prescribed_speeds(speed: object) -> None:
     assert run.mode.shape == (41,)  # of a named rig, the one contact
 
 
+def test_a_speed_that_is_a_number_at_every_time_is_that_number() -> None:
+    model = ss.Model(RIG, friction=LAWS[1])
+    one, other = (ss.simulate(model, belt_speed=speed, t_end=20) for speed in (0.1, ss.Speed.of(0.1)))
+    np.testing.assert_array_equal(one.state, other.state)
+    sweeps = [
+        ss.sweep(model, {"alpha1": [16.0]}, belt_speed=speed, t_end=5) for speed in (0.1, ss.Speed.of(0.1))
+    ]
+    np.testing.assert_array_equal(sweeps[0].final_state, sweeps[1].final_state)
+
+
 STIFF = {"sigma0": 1e5, "sigma1": 316.227766, "sigma2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 
 

@@ -18,7 +18,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.lowering import Lowered, lower
-from stickslip.simulated.simulate_bodies import lacks_belt_speed, needs_bodies, simulate_any
+from stickslip.simulated.simulate_bodies import constant_speed, lacks_belt_speed, needs_bodies, simulate_any
 from stickslip.simulated.states import HIDDEN, VISIBLE
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
@@ -126,7 +126,7 @@ def simulate(
         return simulate_any(model, belt_speed, drive_speed, initial, contact, names, times, **shared)
     if belt_speed is None:
         raise lacks_belt_speed()
-    speed = number("belt_speed", belt_speed)  # type: ignore[arg-type]  # text is no number here either
+    speed = constant_speed(belt_speed)
     if model.effects:
         for said in driving_friction(model, start, end):
             warnings.warn(said, ModelWarning, stacklevel=3)

@@ -15,7 +15,7 @@ from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
-from stickslip.errors import CallError, InputError
+from stickslip.errors import CallError, InputError, number
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import General, general
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
@@ -133,6 +133,11 @@ def _trajectory(raw: dict[str, Any], lowered: LoweredBodies, names: tuple[str, .
         hidden_names=own.hidden,
         contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
     )
+
+
+def constant_speed(given: object) -> float:
+    """Return the belt's speed where it is a number, or a `Speed` that is one at every time."""
+    return number("belt_speed", given.constant if isinstance(given, Speed) else given)  # type: ignore[arg-type]  # it looks
 
 
 def lacks_belt_speed() -> CallError:

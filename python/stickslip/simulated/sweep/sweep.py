@@ -22,7 +22,7 @@ from stickslip.progress import counts
 from stickslip.simulated.general import general
 from stickslip.simulated.lowering import lower
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
-from stickslip.simulated.simulate_bodies import needs_bodies
+from stickslip.simulated.simulate_bodies import constant_speed, needs_bodies
 from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, check_observed, checked_start, named
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
 from stickslip.simulated.sweep.grid import Grid, make_grid
@@ -226,7 +226,7 @@ def _request(
         return _bodies_request(
             model, over, t_end, initial, speeds, tolerances, observe, after, points, lanes, most
         )
-    speed = 0.0 if belt_speed is None else number("belt_speed", belt_speed)  # type: ignore[arg-type]  # text is none
+    speed = 0.0 if belt_speed is None else constant_speed(belt_speed)
     lowered = lower(model, speed)
     grid = make_grid(over, model, lowered, TAKEN)
     _belt_speed_is_given_once(grid, belt_speed)
