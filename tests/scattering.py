@@ -104,7 +104,8 @@ def block_record(
     """Times and deflections of `events` slips of a block, each with levels of its own on an uneven belt."""
     dt, law = PERIOD / 150, model.friction
     assert isinstance(law, ss.CoulombFriction)
-    state, t, slid, out = (0.5 * law.kinetic / model.rig.stiffness, belt_speed), 0.0, 0.0, []
+    state: tuple[float, ...] = (0.5 * law.kinetic / model.rig.stiffness, belt_speed)
+    t, slid, out = 0.0, 0.0, []
     own = rng.standard_normal(2)
     for _ in range(events):
         own = memory * own + math.sqrt(1 - memory**2) * rng.standard_normal(2)
@@ -129,7 +130,9 @@ def block_record(
         stop = math.ceil((begins + 0.4 * PERIOD) / dt)
         slid += state[0] + belt_speed * stop * dt - run.state[stop, 0]
         out.append(run.state[:stop, 0])
-        state = tuple(float(one) for one in run.state[stop])
+        state = tuple(float(one) for one in run.state[stop, :2])
+        if any("dwell" in one.kind.hidden for one in model.effects):
+            state = (*state, stop * dt - begins)  # it has stuck that long
         t += stop * dt
     x = np.concatenate(out)
     return dt * np.arange(len(x)), x

@@ -12,7 +12,7 @@ import pytest
 import stickslip as ss
 from stickslip.discovery.result import Verdict
 from stickslip.discovery.slider.choose import choose
-from stickslip.discovery.slider.loop import discover
+from stickslip.discovery.slider.loop import carried, discover
 from stickslip.discovery.slider.surrogate import NOTHING, Planted, Source, source, surrogate
 from stickslip.fitted.block_events.table import measure, prepare
 from stickslip.measured.case import Case, load_case
@@ -74,6 +74,18 @@ def test_a_mass_is_found_and_the_error_falls_on_what_was_not_used() -> None:
     assert found.error.floor < found.error.after < 0.8 * found.error.before
     assert effect.evidence.delta_chi2 > 2 * effect.evidence.control
     assert effect.evidence.held_out_ratio < 0.8
+
+
+def test_what_makes_other_runs_worse_is_not_claimed() -> None:
+    found = discover(surrogate(origin(), 7, Planted(mass=-0.6)), draws=DRAWS)
+    assert carried(found) is found
+    error = replace(found.error, after=1.1 * found.error.before)
+    nothing = carried(replace(found, error=error))
+    assert nothing.verdict is Verdict.no_effect
+    assert nothing.effects == ()
+    assert nothing.model == found.before
+    assert nothing.error.after == nothing.error.before
+    assert nothing.messages[0].startswith("rig_mass would be named")
 
 
 def test_two_wrong_constants_are_one_of_three_pairs() -> None:

@@ -44,6 +44,9 @@ class ParameterInfo:
     sought
         Of a positive number: between what bounds a fit seeks it. Beyond, the effect is another one (or none) and its
         motion stiff.
+    as_named
+        Above 0 the effect is what its name says. Below, it may be declared, but is no finding: a peak that is a trough
+        has another cause.
     of_size
         Its values in `EffectKind.starts` are shares of the size of y1.
     """
@@ -58,6 +61,12 @@ class ParameterInfo:
     spread: float | None = None
     sought: tuple[float, float] | None = None
     of_size: bool = False
+    as_named: bool = False
+
+    @property
+    def least_found(self) -> float:
+        """The least that a search may find."""
+        return max(self.bounds[0], 0.0) if self.as_named else self.bounds[0]
 
     def allows(self, value: float) -> bool:
         """Whether a number may be declared of it."""
@@ -144,9 +153,11 @@ class EffectKind:
         raise InputError(f"effect '{self.name}' has no parameter '{name}'; {hint}")
 
 
-def free(name: str, meaning: str, dimension: Dimension, spread: float | None = None) -> ParameterInfo:
+def free(
+    name: str, meaning: str, dimension: Dimension, spread: float | None = None, *, as_named: bool = False
+) -> ParameterInfo:
     """A number of either sign."""
-    return ParameterInfo(name, meaning, dimension=dimension, spread=spread)
+    return ParameterInfo(name, meaning, dimension=dimension, spread=spread, as_named=as_named)
 
 
 def positive(

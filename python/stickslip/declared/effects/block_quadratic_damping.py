@@ -29,7 +29,7 @@ EFFECT = EffectKind(
     "block",
     "-c x2 |x2|",
     words="damping of the block that grows with the square of its velocity",
-    parameters=(free("c", "damping", QUADRATIC_DAMPING, 50.0),),
+    parameters=(free("c", "damping", QUADRATIC_DAMPING, 50.0, as_named=True),),
     depends_on=("x2",),
     on_belt=20,
     on_slider=20,

@@ -15,7 +15,7 @@ EFFECT = EffectKind(
     "block",
     "-c x2",
     words="viscous damping of the block",
-    parameters=(free("c", "damping", DAMPING, 5.0),),
+    parameters=(free("c", "damping", DAMPING, 5.0, as_named=True),),
     depends_on=("x2",),
     on_belt=10,
     scored_at={"c": 0.0},

@@ -36,7 +36,7 @@ EFFECT = EffectKind(
     "static limits plus dT (1 - exp(-dwell/tau))",
     words="static friction that grows with the time at rest",
     parameters=(
-        free("dT", "growth at long rest", FORCE, 5.0),
+        free("dT", "growth at long rest", FORCE, 5.0, as_named=True),
         time_constant((0.05, 50.0)),
     ),
     depends_on=("memory",),

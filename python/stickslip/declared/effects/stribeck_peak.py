@@ -33,7 +33,7 @@ EFFECT = EffectKind(
     "R and the static limits plus dT exp(-(u/v_s)^2)",
     words="a peak of friction at low sliding speed",
     parameters=(
-        free("dT", "height", FORCE, 5.0),
+        free("dT", "height", FORCE, 5.0, as_named=True),
         positive("v_s", "width in speed", SPEED, (0.003, 0.5)),
     ),
     depends_on=("v_w",),

@@ -46,8 +46,9 @@ from stickslip.likelihoods.fit import UNSETTLED, null, unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
-from stickslip.measured.case import Case
+from stickslip.measured.case import Case, Recording
 
+DROWNED = 3  # peaks of the velocity's noise a slip
 ABSORBED = "a constant load on the block is absorbed whole by the friction law: every run slips one way only"
 
 
@@ -70,19 +71,31 @@ class Search:
 
 
 def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
-    """Return the train runs cut into windows, the units, and all runs; None where runs have rigs of their own."""
+    """
+    Return the train runs cut into windows, the units, and all runs.
+
+    None where runs have rigs of their own, or where a run is so slow that noise passes for slips.
+    """
     rig, runs = case.rig, (*case.train, *case.validate)
     if not isinstance(rig, BlockOnBelt) or any(run.rig != rig or run.belt_speed == 0 for run in runs):
         return None
     units = scaled(rig, case.train)
     data = prepare([units.run(one) for one in runs])
     train = data[: len(case.train)]
+    if any(_drowned(one, run) for one, run in zip(train, case.train, strict=True)):
+        return None
     declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
     channel = case.train[0].channel("x1")
     sensors = BlockSensors(
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
     return Bench(declared, train, stretches(train), known(case), sensors, POLICY), units, data
+
+
+def _drowned(run: Data, recording: Recording) -> bool:
+    """Whether the noise of the velocity has many more peaks than the run has slips."""
+    track = prepare_events(recording).track
+    return len(run.slips) > DROWNED * max(len(track.slips), 1)
 
 
 def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:

@@ -144,7 +144,7 @@ def of_term(term: Term, policy: Policy) -> list[Number]:
                     value,
                     0.0,
                     info.spread or math.inf,
-                    low=info.bounds[0],
+                    low=info.least_found,
                     high=info.bounds[1],
                     stride=stride,
                 )

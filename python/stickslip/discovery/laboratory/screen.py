@@ -171,7 +171,7 @@ def _shape(
 
 def _impossible(kind: EffectKind, sizes: Sequence[str], found: Floats) -> bool:
     """Whether the score asks for a size that the effect cannot have."""
-    return any(kind.parameter(n).bounds[0] >= 0 > x for n, x in zip(sizes, found, strict=True))
+    return any(kind.parameter(n).least_found >= 0 > x for n, x in zip(sizes, found, strict=True))
 
 
 def _bounded(kind: EffectKind, name: str, size: float) -> float:
