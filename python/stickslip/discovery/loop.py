@@ -43,9 +43,7 @@ from stickslip.fitted.plausible import plausible
 from stickslip.measured.case import Case
 from stickslip.measured.thinning import sentences, thinned_case
 
-MOST_SAMPLES = (
-    60_000  # of the train runs, and of the others: two minutes; what traces a cause takes samples squared
-)
+MOST_SAMPLES = 40_000  # of the train runs, and of the others: 44 000 took 141 s and 0.9 GB
 MOST_CORES = 8  # what a search can keep busy
 MANY = 5  # readings taken out, from which the fits before are worth repeating
 BUDGET = 51.0  # processor seconds for the tracing, so that a busy machine gives the same verdict
