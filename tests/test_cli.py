@@ -66,7 +66,7 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "command", ["simulate", "identify", "compare", "discover", "forecast", "sweep", "demo"]
+    "command", ["simulate", "identify", "compare", "discover", "explore", "forecast", "sweep", "demo"]
 )
 def test_every_help_shows_an_example(command):
     result = stickslip(command, "--help")

@@ -21,6 +21,7 @@ COMMANDS = {  # a module of its name each, imported when it is asked for; and wh
     "compare": "A model against a recording: one table, two figures.",
     "demo": "All of it on a real recording, then a story of discovery.",
     "discover": "What the declared model lacks: an effect, and how sure.",
+    "explore": "A model with sliders, redrawn live in the browser.",
     "forecast": "The readings that follow a recording.",
     "identify": "The friction law, from the recordings of a case.",
     "init": "A first rig.toml for recorded files.",

@@ -1,0 +1,89 @@
+"""The command `stickslip explore`: a model with sliders, in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from stickslip.cli.options import Named
+from stickslip.cli.printed import console
+from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.scale import read_quantity, scales
+from stickslip.errors import InputError
+from stickslip.measured.case import Case, load_case
+from stickslip.measured.recording import Recording
+
+
+@click.command(short_help="A model with sliders, redrawn live in the browser.")
+@click.argument("model", type=Named())
+@click.option(
+    "--belt-speed", default=None, help="v_b to begin with, as in '14 mm/s'; that of the run, of a CASE."
+)
+@click.option("--run", "name", default=None, help="Run of a CASE to lay beneath; the first, if absent.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port; a free one, if absent.")
+def explore(model: Path, belt_speed: str | None, name: str | None, port: int) -> None:
+    """Open a page with sliders for MODEL (a TOML file, the folder of a result, or a case's rig.toml).
+
+    Belt speed and every number of rig, law and effects have a slider; phase portrait, friction characteristic and
+    signal follow. Of a case, a recorded run lies beneath. The page is for this machine alone; its address holds a
+    token. Ctrl-C ends it.
+
+    \b
+    Example:
+      stickslip explore model.toml --belt-speed 0.1
+      stickslip explore CASE/rig.toml --run run_02
+    """
+    shown, run = _opened(model, name)
+    from stickslip.shown.explore.scene import curves, refuse  # bokeh is slow to import
+
+    refuse(shown)
+    speed = _speed(shown, run, belt_speed)
+    curves(shown, speed)  # what cannot be drawn is said here, in one line
+    from stickslip.shown.explore.page import Page
+    from stickslip.shown.explore.server import serve
+
+    def made(document: object) -> None:
+        document.add_root(Page(shown, speed, run, Path.cwd()).layout())  # type: ignore[attr-defined]
+        document.title = "stickslip explore"  # type: ignore[attr-defined]
+
+    server, address = serve(made, port)
+    console.print(
+        f"Open {address} in a browser of this machine; Ctrl-C ends it.", soft_wrap=True, markup=False
+    )
+    try:
+        server.io_loop.start()
+    except KeyboardInterrupt:
+        console.print("ended")
+    finally:
+        server.stop()
+
+
+def _opened(path: Path, name: str | None) -> tuple[Model, Recording | None]:
+    """A model, or what a case declares with one of its runs."""
+    file = path / "rig.toml" if path.is_dir() and (path / "rig.toml").is_file() else path
+    if file.name != "rig.toml":
+        if name is not None:
+            raise InputError("a model has no runs; give a case's rig.toml", key="--run", value=name)
+        return load_model(model_file(path)), None
+    case = load_case(file)
+    return Model(case.rig, friction=case.friction, channels=case.channels), _run(case, name)
+
+
+def _run(case: Case, name: str | None) -> Recording:
+    names = [one.name for one in case.runs]
+    if name is None:
+        return case.runs[0]
+    if name not in names:
+        raise InputError(f"not a run of the case; its runs are {', '.join(names)}", key="--run", value=name)
+    return case.runs[names.index(name)]
+
+
+def _speed(model: Model, run: Recording | None, given: str | None) -> float:
+    if given is not None:
+        return read_quantity(
+            given, "belt", scales(model.rig, model.channels)["belt"], model.rig, "--belt-speed"
+        )
+    if run is None:
+        raise InputError("missing: give the belt's speed to begin with, like '14 mm/s'", key="--belt-speed")
+    return run.belt_speed

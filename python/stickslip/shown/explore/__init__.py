@@ -1,0 +1,1 @@
+"""The page of `stickslip explore`: sliders, and curves that the core draws anew."""
