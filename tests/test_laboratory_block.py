@@ -80,3 +80,12 @@ def test_a_wave_of_the_belt_comes_with_its_length(tmp_path: Path) -> None:
     assert len(found.effects[0].phases) == 3
     assert found.error.after < found.error.before
     assert all(math.isfinite(one) for one in (found.error.before, found.error.after, found.error.floor))
+
+
+def test_a_curved_sensor_is_named(tmp_path: Path) -> None:
+    q = -8.5
+    path = block_case(tmp_path, seed=0, scatter=0.025, off=NEARLY, read=lambda _, x: x + q * x**2)
+    found = ss.discover(ss.load_case(path))
+    assert [one.name for one in found.effects] == ["sensor_nonlinearity"]
+    assert found.effects[0].parameters["q"].value == pytest.approx(q, rel=0.1)
+    assert found.error.after < 1.2 * found.error.floor < found.error.before

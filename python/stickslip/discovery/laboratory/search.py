@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -136,7 +137,8 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
                 break
             tell(f"fitting {one.term.effect.name}")
             reached = min((t.fit.deviance for t in trials), default=np.inf)
-            trials.append(full(bench, base, one, reached))
+            with suppress(FloatingPointError):  # one that no window can be simulated with is no rival
+                trials.append(full(bench, base, one, reached))
         trials = _leader_anew(bench, base, trials)
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
@@ -197,9 +199,10 @@ def _leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
     leader = min(trials, key=Trial.worth)
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
     for start in _afresh(bench, base, term):
-        anew = fitted(start, bench.policy)
-        if anew.deviance < leader.fit.deviance:
-            leader = _trial(bench, base, anew, term)
+        with suppress(FloatingPointError):
+            anew = fitted(start, bench.policy)
+            if anew.deviance < leader.fit.deviance:
+                leader = _trial(bench, base, anew, term)
     return [leader, *rest]
 
 
