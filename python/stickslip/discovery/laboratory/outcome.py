@@ -77,14 +77,7 @@ class Left:
 
 
 def left(bench: Bench, fit: Fit, data: Sequence[Data] | None = None) -> Left:
-    """
-    Return what a fit leaves, its windows' own numbers counted as those they take from the noise.
-
-    Parameters
-    ----------
-    bench, fit : the hypothesis
-    data : the runs in the units that a report has; those of the fit by default
-    """
+    """Return what a fit leaves, own numbers counted as those they take from the noise; `data` as a report has it."""
     motions = fit.windows.motions(fit.at, fit.own)
     spans, blocks = [], []
     for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
