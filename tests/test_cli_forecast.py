@@ -39,7 +39,7 @@ def test_forecast_meets_what_happened(tmp_path: Path, si: bool) -> None:
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     ahead = pd.read_csv(tmp_path / "next.csv")
-    assert list(ahead.columns) == ["t", "x1", "y1"]
+    assert list(ahead.columns) == ["t", "x1", "y1", "x1_low", "x1_high", "y1_low", "y1_high"]
     assert len(ahead) == later - now
     np.testing.assert_allclose(ahead["t"], whole["t"][now:later], rtol=1e-5)
     noise = recording.noise["x1"] * found_by_hand.per_reading(case)

@@ -17,7 +17,7 @@ from stickslip.discovery.discover import Verdict, discover
 from stickslip.discovery.outcome import ranking
 from stickslip.discovery.unlisted import guess
 from stickslip.errors import InputError
-from stickslip.fitted.forecast import forecast
+from stickslip.likelihoods.forecast import forecast
 
 KEYS = {"verdict", "effects", "error", "ranking", "gate", "residual_before", "residual_after", "messages"}
 

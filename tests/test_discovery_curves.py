@@ -15,9 +15,9 @@ from stickslip.discovery.errors import error_block
 from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
 from stickslip.fitted.data import prepare
-from stickslip.fitted.forecast import forecast
 from stickslip.fitted.predict import Forecaster
 from stickslip.fitted.readings import as_terms, curves_of, reading_rate
+from stickslip.likelihoods.forecast import forecast
 from stickslip.measured.case import Case
 
 KNOTS = tuple(np.linspace(-0.6, 0.6, 7).tolist())

@@ -26,9 +26,9 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.discovery.discover import Found, discover
     from stickslip.errors import InputError, ModelWarning, StickslipError
     from stickslip.fitted.compare import Comparison, compare
-    from stickslip.fitted.forecast import forecast
     from stickslip.fitted.identified import Identified
     from stickslip.fitted.identify import identify
+    from stickslip.likelihoods.forecast import forecast
     from stickslip.measured import signals
     from stickslip.measured.case import Case, load_case
     from stickslip.measured.recording import Recording, load_recording
@@ -97,7 +97,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "cycle_sensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "discover": "stickslip.discovery.discover",
     "effect": "stickslip.declared.effect",
-    "forecast": "stickslip.fitted.forecast",
+    "forecast": "stickslip.likelihoods.forecast",
     "identify": "stickslip.fitted.identify",
     "limit_cycle": "stickslip.simulated.orbits.limit_cycle",
     "load_case": "stickslip.measured.case",

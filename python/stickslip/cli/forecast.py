@@ -17,7 +17,7 @@ from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import apart, time_digits, write_csv
 from stickslip.fitted.forecast import MOST
-from stickslip.fitted.forecast import forecast as run_forecast
+from stickslip.likelihoods.forecast import forecast as run_forecast
 from stickslip.measured.channels import head_of
 from stickslip.measured.readers.tables import open_table
 from stickslip.measured.recording import Recording, load_recording
@@ -37,7 +37,8 @@ from stickslip.measured.recording import Recording, load_recording
 def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, figure: bool) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
-    Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on.
+    Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on, and
+    the 95 % band of the readings to come (x1_low, x1_high, y1_low, y1_high).
 
     \b
     Example:
@@ -81,7 +82,7 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     console.print(
         f"belt speed {units['belt'].of(v_b)}{own}; {len(frame)} samples, t = {first} to {last}"
         f"{'' if t == '1' else f' {t}'}; "
-        + ", ".join(_column(past, str(name)) for name in frame if name != "t"),
+        + ", ".join(_column(past, str(name)) for name in frame if name in past.channels and name != "t"),
         markup=False,
         soft_wrap=True,
     )

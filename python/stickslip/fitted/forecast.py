@@ -1,29 +1,24 @@
-"""Forecast: the state from the past of a run by the window fit, then a free run of the model."""
+"""Forecasts of one run: the state from its past by the window fit, then a free run of the model."""
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.arguments import explained, must_be
+from stickslip.arguments import must_be
 from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider
 from stickslip.declared.scale import plainly
-from stickslip.errors import InputError, ModelWarning, number
+from stickslip.errors import InputError, number
 from stickslip.fitted.data import CHANNELS, Data, prepare
 from stickslip.fitted.plausible import stick_speed
 from stickslip.fitted.predict import Forecaster
 from stickslip.fitted.readings import curves_of
 from stickslip.measured.case import Recording
 from stickslip.measured.stick_speed import CLEAR, NEAR, contradicted, wrong_set_point
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SLACK = 0.05  # of a sampling interval: a horizon so little short of a sample reaches it; a file's times are rounded
 MOST = 1_000_000  # samples of a forecast
@@ -33,51 +28,33 @@ FAR = 5.0  # times the noise
 BEYOND = 10.0  # ratio of the past's speed to the one given that only a mistake explains
 
 
-@explained
-def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
-    """Predict the readings that follow a recording.
-
-    The state at its last sample, hidden states of effects and phases included, comes from its own readings by
-    output error over windows; from there the model runs freely. For a block on a belt, phases and the level of friction
-    are the model's unless others foretell the past clearly better. The belt speed is that of the past and of the
-    future: a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where
-    the run began.
+@dataclass(frozen=True)
+class Expected:
+    """
+    A run of a model that follows a recording, in model units.
 
     Parameters
     ----------
-    model
-        Complete model, as `discover` or `identify` give it.
-    recording
-        The past, at least one cycle of it.
-    belt_speed
-        v_b in model units, that of the recording and of what follows it.
-    horizon
-        How far to predict, in the model's unit of time.
-
-    Returns
-    -------
-    DataFrame
-        Columns t, x1, y1 in the recording's own units, at its sampling rate, from the next sample on; for a block
-        on a belt t and the channel recorded, x1 or spring_force.
-
-    Raises
-    ------
-    InputError
-        A model of another kind of rig than the recording's, a horizon that is not positive or longer than a million
-        samples, a past too short or without y1, a belt speed
-        of the wrong sign, ten times off the one that the past rides at or 0 where it rides, or, for a block on a belt,
-        a curve of the reading in x2.
-    StickslipError
-        The model's run stops before the horizon.
-
-    Warns
-    -----
-    ModelWarning
-        The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
-        belt, the sticks of the past ride at another speed than `belt_speed`.
+    t : (n,) times, from the recording's first sample
+    readings : (n, c) as the recording's channels have them
+    channels : their names
+    model : with the phases of this recording
+    past : the recording, its belt speed the one asked for
+    wrong : what contradicts that speed, None if nothing does
+    far : how far from the last readings the run begins, None if it passes through them
     """
-    import pandas as pd  # slow to import
 
+    t: NDArray[np.float64]
+    readings: NDArray[np.float64]
+    channels: tuple[str, ...]
+    model: Model
+    past: Recording
+    wrong: str | None = None
+    far: str | None = None
+
+
+def follow(model: Model, recording: Recording, belt_speed: float, horizon: float) -> Expected:
+    """Return what a model without scatter makes of what follows; errors and warnings are those of `forecast`."""
     must_be("model", model, Model, "load_model(file) gives one")
     check_closed_form(model.rig, model.friction)
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
@@ -108,11 +85,15 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     past = np.asarray(run.t[window.start : window.stop], dtype=np.float64)
     whole = forecaster.run_on(window, np.concatenate([past, future])).readings
     difference = whole[len(past) - LAST : len(past)] - run.readings[window.stop - LAST : window.stop]
-    _doubt(difference, run, past_run, seen, who)
-    readings = whole[len(past) :]
-    columns = {"t": future + float(recording.t[0])}
-    columns |= {"x1": readings[:, 0], "y1": readings[:, 1]}
-    return pd.DataFrame({name: recording.to_readings(name, values) for name, values in columns.items()})
+    wrong, far = _doubts(difference, run, past_run, seen, who)
+    phases = {one.name: forecaster.engine.parameters(forecaster.vector, 0)[1] for one in forecaster.periodic}
+    effects = [
+        one.replace(phi=phases[one.name][f"{one.name}.phi"]) if one.name in phases else one
+        for one in model.effects
+    ]
+    names = CHANNELS[: min(whole.shape[1], 2)]
+    settled = replace(model, effects=tuple(effects))
+    return Expected(future, whole[len(past) :, : len(names)], names, settled, past_run, wrong, far)
 
 
 def _interval(t: NDArray[np.float64]) -> float:
@@ -126,10 +107,8 @@ def _interval(t: NDArray[np.float64]) -> float:
     return interval
 
 
-def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.DataFrame:
+def _slider(model: Model, recording: Recording, dt: float, steps: int) -> Expected:
     """A block on a belt: the model in the belt's direction and the run's time, its state from the last stick."""
-    import pandas as pd
-
     from stickslip.fitted.block_events.predict import Forecaster as Slider
     from stickslip.fitted.block_events.predict import bare
     from stickslip.fitted.block_events.sensor import reading_of
@@ -139,16 +118,12 @@ def _slider(model: Model, recording: Recording, dt: float, steps: int) -> pd.Dat
     droops = any(one.name == "belt_load_droop" for one in model.effects)  # so that its sticks ride slower
     wrong = None if droops else wrong_set_point(seen, clear=NEAR)
     if wrong:
-        said = f"{wrong}; the speed given is taken for that of the past too: the forecast starts from a wrong state"
-        warnings.warn(said, ModelWarning, stacklevel=4)
+        wrong += "; the speed given is taken for that of the past too: the forecast starts from a wrong state"
     slider = Slider.of(model, recording)
     run = slider.measured.run
     future = np.asarray(float(run.t[-1]) + dt * np.arange(1, steps + 1), dtype=np.float64)
     readings = run.sign * slider.forecast(len(run.t), future).reading
-    columns = {"t": future + float(recording.t[0]), recording.channel("x1"): readings}
-    return pd.DataFrame(
-        {name: values / recording.factor("t" if name == "t" else "x1") for name, values in columns.items()}
-    )
+    return Expected(future, readings[:, None], (recording.channel("x1"),), slider.model, recording, wrong)
 
 
 def _ridden(run: Data) -> tuple[float | None, str]:
@@ -166,24 +141,22 @@ def _refuse(wrong: str | None) -> None:
         raise InputError(wrong)
 
 
-def _doubt(
+def _doubts(
     difference: NDArray[np.float64], run: Data, recording: Recording, seen: float | None, who: str
-) -> None:
-    """Warn where model and last readings (k, c) differ by several times the noise, or the past rode otherwise."""
+) -> tuple[str | None, str | None]:
+    """What to doubt: that the past rode at the speed given, and that the model passes through the last readings."""
     root = np.sqrt(np.mean(difference**2, axis=0))
     off = root / np.asarray(run.noise)
     worst = int(np.argmax(off))
     far = off[worst] > FAR
     wrong = contradicted(recording, seen, HARDLY if far else CLEAR, who)
-    said = [wrong] if wrong else []
-    if far:
-        name = CHANNELS[worst]
-        unit = "" if recording.unit(name) == "1" else f" {recording.unit(name)}"
-        size = plainly(float(recording.to_readings(name, root[worst])), 3)
-        said.append(
-            f"model and channel {name} differ by {size}{unit} over the last {len(difference)} readings, "
-            f"{plainly(off[worst], 3)} times the noise: the forecast starts that far off"
-            + ("; is belt_speed right?" if seen is None else "")
-        )
-    if said:
-        warnings.warn("; ".join(said), ModelWarning, stacklevel=4)
+    if not far:
+        return wrong, None
+    name = CHANNELS[worst]
+    unit = "" if recording.unit(name) == "1" else f" {recording.unit(name)}"
+    size = plainly(float(recording.to_readings(name, root[worst])), 3)
+    return wrong, (
+        f"model and channel {name} differ by {size}{unit} over the last {len(difference)} readings, "
+        f"{plainly(off[worst], 3)} times the noise: the forecast starts that far off"
+        + ("; is belt_speed right?" if seen is None else "")
+    )

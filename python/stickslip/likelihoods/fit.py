@@ -376,3 +376,30 @@ def events(fit: Fit, turns: int = 15) -> tuple[Floats, Floats]:
     own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
     chi, held = cost.of(fit.windows.blocks(fit.at, own, shared=(), local=False), own)
     return chi, chi + held
+
+
+def ready(fit: Fit, policy: Policy) -> Fit:
+    """Return a fit linearised where it stands, its population and noise kept."""
+    return _linearised(fit, policy)
+
+
+def window_posterior(fit: Fit, policy: Policy) -> tuple[Floats, Floats] | None:
+    """
+    Return what the readings say of the numbers of one window alone: (own,) and their covariance; None where it fails.
+
+    Parameters
+    ----------
+    fit : of one window, linearised, its population and noise known
+    policy : what steers it
+    """
+    cost = _Cost(fit, fit.population, fit.noise)
+    own = polished(fit, cost, fit.own, np.ones(1, dtype=bool), policy.most_steps)
+    (block,) = fit.windows.blocks(fit.at, own, shared=())
+    if block is None:
+        return None
+    scaled = (block / np.sqrt(fit.noise)[None, :, None]).reshape(-1, block.shape[2])
+    gram = scaled[:, :-1].T @ scaled[:, :-1]
+    begins = fit.windows.begins
+    gram[begins:, begins:] += cost.inverse[0]
+    gram[range(len(gram)), range(len(gram))] += BLANK
+    return own[0], np.asarray(np.linalg.inv(gram), dtype=np.float64)

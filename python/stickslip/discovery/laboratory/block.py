@@ -21,7 +21,8 @@ from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench, known
 from stickslip.discovery.laboratory.loop import Verdicts, searched
 from stickslip.discovery.laboratory.outcome import NEAR
-from stickslip.discovery.laboratory.scaled import Scaled, scaled, start
+from stickslip.discovery.laboratory.scaled import found as in_declared
+from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.discovery.laboratory.single_events import Single, single
 from stickslip.discovery.residual import spectrum
@@ -44,6 +45,7 @@ from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.fit import UNSETTLED, null, unexplained
 from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case, Recording
@@ -175,7 +177,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
 
 
 def _in_units(units: Scaled, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
-    return {name: units.in_units(name, one) for name, one in numbers.items()}
+    return {name: in_units(units, name, one) for name, one in numbers.items()}
 
 
 def _errors(
@@ -212,9 +214,9 @@ def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:
     """What was found, by weight: named effects and a constant, or a curve that no name explains."""
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     if curve is not None:
-        return (search.units.found(outcome.unlisted(found, curve, found.steps[0].gate.threshold)),)
+        return (in_declared(search.units, outcome.unlisted(found, curve, found.steps[0].gate.threshold)),)
     beside = Searched(found.null, replace(chosen, freed=None), found.steps, found.without)
-    named = [search.units.found(one) for one in outcome.effects(bench, beside)]
+    named = [in_declared(search.units, one) for one in outcome.effects(bench, beside)]
     if chosen.freed is not None and (one := _constant(chosen.freed, found)) is not None:
         named.append(one)
     return tuple(sorted(named, key=lambda one: -one.evidence.weight))

@@ -353,17 +353,20 @@ def forecast(past: Recording, following: pd.DataFrame) -> Figure:
     """
     times, ahead = past.raw["t"], following["t"].to_numpy()
     part = times >= 2 * times[-1] - ahead[-1]
-    names = [str(name) for name in following if name != "t"]
+    names = [str(name) for name in following if name in past.raw and name != "t"]
     figure, axes = _figure(7.2, 1.4 + 1.6 * len(names), len(names), 1)
     for ax, name in zip(axes, names, strict=True):
         readings = past.raw[name]
         ax.plot(times[part], readings[part], color=MEASURED, lw=2.2, alpha=0.45, label="measured")
         joined = np.append(readings[-1], following[name])
         ax.plot(np.append(times[-1], ahead), joined, color=SIMULATED, lw=1.2, label="forecast")
+        if f"{name}_low" in following:
+            band = (following[f"{name}_low"], following[f"{name}_high"])
+            ax.fill_between(ahead, *band, color=SIMULATED, alpha=0.18, lw=0, label="95 % of readings")
         ax.axvline(float(times[-1]), color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
         ax.set_ylabel(_label_of(past, name))
     axes[-1].set_xlabel(_label_of(past, "t"))
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure
 
 

@@ -1,0 +1,143 @@
+"""Forecasts as distributions: the expected readings that follow a recording, and the band that holds them."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.arguments import explained
+from stickslip.declared.effect import Effect
+from stickslip.declared.model import Model
+from stickslip.declared.rig import BlockOnBelt
+from stickslip.errors import ModelWarning
+from stickslip.fitted.data import prepare
+from stickslip.fitted.forecast import Expected, follow
+from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.ensemble import Distribution, distribution
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.rig_windows import RigSensors
+from stickslip.likelihoods.scaled import scaled
+from stickslip.measured.case import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+Z = 1.96  # standard deviations that hold 95 %
+
+
+@explained
+def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
+    """Predict the readings that follow a recording.
+
+    The state at its last sample, hidden states of effects and phases included, comes from its own readings by
+    output error over windows; from there the model runs freely. For a block on a belt, phases and the level of friction
+    are the model's unless others foretell the past clearly better. The belt speed is that of the past and of the
+    future: a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where
+    the run began.
+
+    Parameters
+    ----------
+    model
+        Complete model, as `discover` or `identify` give it.
+    recording
+        The past, at least one cycle of it.
+    belt_speed
+        v_b in model units, that of the recording and of what follows it.
+    horizon
+        How far to predict, in the model's unit of time.
+
+    Returns
+    -------
+    DataFrame
+        Columns t, x1, y1, then x1_low, x1_high, y1_low, y1_high, in the recording's own units, at its sampling rate,
+        from the next sample on; for a block on a belt t, the channel recorded (x1 or spring_force), and its low and
+        high. The band holds 95 % of the readings to come, noise included.
+
+    Raises
+    ------
+    InputError
+        A model of another kind of rig than the recording's, a horizon that is not positive or longer than a million
+        samples, a past too short or without y1, a belt speed
+        of the wrong sign, ten times off the one that the past rides at or 0 where it rides, or, for a block on a belt,
+        a curve of the reading in x2.
+    StickslipError
+        The model's run stops before the horizon.
+
+    Warns
+    -----
+    ModelWarning
+        The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
+        belt, the sticks of the past ride at another speed than `belt_speed`.
+    """
+    import pandas as pd  # slow to import
+
+    expected = follow(model, recording, belt_speed, horizon)
+    found = _of_block(expected) if isinstance(model.rig, BlockOnBelt) else _of_rig(expected)
+    scatters = found is not None and found.scatter > POLICY.repeats
+    # a run whose friction scatters begins where its last window ends
+    if said := [one for one in (expected.wrong, None if scatters else expected.far) if one]:
+        warnings.warn("; ".join(said), ModelWarning, stacklevel=3)
+    mean, low, high = _band(expected, found)
+    columns = dict(zip(expected.channels, mean.T, strict=True))
+    for i, name in enumerate(expected.channels):
+        columns |= {f"{name}_low": low[:, i], f"{name}_high": high[:, i]}
+    t = expected.t + float(recording.t[0])
+    return pd.DataFrame(
+        {"t": t / recording.factor("t")} | {n: _in_units(recording, n, v) for n, v in columns.items()}
+    )
+
+
+def _in_units(recording: Recording, name: str, values: Floats) -> Floats:
+    """Readings of a channel, or a limit of them, in the recording's own units."""
+    channel = name.removesuffix("_low").removesuffix("_high")
+    if isinstance(recording.rig, BlockOnBelt):
+        return np.asarray(values / recording.factor("x1"))
+    return np.asarray(recording.to_readings(channel, values))
+
+
+def _band(expected: Expected, found: Distribution | None) -> tuple[Floats, Floats, Floats]:
+    """Expected readings and the 95 % band, (n, c) each, in model units.
+
+    Where events repeat, the model's own run is expected, and the ensemble gives its doubt alone.
+    """
+    if found is None:
+        half = Z * prepare([expected.past])[0].noise[: expected.readings.shape[1]]
+        return expected.readings, expected.readings - half, expected.readings + half
+    count = expected.readings.shape[1]
+    mean, low, high = (side[:, :count] for side in (found.mean, found.low, found.high))
+    if found.scatter > POLICY.repeats:
+        return mean, low, high
+    return expected.readings, expected.readings + low - mean, expected.readings + high - mean
+
+
+def _of_rig(expected: Expected) -> Distribution | None:
+    """The distribution on the rig of (2.1)."""
+    return distribution(expected.model, prepare([expected.past])[0], RigSensors(), expected.t)
+
+
+def _of_block(expected: Expected) -> Distribution | None:
+    """The distribution of a block on a belt, simulated in scaled numbers."""
+    past, model = expected.past, expected.model
+    if not isinstance(model.rig, BlockOnBelt) or past.belt_speed == 0:
+        return None
+    if not all(isinstance(one, Effect) for one in model.effects):
+        return None
+    units = scaled(model.rig, [past])
+    own = Model(
+        units.block(),
+        friction=units.law(model.friction),
+        effects=tuple(units.effect(one, back=False) for one in model.effects if isinstance(one, Effect)),
+    )
+    force = past.channel("x1") == "spring_force"
+    sensors = BlockSensors((f"gain.{past.channel('x1')}",), own.parameters["stiffness"] if force else None)
+    run = prepare([units.run(past)])[0]
+    found = distribution(own, run, sensors, expected.t * units.scales.omega)
+    if found is None:
+        return None
+    length = units.scales.length
+    return replace(found, mean=found.mean * length, low=found.low * length, high=found.high * length)
