@@ -124,7 +124,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
-    chosen = found.null if curve is not None else found.chosen
+    chosen = search.verdicts.told
     base = found.null
     if (
         chosen.freed is not None
@@ -214,7 +214,7 @@ def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:
     """What was found, by weight: named effects and a constant, or a curve that no name explains."""
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     if curve is not None:
-        return (in_declared(search.units, outcome.unlisted(found, curve, found.steps[0].gate.threshold)),)
+        return (in_declared(search.units, outcome.unlisted(found, curve, chosen)),)
     beside = Searched(found.null, replace(chosen, freed=None), found.steps, found.without)
     named = [in_declared(search.units, one) for one in outcome.effects(bench, beside)]
     if chosen.freed is not None and (one := _constant(chosen.freed, found)) is not None:

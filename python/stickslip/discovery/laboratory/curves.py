@@ -77,6 +77,8 @@ def _every(
     for variable in names:
         grid = _grid(motions, variable, bench.policy.curve_shapes)
         for where in ("contact", "block"):
+            if (where, variable) == ("contact", "x1"):
+                continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
             yield (
                 where,
                 "v_w" if (where, variable) == ("contact", "x2") else variable,

@@ -33,11 +33,26 @@ ENOUGH = 3  # windows of a run that may differ
 
 @dataclass(frozen=True)
 class Verdicts:
-    """What was searched, and the curve that no name explains, if that is what was found."""
+    """
+    What was searched.
+
+    Parameters
+    ----------
+    bench, searched : the case, and all that was tried
+    curve : what no name explains, None if there is nothing
+    beside : whether the curve is what the names found leave over: they only stand in for what acts
+    """
 
     bench: Bench
     searched: Searched
     curve: Learned | None
+    beside: bool = False
+
+    @property
+    def told(self) -> Trial:
+        """What the model after has: names that stand, or stand in; nothing where a curve does better than all."""
+        found = self.searched
+        return found.null if self.curve is not None and not self.beside else found.chosen
 
     @property
     def doubtful(self) -> bool:
@@ -67,7 +82,11 @@ def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed
     if _lost(bench, found.chosen) or repeats(bench, found.chosen):
         return None
     tell("looking for a curve that no name explains")
-    return Verdicts(bench, found, _curve(bench, found))
+    alone = _curve(bench, found)
+    if alone is not None:
+        return Verdicts(bench, found, alone)
+    left = _left_over(bench, found)
+    return Verdicts(bench, found, left, left is not None)
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> Bench:
@@ -110,6 +129,15 @@ def _curve(bench: Bench, found: Searched) -> Learned | None:
     return best if best.worth(count) > max(threshold, named) else None
 
 
+def _left_over(bench: Bench, found: Searched) -> Learned | None:
+    """The curve beside the names found that passes the gate: what acts is then not what they say."""
+    if not found.chosen.terms:
+        return None
+    count = len(bench.stretches)
+    best = max(learned(bench, found.chosen.fit), key=lambda one: one.worth(count))
+    return best if best.worth(count) > found.steps[-1].gate.threshold else None
+
+
 def discovered(
     case: Case,
     verdicts: Verdicts,
@@ -123,13 +151,13 @@ def discovered(
     """Return the report of a search."""
     bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve
     declared = case.model()
-    chosen = found.null if curve is not None else found.chosen
+    chosen = verdicts.told
     before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
     tell("forecasting the validate runs")
     error, forecasts = error_block(before, after, validate, case.validate, workers, seed)
     effects = outcome.effects(bench, found)
     if curve is not None:
-        effects = (outcome.unlisted(found, curve, found.steps[0].gate.threshold),)
+        effects = (outcome.unlisted(found, curve, verdicts.told),)
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (outcome.left(bench, one.fit) for one in (found.null, chosen))
     views = [

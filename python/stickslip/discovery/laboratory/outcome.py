@@ -276,8 +276,8 @@ def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
     return tuple(sorted(out, key=lambda one: one.delta))
 
 
-def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
-    """Return what no name explains: a place, a variable and a curve."""
+def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
+    """Return what no name explains: a place, a variable and a curve; beside names in the model `told` that stand in."""
     terms = {
         "contact": "friction factor minus 1",
         "block": "force on the block",
@@ -286,13 +286,17 @@ def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
         "y1 channel": "added to the y1 reading",
     }
     term = terms[curve.where]
+    step = found.steps[-1] if told.terms else found.steps[0]
     words = f"a curve in {curve.variable} lowers -2 log marginal likelihood by {curve.gain:.4g}"
+    standing = f"; in the model {' and '.join(told.names)} stand in for the rest" if told.terms else ""
     best = min((t for t in found.steps[0].trials), key=Trial.worth, default=None)
     fall = None if best is None else max(found.null.deviance - best.deviance, 0.0)
     label = "" if best is None else best.names[-1]
     if fall is not None:
         words += f"; the best name, {label}, by {fall:.4g}"
-    proof = Evidence(curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, threshold, words)
+    proof = Evidence(
+        curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, step.gate.threshold, words
+    )
     shape = Curve(
         curve.where,
         curve.variable,
@@ -311,7 +315,7 @@ def unlisted(found: Searched, curve: Learned, threshold: float) -> FoundEffect:
         {},
         proof,
         (),
-        f"{term}: a curve in {curve.variable}",
+        f"{term}: a curve in {curve.variable}{standing}",
         shape,
     )
 
