@@ -19,13 +19,12 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-import scipy
 from scipy.io import loadmat
 
 import stickslip as ss
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.loop import balance, discover, model
-from stickslip.discovery.driven_slider.motion import band
+from stickslip.discovery.driven_slider.fit import Declared
+from stickslip.discovery.driven_slider.loop import balance, discover, model, uncertainty
 from stickslip.discovery.driven_slider.noise import Noise
 from stickslip.discovery.driven_slider.search import Search
 from stickslip.measured.case import Case
@@ -104,7 +103,7 @@ def main() -> None:
         given.out.write_text(json.dumps(rows, indent=1) + "\n")
 
 
-def fitted(path: Path) -> tuple[Case, dict[str, np.ndarray], Model, tuple[Noise, int]]:
+def fitted(path: Path) -> tuple[Case, dict[str, np.ndarray], Model, Noise]:
     """The case of the record, its variables, the declared model and the process noise fitted to its first half."""
     data = {k: v.ravel() for k, v in loadmat(path).items() if not k.startswith("__")}
     folder = Path(os.environ.get("TMPDIR", "/tmp")) / f"stickslip_driven_{os.getpid()}"
@@ -114,20 +113,17 @@ def fitted(path: Path) -> tuple[Case, dict[str, np.ndarray], Model, tuple[Noise,
     if not link.exists():
         link.symlink_to(path.resolve())
     case = ss.load_case(folder, files_from=path.resolve().parent)
-    run = case.train[0]
-    over = band(run.t, run.x1, run.drive, case.rig.mass)
-    search = Search(balance(case.train, over, case.rig.mass), lambda _: None)
-    return case, data, model(case, search.null), (search.balance.noise, over.step)
+    search = Search(balance(case.train, Declared(case.rig.mass, uncertainty(case))), lambda _: None)
+    return case, data, model(case, search.null), search.null.noise
 
 
 def records(
-    data: dict[str, np.ndarray], truth: Model, noise: tuple[Noise, int], seeds: list[int]
+    data: dict[str, np.ndarray], truth: Model, noise: Noise, seeds: list[int]
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Positions [m] and drives [N] of one simulated record a seed."""
-    colour, step = noise
     t = data["t"]
-    slow = [colour.drawn(len(t) // step + 40, np.random.default_rng(seed)) for seed in seeds]
-    w = np.stack([scipy.signal.resample_poly(one, step, 1)[: len(t)] for one in slow], axis=1)
+    drawn = [noise.drawn(len(t), np.random.default_rng(seed))[1] for seed in seeds]
+    w = truth.rig.mass * np.stack(drawn, axis=1)
     loop = Loop(float(data["gtau"][0]), float(data["kp"][0]), float(data["kv"][0]), quantum=QUANTUM)
     start = (float(data["qm"][0]), float(data["qm"][10] - data["qm"][0]) / (t[10] - t[0]))
     run = closed_loop(truth, loop, t, data["qg"], start=start, noise=w, substeps=4)

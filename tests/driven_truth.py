@@ -51,24 +51,29 @@ def reference(t):
     return np.cumsum(np.convolve(speed, smooth, mode="same")) / RATE
 
 
-def record(seconds, *, seed=0, noise=0.25, force=None, friction=None, delay=0):
+def record(
+    seconds, *, seed=0, noise=0.25, colour=0.8, reading=0.0, closed=True, force=None, friction=None, delay=0
+):
     """Times, positions and commands [V] (n,).
 
-    `force(x, t)` acts on the slider beside the rest, `friction(x)` multiplies friction, `delay` is in samples.
+    `noise` [N] is the standard deviation of the force noise, `colour` its memory per sample. Readings have an encoder's
+    steps or, with `reading` [m], white noise of that size, which the loop feeds back. Not `closed`: three sines drive
+    the slider. `force(x, t)` acts on it beside the rest, `friction(x)` multiplies friction, `delay` is in samples.
     """
     generator = np.random.default_rng(seed)
     t = np.arange(round(seconds * RATE)) / RATE
     goal = reference(t)
+    plan = (15 * np.sin(2.2 * t) + 8 * np.sin(8 * t + 1) + 5 * np.sin(31 * t + 2)) / GAIN
     x = v = 0.0
     last = before = 0.0
     out, commands = np.empty(len(t)), np.empty(len(t))
     disturbance = 0.0
     for k in range(len(t)):
-        read = QUANTUM * round(x / QUANTUM)
-        u = KP * KV * (goal[k] - read) - KV * 0.5 * (read - before) * RATE
+        read = x + reading * generator.standard_normal() if reading else QUANTUM * round(x / QUANTUM)
+        u = KP * KV * (goal[k] - read) - KV * 0.5 * (read - before) * RATE if closed else plan[k]
         before, last = last, read
         out[k], commands[k] = read, u
-        disturbance = 0.8 * disturbance + noise * 0.6 * generator.standard_normal()
+        disturbance = colour * disturbance + noise * math.sqrt(1 - colour**2) * generator.standard_normal()
         total = (
             GAIN * commands[max(k - delay, 0)]
             + disturbance

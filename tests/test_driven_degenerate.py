@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.discovery.driven_slider.fit import Balance, Choice
+from stickslip.discovery.driven_slider.dictionary import tried
+from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared
 from stickslip.discovery.driven_slider.intervals import intervals
-from stickslip.discovery.driven_slider.motion import Band, band, motion
+from stickslip.discovery.driven_slider.motion import band, motion
+from stickslip.discovery.driven_slider.noise import Noise
 from stickslip.discovery.driven_slider.search import possible
 from stickslip.discovery.driven_slider.terms import Law, grids, terms
 
@@ -41,8 +44,12 @@ def moved(drive, minus=7.0, plus=5.0, damping=30.0):
 def balanced(kind, noise=1e-7):
     drive = DRIVES[kind]
     x = moved(drive) + noise * np.random.default_rng(0).standard_normal(len(drive))
-    over = band(T, x, drive, MASS)
-    return Balance([motion("run", T, x, drive, over)], over, MASS)
+    band(T, x, drive, MASS)
+    out = Balance([motion("run", T, x, drive, MASS)], Declared(MASS))
+    out.law = Law(MASS, 30.0, 7.0, 5.0)
+    out._lay()
+    out.take(Noise(noise, 1e-3))
+    return out
 
 
 TO_AND_FRO = 60 * np.sin(2.2 * T) + 25 * np.sin(8 * T + 1)
@@ -61,7 +68,7 @@ DRIVES = {
 def test_intervals_of_what_the_record_does_not_determine_are_finite(name, at, drive) -> None:
     balance = balanced(drive)
     term = TERMS[name]
-    tried = grids(balance.runs, balance.band.cutoff)[term.scanned[0]]
+    tried = grids(balance.runs)[term.scanned[0]]
     inside = tried[[0 if at == "least" else -1]] * (
         1e-9 if at == "least" and name == "contact_compliance" else 1
     )
@@ -75,7 +82,7 @@ def test_intervals_of_what_the_record_does_not_determine_are_finite(name, at, dr
 
 def test_a_number_that_changes_nothing_may_be_anything_that_is_tried() -> None:
     balance = balanced("to and fro")
-    term, tried = TERMS["contact_compliance"], grids(balance.runs, balance.band.cutoff)["d"]
+    term, tried = TERMS["contact_compliance"], grids(balance.runs)["d"]
     fit = balance.fit([Choice(term, np.array([1e-12]))], Law(MASS, 30.0, 7.0, 5.0))
     k = intervals(balance, fit).effects["contact_compliance"]["k"]
     assert k.low is not None
@@ -92,12 +99,21 @@ def test_friction_of_a_direction_never_taken_has_no_interval() -> None:
 
 
 def test_a_slider_that_mostly_rests_is_tried_at_the_waves_that_it_passes_when_it_moves() -> None:
-    x = np.where(np.mod(T, 4) < 1.3, 0.1 * np.cumsum(np.mod(T, 4) < 1.3) * DT, 0.0)
-    x = np.maximum.accumulate(x)
-    over = Band(20.0, np.ones(1), 1)
-    run = motion("run", T, x, np.zeros_like(x), over)
+    x = 0.1 * np.cumsum(np.mod(T, 4) < 1.3) * DT
+    run = replace(
+        balanced("to and fro").runs[0], reading=x, x=x, v=np.gradient(x, DT), rest=np.gradient(x) == 0
+    )
     assert np.median(np.abs(run.v)) == 0.0
-    assert len(grids([run], over.cutoff)["L"]) < 1000
+    assert len(grids([run])["L"]) < 1100
+
+
+@pytest.mark.parametrize("name", ["drive_lag", "contact_compliance", "stribeck_peak", "position_ripple"])
+def test_a_number_at_the_end_of_what_is_tried_is_none(name) -> None:
+    term = TERMS[name]
+    own = grids(balanced("to and fro").runs)
+    ends = own[term.scanned[0]]
+    for value, right in ((ends.min(), False), (ends.max(), False), (np.median(ends), True)):
+        assert tried(own, [Choice(term, np.array([value]))]) is right
 
 
 def test_numbers_that_no_catalogue_allows_make_no_candidate() -> None:
@@ -105,7 +121,7 @@ def test_numbers_that_no_catalogue_allows_make_no_candidate() -> None:
     term = TERMS["friction_ripple"]
     fit = balance.fit([Choice(term, np.array([0.05]))])
     assert possible(fit)
-    scaled = type(fit)(fit.choices, fit.law, (np.array([3.0, 0.0]),), fit.coefficients, fit.white, 1.0, 3)
+    scaled = replace(fit, amplitudes=(np.array([3.0, 0.0]),))
     assert not possible(scaled)
 
 

@@ -18,7 +18,6 @@ import driven_truth as truth
 import stickslip as ss
 from stickslip.cli.commands import main
 from stickslip.discovery.driven_slider.motion import Band, instant
-from stickslip.discovery.driven_slider.noise import Noise, autoregression
 from stickslip.discovery.driven_slider.published import inverse_model, loop_errors, symmetric_model
 from stickslip.discovery.result import Found
 from stickslip.simulated.driven_slider import Loop
@@ -35,8 +34,7 @@ def test_the_band_is_one_filter_however_it_is_applied() -> None:
     over = Band(30.0, taps, 4)
     x = np.random.default_rng(0).standard_normal((400, 3))
     at = over.kept(400)
-    np.testing.assert_allclose(over(x), over.matrix(400, np.float64) @ x, atol=1e-12)
-    np.testing.assert_allclose(over(x)[:, 0], over.smoothed(x[:, 0])[at], atol=1e-12)
+    np.testing.assert_allclose(over(x)[:, 0], np.convolve(x[:, 0], taps, mode="same")[at], atol=1e-12)
     t = np.arange(400) / 500
     slow = np.sin(2 * np.pi * 5 * t)
     np.testing.assert_allclose(over(slow), slow[at], atol=5e-3)  # no delay
@@ -53,17 +51,6 @@ def test_second_differences_become_accelerations() -> None:
     raw, ours = (np.max(np.abs(one[inner] - exact[inner])) / w**2 for one in (mean, instant(mean)))
     assert raw > 0.02
     assert ours < 0.003
-
-
-def test_the_colour_of_noise_is_recovered() -> None:
-    true = Noise(np.array([1.0, -1.2, 0.5]), 0.3)
-    e = true.drawn(20000, np.random.default_rng(1))
-    ours = autoregression(e, [12000, 8000])
-    assert ours.sigma == pytest.approx(0.3, rel=0.02)
-    assert ours.std == pytest.approx(true.std, rel=0.05)
-    white = ours.matrix([12000, 8000]) @ e
-    assert np.std(white) == pytest.approx(1.0, rel=0.02)
-    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.02
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +95,7 @@ def test_a_ripple_is_found_with_its_wavelength(searched: dict[str, tuple[ss.Case
     assert found.error.after < 0.5 * found.error.before
     assert found.error.after == pytest.approx(found.error.floor, rel=0.15)
     proof = found.effects[0].evidence
-    assert proof.delta_chi2 > 10 * proof.control
+    assert proof.delta_chi2 > 5 * proof.control
 
 
 @pytest.mark.slow

@@ -50,7 +50,15 @@ class CurveTerm:
         def parameters(_: Floats, b: Floats, __: Law) -> dict[str, float]:
             return {f"value_{i}": float(one) for i, one in enumerate(self.values(b))}
 
-        return Term(self.name, (), len(self.free), columns, parameters, scaled=self.where == "contact")
+        return Term(
+            self.name,
+            (),
+            len(self.free),
+            columns,
+            parameters,
+            scaled=self.where == "contact",
+            sliding=self.where == "contact",
+        )
 
     def values(self, b: Floats) -> Floats:
         """The curve at its knots, of the coefficients of the free ones."""

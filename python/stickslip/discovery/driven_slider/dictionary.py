@@ -1,8 +1,8 @@
-"""Every candidate at every number tried, ready to be scored against a residual, or against drawn noise."""
+"""Every candidate at every number tried: what each would explain of a residual, or of drawn noise."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,23 +10,13 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import Balance, Choice
+from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
 from stickslip.discovery.driven_slider.terms import Law, Term
 
 Floats = NDArray[np.float64]
-Single = NDArray[np.float32]
 
-CHUNK = 128  # candidates computed at once
+CHUNK = 768  # columns computed at once
 TINY = 1e-6  # share of a column's power that must be new beside what is fitted
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A candidate at some scanned numbers, and its first column in the dictionary."""
-
-    choice: Choice
-    first: int
-    width: int
 
 
 def mass_term(declared: float) -> Term:
@@ -38,113 +28,107 @@ def mass_term(declared: float) -> Term:
     return Term("rig_mass", (), 1, lambda run, _, __: run.a[:, None], parameters)
 
 
+@dataclass(frozen=True)
+class Scores:
+    """Fall of chi-squared by every entry of a dictionary (e,), and the largest on each drawn residual (draws,)."""
+
+    gains: Floats
+    drawn: Floats
+
+
 class Dictionary:
-    """Columns of all candidates, filtered.
+    """The candidates and the numbers that are tried of each; what is refitted whole, like a mass, is not among them.
 
     Parameters
     ----------
     balance
-        Its runs and band.
-    law
-        The friction with which candidates that scale with it are computed.
+        Its runs say what can be told.
     """
 
-    def __init__(self, balance: Balance, law: Law) -> None:
+    def __init__(self, balance: Balance) -> None:
         self.balance = balance
-        self.low_passes = [balance.band.matrix(len(run.t)) for run in balance.runs]
-        grids = tm.grids(balance.runs, balance.band.cutoff)
-        self.entries: list[Entry] = []
-        blocks: list[Single] = []
-        at = 0
-        for term in (mass_term(balance.mass), *tm.terms()):
-            if term.name in POSITION_RIPPLES[1:]:
+        self.grids = tm.grids(balance.runs)
+        self.entries: list[Choice] = []
+        self._chunks: list[tuple[Term, list[Floats]]] = []
+        for term in tm.terms():
+            if term.name in POSITION_RIPPLES[1:]:  # the same columns, another name
                 continue
-            insides = [np.zeros(0)] if not term.scanned else [np.array([v]) for v in grids[term.scanned[0]]]
-            for start in range(0, len(insides), CHUNK):
-                part = insides[start : start + CHUNK]
-                blocks.append(self._block(term, part, law))
-                for inside in part:
-                    self.entries.append(Entry(Choice(term, inside), at, term.amplitudes))
-                    at += term.amplitudes
-        for again in (
-            one for one in tm.terms() if one.name in POSITION_RIPPLES[1:]
-        ):  # the same columns, another name
-            same = [one for one in self.entries if one.choice.name == POSITION_RIPPLES[0]]
-            self.entries += [Entry(Choice(again, one.choice.inside), one.first, one.width) for one in same]
-        self.filtered: Single = np.concatenate(blocks, axis=1)
-        self.white: Single = self.filtered
-        first = np.array([one.first for one in self.entries], dtype=np.intp)
-        self.one = np.array([one.width == 1 for one in self.entries])
-        self.fixed = np.array([one.choice.term.fixed for one in self.entries])
-        self.a: NDArray[np.intp] = first
-        self.b: NDArray[np.intp] = first + ~self.one
-        self.families = sorted({one.choice.name for one in self.entries})
-        self.family = np.array([self.families.index(one.choice.name) for one in self.entries])
+            insides = [np.array([v]) for v in self.grids[term.scanned[0]]] if term.scanned else [np.zeros(0)]
+            width = CHUNK // term.amplitudes
+            for start in range(0, len(insides), width):
+                self._chunks.append((term, insides[start : start + width]))
+            self.entries += [Choice(term, one) for one in insides]
+        self.names = np.array([one.name for one in self.entries])
 
-    def _block(self, term: Term, insides: Sequence[Floats], law: Law) -> Single:
-        rows = []
-        for run, low_pass in zip(self.balance.runs, self.low_passes, strict=True):
+    def _white(self, law: Law) -> Iterator[tuple[Term, Floats]]:
+        """White columns (n', m) of some entries after the other."""
+        for term, insides in self._chunks:
             if term.many:
-                columns = term.columns(run, np.concatenate(insides), law)
+                columns = self.balance.columns(term, np.concatenate(insides), law)
             else:
-                columns = np.concatenate([term.columns(run, one, law) for one in insides], axis=1)
-            rows.append(low_pass @ columns.astype(np.float32))
-        return np.asarray(np.concatenate(rows), dtype=np.float32)
+                columns = np.concatenate([self.balance.columns(term, one, law) for one in insides], axis=1)
+            yield term, self.balance.whitened(columns)
 
-    def whiten(self) -> None:
-        """Take the colour of the balance's noise out of every column."""
-        self.white = self.balance.noise.matrix(self.balance.lengths).astype(np.float32) @ self.filtered
+    def scores(self, fits: Sequence[Fit], draws: Floats | None = None) -> list[Scores]:
+        """Score every entry beside each of some fits, which share a noise, in its white units.
 
-    def scorer(self, fitted: Floats) -> Scorer:
-        """Prepare to score residuals of a fit whose whitened columns are `fitted` (n', k)."""
-        q, r = np.linalg.qr(fitted / np.maximum(np.linalg.norm(fitted, axis=0), 1e-300))
-        q = q[:, np.abs(np.diag(r)) > 1e-8]
-        return Scorer(self, q.astype(np.float32))
+        Parameters
+        ----------
+        fits
+            What is fitted.
+        draws
+            More white residuals (n', draws).
+        """
+        beside = [self._fitted(fit, draws) for fit in fits]
+        gains: list[list[Floats]] = [[] for _ in fits]
+        for term, white in self._white(fits[0].law):
+            power = np.einsum("ij,ij->j", white, white)
+            for own, (q, residuals, lightness) in zip(gains, beside, strict=True):
+                own.append(_gains(term, white, power, q.T @ white, white.T @ residuals, lightness))
+        every = [np.concatenate(own) for own in gains]
+        return [
+            Scores(one[:, 0], one[:, 1:].max(axis=0) if one.shape[1] > 1 else np.zeros(0)) for one in every
+        ]
+
+    def _fitted(self, fit: Fit, draws: Floats | None) -> tuple[Floats, Floats, float]:
+        """A basis of what is fitted (n', k), residuals (n', 1 + draws) beside it, and 1/mass."""
+        y, X = self.balance.design(fit.choices, fit.law)
+        rest = y - X @ fit.coefficients
+        X = X[:, 1:] if self.balance.held(fit.choices) else X
+        q, r = np.linalg.qr(X / np.maximum(np.linalg.norm(X, axis=0), 1e-300))
+        q = q[: len(fit.white), np.abs(np.diag(r)) > 1e-8]
+        residuals = rest[: len(fit.white), None]
+        if draws is not None:
+            residuals = np.column_stack([residuals, draws - q @ (q.T @ draws)])
+        return q, residuals, float(fit.coefficients[0])
 
 
-class Scorer:
-    """How much each entry would lower chi-squared beside what is fitted already."""
+def _gains(term: Term, white: Floats, power: Floats, inside: Floats, p: Floats, lightness: float) -> Floats:
+    """Fall of chi-squared (entries, residuals) from columns (n', m), their powers, what of them is fitted already.
 
-    def __init__(self, dictionary: Dictionary, q: Single) -> None:
-        self.of = dictionary
-        d, c = dictionary, dictionary.white
-        self.power = np.einsum("ij,ij->j", c, c).astype(np.float64)
-        self.own = self.power.copy()
-        cross = np.einsum("ij,ij->j", c[:, d.a], c[:, d.b]).astype(np.float64)
-        self.cross = np.where(d.one, 0.0, cross)
-        self.q = q[:, :0]
-        self._take_out(q)
+    `p` (m, residuals) are their products with the residuals, `lightness` is 1/mass.
+    """
+    own = power - np.einsum("ij,ij->j", inside, inside)
+    seen = own > TINY * np.maximum(power, 1e-300)
+    if term.amplitudes == 1:
+        aa = np.where(seen, own, 1.0)[:, None]
+        # a step of a term whose coefficient is 1 goes all the way, or not at all
+        out = -2 * lightness * p - lightness**2 * aa if term.fixed else p**2 / aa
+        return np.asarray(np.where(seen[:, None], out, 0.0))
+    a, b = slice(0, None, 2), slice(1, None, 2)
+    ab = np.einsum("ij,ij->j", white[:, a], white[:, b]) - np.einsum("ij,ij->j", inside[:, a], inside[:, b])
+    aa, bb = own[a], own[b]
+    det = aa * bb - ab**2
+    sound = (seen[a] & seen[b] & (det > 1e-6 * aa * bb))[:, None]
+    safe = np.where(sound[:, 0], det, 1.0)[:, None]
+    both = p[a] ** 2 * bb[:, None] - 2 * p[a] * p[b] * ab[:, None] + p[b] ** 2 * aa[:, None]
+    return np.asarray(np.where(sound, both / safe, 0.0))
 
-    def add(self, columns: Floats) -> None:
-        """Count whitened columns (n', k) among what is fitted."""
-        new = columns - self.q @ (self.q.T @ columns)
-        new /= np.maximum(np.linalg.norm(new, axis=0), 1e-300)
-        self._take_out(np.linalg.qr(new)[0].astype(np.float32))
 
-    def _take_out(self, q: Single) -> None:
-        d = self.of
-        inside = (q.T @ d.white).astype(np.float64)
-        self.own -= np.einsum("ij,ij->j", inside, inside)
-        self.cross -= np.where(d.one, 0.0, np.einsum("ij,ij->j", inside[:, d.a], inside[:, d.b]))
-        self.q = np.concatenate([self.q, q], axis=1)
-        self.seen = self.own > TINY * np.maximum(self.power, 1e-300)
-
-    def gains(self, white: Floats) -> Floats:
-        """Fall of chi-squared by every entry (e,), or (e, draws) for several residuals (n', draws)."""
-        d = self.of
-        w = white.astype(np.float32)
-        w = w - self.q @ (self.q.T @ w)
-        p = (d.white.T @ w).astype(np.float64)
-        shape = (-1,) + (1,) * (p.ndim - 1)
-        aa, bb = self.own[d.a].reshape(shape), self.own[d.b].reshape(shape)
-        ab, pa, pb = self.cross.reshape(shape), p[d.a], p[d.b]
-        ok_a, ok_b = self.seen[d.a].reshape(shape), self.seen[d.b].reshape(shape)
-        single = np.where(ok_a, pa**2 / np.maximum(aa, 1e-30), 0.0)
-        det = aa * bb - ab**2
-        sound = ok_a & ok_b & (det > 1e-6 * aa * bb)
-        double = np.where(
-            sound, (pa**2 * bb - 2 * pa * pb * ab + pb**2 * aa) / np.where(sound, det, 1.0), single
-        )
-        whole = 2 * pa - aa
-        one, fixed = d.one.reshape(shape), d.fixed.reshape(shape)
-        return np.asarray(np.where(fixed, np.where(ok_a, whole, 0.0), np.where(one, single, double)))
+def tried(grids: dict[str, Floats], choices: Sequence[Choice]) -> bool:
+    """Whether every scanned number lies within what is tried of it, not at its end: there it would have no bound."""
+    for one in choices:
+        for name, value in zip(one.term.scanned, one.inside, strict=True):
+            if not grids[name].min() < value < grids[name].max():
+                return False
+    return True

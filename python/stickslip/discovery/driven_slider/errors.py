@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.declared.rig import DrivenSlider
-from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider.fit import Fit
+from stickslip.discovery.driven_slider.residual import Shown
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.measured.case import Case, Recording
 from stickslip.simulated.driven_slider import forecast
@@ -24,12 +24,12 @@ METRIC = (
 
 
 def error_block(
-    case: Case, validate: Balance, null: Fit, chosen: Fit, before: Model, after: Model
+    case: Case, validate: Shown, null: Fit, chosen: Fit, before: Model, after: Model
 ) -> ErrorBlock:
-    """Both errors of every validate run, before and after; the floor is what the process noise alone leaves."""
+    """Both errors of every validate run, before and after; the floor is what the noise alone leaves."""
     ends = np.cumsum(validate.lengths)
     left = {"before": validate.unexplained(null), "after": validate.unexplained(chosen)}
-    floor = validate.noise.std
+    floor = validate.floor(chosen)
     rows = []
     for run, stop, length in zip(case.validate, ends, validate.lengths, strict=True):
         part = slice(stop - length, stop)
@@ -39,7 +39,7 @@ def error_block(
         position = {
             "before": forecasts(before, run, AHEAD),
             "after": forecasts(after, run, AHEAD),
-            "floor": floor_of_forecast(validate, run, AHEAD),
+            "floor": floor_of_forecast(chosen, run, AHEAD),
         }
         none = {"before": NAN, "after": NAN, "floor": NAN}
         unit = {"x1": run.unit("x1"), "drive": "1"}
@@ -93,14 +93,13 @@ def forecasts(model: Model, run: Recording, ahead: float) -> float:
     return float(np.sqrt(np.mean((path - measured)[-1] ** 2)))
 
 
-def floor_of_forecast(validate: Balance, run: Recording, ahead: float) -> float:
-    """The same error that the process noise alone makes: drawn, divided by the mass, integrated twice."""
-    assert isinstance(run.rig, DrivenSlider)
-    step = validate.runs[0].dt * validate.band.step
+def floor_of_forecast(fit: Fit, run: Recording, ahead: float) -> float:
+    """The same error that the process noise alone makes: drawn and integrated twice."""
+    step = float(np.median(np.diff(run.t)))
     steps = round(ahead / step)
     generator = np.random.default_rng(0)
     ends = []
     for _ in range(200):
-        a = validate.noise.drawn(steps, generator) / run.rig.mass
-        ends.append(np.sum(np.cumsum(a)) * step**2)
+        _, d = fit.noise.drawn(steps, generator)
+        ends.append(np.sum(np.cumsum(d)) * step**2)
     return float(np.sqrt(np.mean(np.square(ends))))

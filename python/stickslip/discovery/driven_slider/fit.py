@@ -1,4 +1,9 @@
-"""Weighted least squares of the force balance: the declared law and some candidates, in white units of the noise."""
+"""Weighted least squares of the motion: the declared law and some candidates, in white units of the noise.
+
+What is fitted is an acceleration, `x2' = F/mass - damping/mass x2 - T/mass - candidates/mass + noise` with `noise` of
+`noise.py`: linear in 1/mass and in everything else over the mass. Unlike the force balance, which has the measured
+acceleration on its right side, it is not biased by noise of the readings, in a loop or not.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +14,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.motion import Band, Motion, stacked
-from stickslip.discovery.driven_slider.noise import Noise
+from stickslip.discovery.driven_slider.motion import Motion, moved, spread
+from stickslip.discovery.driven_slider.noise import Noise, Rows, Sampling, Whitener, fitted
 from stickslip.discovery.driven_slider.terms import Law, Term
 
 Floats = NDArray[np.float64]
 
-REMEMBERED = 400  # candidates whose columns are kept at hand
-LAW_ROUNDS = 2  # candidates that scale with friction are computed with the friction of the round before
+REMEMBERED = 200  # candidates whose columns are kept at hand
+ROUNDS = 3  # of a fit and its noise in turn; candidates that scale with friction use that of the round before
+STEP = 0.01  # of a derivative by differences
 
 
 @dataclass(frozen=True)
@@ -33,13 +38,22 @@ class Choice:
         return self.term.name
 
 
+@dataclass(frozen=True)
+class Declared:
+    """The declared mass [kg] and the relative standard uncertainty of what the motion says of it."""
+
+    mass: float
+    uncertainty: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted balance.
+    """A fitted motion.
 
     `choices` are the candidates in it, `amplitudes` their coefficients, `law` the declared law's numbers,
-    `coefficients` those of all columns (law, candidates, free friction, extra), `white` (n',) the residual in white
-    units, `chi2` its sum of squares, `freedom` how many numbers were fitted.
+    `coefficients` those of all columns over the mass, `white` (n',) the residual in white units, `chi2` its sum of
+    squares with that of the declared mass, `freedom` how many numbers were fitted, `noise` that in whose white units;
+    `deviance` is -2 log likelihood.
     """
 
     choices: tuple[Choice, ...]
@@ -49,6 +63,8 @@ class Fit:
     white: Floats
     chi2: float
     freedom: int
+    noise: Noise
+    deviance: float
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -69,46 +85,97 @@ class Fit:
 
 
 class Balance:
-    """The force balance of some runs within a band: F = mass a + damping v + T + candidates + noise.
+    """The motion of some runs, ready to be fitted in the white units of a noise.
 
     Parameters
     ----------
     runs
         What was measured.
-    over
-        The band.
-    mass
-        Declared mass [kg]; it is fitted only where `rig_mass` is among the candidates.
+    declared
+        The mass. Unless `rig_mass` is among the candidates it keeps to its uncertainty.
     """
 
-    def __init__(self, runs: Sequence[Motion], over: Band, mass: float) -> None:
-        self.runs, self.band, self.mass = tuple(runs), over, mass
-        self.force = stacked(runs, over, lambda run: run.drive)
-        self.base = stacked(runs, over, tm.base)
-        self.free = _beside([over(tm.free(run, over.step)) for run in self.runs])
-        self.lengths = [len(over.kept(len(run.t))) for run in self.runs]
-        self._low_passes = [over.matrix(len(run.t), np.float64) for run in self.runs]
+    def __init__(self, runs: Sequence[Motion], declared: Declared) -> None:
+        self.runs, self.declared = tuple(runs), declared
+        self.law = Law(declared.mass, 0.0, 0.0, 0.0)
+        self.noise = Noise(1.0, 1.0)
+        self._lay()
+
+    def _lay(self) -> None:
+        """Lay out the law's columns for the damping and the friction that are known so far."""
+        self.samplings = [Sampling(run.dt, self.law.damping / self.law.mass) for run in self.runs]
+        limit = 0.5 * (abs(self.law.minus) + abs(self.law.plus)) / self.law.mass
+        self.doubts = [run.doubt(limit) for run in self.runs]
+        both = list(zip(self.runs, self.samplings, strict=True))
+        self.response = np.concatenate([run.accelerations(s) for run, s in both])
+        self.drive = np.concatenate([run.driven(s) for run, s in both])
+        self.base = np.concatenate([_law_columns(run, s) for run, s in both])
+        self.lengths = [len(run.t) - 2 for run in self.runs]
+
+    def take(self, noise: Noise) -> None:
+        """Fit in the white units of a noise."""
+        self.noise = noise
+        self.whiteners = [Whitener(noise, s, d) for s, d in zip(self.samplings, self.doubts, strict=True)]
+        self._determinant = sum(one.log_determinant for one in self.whiteners)
+        self._white_base = self.whitened(np.column_stack([self.drive, -self.base]))
+        self._white_response = self.whitened(self.response)
         self._kept: dict[tuple[object, ...], Floats] = {}
-        self._white_base = self._white_force = np.zeros(0)
-        self._noise = self.noise = Noise(np.ones(1), 1.0)
 
-    @property
-    def noise(self) -> Noise:
-        """Noise in whose white units is fitted."""
-        return self._noise
+    def settle(self) -> Fit:
+        """Estimate the noise, the motion and the declared law from each other; the last fit."""
+        reading, force = (max(one) for one in zip(*(run.least for run in self.runs), strict=True))
+        self.least = Noise(reading, force / self.declared.mass)
+        # with friction free the sign of the velocity is known well enough for a first law
+        self.law = self._plain()
+        self._lay()
+        noise = fitted(self._rows(self._left(self.law)), self.least)
+        for _ in range(ROUNDS):
+            self._lay()
+            self.take(noise)
+            for _ in range(ROUNDS):
+                fit = self.fit(law=self.law)
+                noise = fitted(self._rows(self.residual(fit)), self.least, noise)
+                self.take(noise)
+            fit = self.fit(law=self.law)
+            rows = self._rows(self.residual(fit))
+            self.law = fit.law
+            self.runs = tuple(moved(run, noise, own) for run, own in zip(self.runs, rows, strict=True))
+        self._lay()
+        self.take(noise)
+        return self.renoised(self.fit(law=self.law))
 
-    @noise.setter
-    def noise(self, noise: Noise) -> None:
-        self._noise = noise
-        self._whiten = noise.matrix(self.lengths)
-        self._white_base = self.whitened(np.column_stack([self.base, self.free]))
-        self._white_force = self.whitened(self.force)
-        self._kept.clear()
+    def _plain(self) -> Law:
+        """A first law by least squares, with the declared mass, of the velocity as smoothed."""
+        m = self.declared.mass
+        parts = []
+        for run, base in zip(self.runs, np.split(self.base, np.cumsum(self.lengths)[:-1]), strict=True):
+            sure = ~run.rest[1:-1]
+            a = np.gradient(run.v, run.dt)[1:-1]
+            parts.append(np.column_stack([base, run.drive[1:-1] - m * a])[sure])
+        rows = np.concatenate(parts)
+        b = np.linalg.lstsq(rows[:, :3], rows[:, 3], rcond=None)[0]
+        return Law(m, *(max(float(one), 0.0) for one in b))
+
+    def _left(self, law: Law) -> Floats:
+        numbers = np.array([0.0, law.minus, law.plus])
+        return np.asarray(self.response - (self.drive - self.base @ numbers) / law.mass, dtype=np.float64)
+
+    def _rows(self, residual: Floats) -> list[Rows]:
+        parts = np.split(residual, np.cumsum(self.lengths)[:-1])
+        return [Rows(r, s, d) for r, s, d in zip(parts, self.samplings, self.doubts, strict=True)]
+
+    def renoised(self, fit: Fit, rounds: int = ROUNDS - 1) -> Fit:
+        """The fit with the noise that goes with it: in turn, as the noise hardly moves the fit."""
+        for _ in range(rounds):
+            noise = fitted(self._rows(self.residual(fit)), self.least, fit.noise)
+            self.take(noise)
+            fit = self.fit(fit.choices, fit.law)
+        return fit
 
     def columns(self, term: Term, inside: Floats, law: Law) -> Floats:
-        """A candidate's columns (n, m), filtered."""
+        """A candidate's columns (n, m) in N, as they act on the rows that are fitted."""
         return np.concatenate(
-            [m @ term.columns(run, inside, law) for m, run in zip(self._low_passes, self.runs, strict=True)]
+            [spread(term.columns(run, inside, law), run.sure if term.sliding else None) for run in self.runs]
         )
 
     def white_columns(self, term: Term, inside: Floats, law: Law) -> Floats:
@@ -122,12 +189,11 @@ class Balance:
 
     def whitened(self, rows: Floats) -> Floats:
         """Rows in white units."""
-        return np.asarray(self._whiten @ rows, dtype=np.float64)
+        parts = np.split(rows, np.cumsum(self.lengths)[:-1])
+        return np.concatenate([white(part) for white, part in zip(self.whiteners, parts, strict=True)])
 
-    def fit(
-        self, choices: Sequence[Choice] = (), law: Law | None = None, *, extra: Floats | None = None
-    ) -> Fit:
-        """Fit the law's numbers and the candidates' amplitudes, their scanned numbers held.
+    def fit(self, choices: Sequence[Choice] = (), law: Law | None = None) -> Fit:
+        """Fit the law's numbers and the candidates' amplitudes, their scanned numbers and the noise held.
 
         Parameters
         ----------
@@ -135,122 +201,115 @@ class Balance:
             Candidates; one named `rig_mass` frees the mass.
         law
             Friction with which candidates that scale with it are computed at first; None: from a fit without them.
-        extra
-            More columns (n, m), filtered, that may take any amplitude.
         """
         if law is None:
-            law = self.fit((), Law(self.mass, 0.0, 0.0, 0.0)).law
-        for _ in range(LAW_ROUNDS if choices else 1):
-            out = self._once(choices, law, extra)
+            law = self.once((), self.law).law
+        for _ in range(2 if any(one.term.scaled for one in choices) else 1):
+            out = self.once(choices, law)
             law = out.law
         return out
 
-    def _once(self, choices: Sequence[Choice], law: Law, extra: Floats | None) -> Fit:
-        heavy = any(one.name == "rig_mass" for one in choices)
-        wy = self._white_force - (0.0 if heavy else self.mass) * self._white_base[:, 0]
-        first, last = self._white_base[:, 0 if heavy else 1 : 4], self._white_base[:, 4:]
-        parts, widths = [first], []
+    def held(self, choices: Sequence[Choice]) -> bool:
+        """Is the mass as declared, exactly?"""
+        return self.declared.uncertainty == 0 and not any(one.name == "rig_mass" for one in choices)
+
+    def at(self, fit: Fit) -> None:
+        """Go back to the white units of a fit."""
+        if fit.noise is not self.noise:
+            self.take(fit.noise)
+
+    def design(self, choices: Sequence[Choice], law: Law) -> tuple[Floats, Floats]:
+        """White response (n',) and columns (n', k): drive, law, candidates; the last row is the declared mass."""
+        drive, parts = self._white_base[:, 0], []
         for one in choices:
-            w = np.zeros((len(wy), 0))
-            if one.name != "rig_mass":
-                w = self.white_columns(one.term, one.inside, law)
-            if one.term.fixed:
-                wy, w = wy - w[:, 0], w[:, :0]
-            parts.append(w)
-            widths.append(w.shape[1])
-        parts += [last] if extra is None else [last, self.whitened(extra)]
-        X = np.column_stack(parts)
-        scale = lengths(X)
-        b, rank = _solved(X / scale, wy)
-        b /= scale
-        numbers = b[: first.shape[1]]
-        fitted = Law(float(numbers[0]) if heavy else self.mass, *(float(one) for one in numbers[-3:]))
-        amplitudes = (
-            np.split(b[len(numbers) : len(numbers) + sum(widths)], np.cumsum(widths)[:-1]) if widths else []
-        )
-        white = wy - X @ b
-        inside = sum(len(one.inside) for one in choices)
-        return Fit(
-            tuple(choices), fitted, tuple(amplitudes), b, white, float(white @ white), int(rank) + inside
-        )
-
-    def residual(self, fit: Fit, extra: Floats | None = None) -> Floats:
-        """What a fit leaves of the force (n,) in N, before whitening; `extra` as it was fitted with."""
-        heavy = "rig_mass" in fit.names
-        y = self.force - (0.0 if heavy else fit.law.mass) * self.base[:, 0]
-        parts = [self.base[:, 0 if heavy else 1 :]]
-        for one in fit.choices:
-            c = np.zeros((len(y), 0))
-            if one.name != "rig_mass":
-                c = self.columns(one.term, one.inside, fit.law)
-            if one.term.fixed:
-                y, c = y - c[:, 0], c[:, :0]
-            parts.append(c)
-        parts += [self.free] if extra is None else [self.free, extra]
-        return np.asarray(y - np.column_stack(parts) @ fit.coefficients, dtype=np.float64)
-
-    def predicted(self, fit: Fit) -> Floats:
-        """Residual (n',) in white units of a fit to other runs: nothing is fitted here but friction at rest."""
-        w = self._white_force - fit.law.mass * self._white_base[:, 0]
-        numbers = np.array([fit.law.damping, fit.law.minus, fit.law.plus])
-        w = w - self._white_base[:, 1:4] @ numbers
-        for one, b in zip(fit.choices, fit.amplitudes, strict=True):
-            if one.name != "rig_mass":
-                c = self.white_columns(one.term, one.inside, fit.law)
-                w = w - (c[:, 0] if one.term.fixed else c @ b)
-        free = self._white_base[:, 4:]
-        return np.asarray(w - free @ np.linalg.lstsq(free, w, rcond=None)[0], dtype=np.float64)
-
-    def unexplained(self, fit: Fit) -> Floats:
-        """The same in N, not whitened (n,)."""
-        y = self.force - fit.law.mass * self.base[:, 0]
-        y = y - self.base[:, 1:4] @ np.array([fit.law.damping, fit.law.minus, fit.law.plus])
-        for one, b in zip(fit.choices, fit.amplitudes, strict=True):
-            if one.name != "rig_mass":
-                c = self.columns(one.term, one.inside, fit.law)
-                y = y - (c[:, 0] if one.term.fixed else c @ b)
-        return np.asarray(y - self.free @ np.linalg.lstsq(self.free, y, rcond=None)[0], dtype=np.float64)
-
-    def design(self, fit: Fit) -> tuple[Floats, Floats]:
-        """Whitened columns of everything fitted: law, amplitudes, friction at rest, then the scanned numbers'.
-
-        Also the step of the logarithm of each scanned number to which its column belongs.
-        """
-        heavy = "rig_mass" in fit.names
-        parts, last, steps = [self._white_base[:, 0 if heavy else 1 : 4]], [], []
-        for one, b in zip(fit.choices, fit.amplitudes, strict=True):
             if one.name == "rig_mass":
                 continue
-            c = self.white_columns(one.term, one.inside, fit.law)
-            weight = np.ones(1) if one.term.fixed else b
-            if not one.term.fixed:
-                parts.append(c)
-            for i in range(len(one.inside)):
-                step = 0.01 * self._step(one)
-                moved = one.inside.copy()
-                moved[i] *= np.exp(step)
-                last.append((self.white_columns(one.term, moved, fit.law) - c) @ weight / 0.01)
-                steps.append(100 * step)
-        parts.append(self._white_base[:, 4:])
-        return np.column_stack([*parts, *last]), np.array(steps)
+            w = self.white_columns(one.term, one.inside, law)
+            if one.term.fixed:
+                drive = drive - w[:, 0]
+            else:
+                parts.append(-w)
+        X = np.column_stack([drive, self._white_base[:, 1:], *parts])
+        y = self._white_response
+        if self.declared.uncertainty > 0 and not any(one.name == "rig_mass" for one in choices):
+            last = np.zeros(X.shape[1])
+            last[0] = self.declared.mass / self.declared.uncertainty
+            X, y = np.vstack([X, last]), np.append(y, 1 / self.declared.uncertainty)
+        return y, X
 
-    def law_names(self, fit: Fit) -> tuple[str, ...]:
-        """Names of the law's numbers in the order of the columns."""
-        law = ("damping", "kinetic", "kinetic_plus")
-        return ("mass", *law) if "rig_mass" in fit.names else law
+    def once(self, choices: Sequence[Choice], law: Law) -> Fit:
+        """One fit with candidates that scale with friction computed with that of `law`."""
+        y, X = self.design(choices, law)
+        scale = lengths(X)
+        if self.held(choices):
+            b = np.zeros(X.shape[1])
+            b[0] = 1 / self.declared.mass
+            b[1:], rank = _solved((X / scale)[:, 1:], y - b[0] * X[:, 0])
+            b[1:] /= scale[1:]
+        else:
+            b, rank = _solved(X / scale, y)
+            b /= scale
+        white = y - X @ b
+        chi2 = float(white @ white)
+        inside = sum(len(one.inside) for one in choices)
+        return Fit(
+            tuple(choices), self.law_of(b), self.amplitudes(choices, b), b, white[: len(self._white_response)],
+            chi2, int(rank) + inside, self.noise, chi2 + self._determinant,
+        )  # fmt: skip
+
+    def law_of(self, b: Floats) -> Law:
+        """The law of fitted coefficients: what is fitted of the damping is beside that of the sampling."""
+        mass = 1 / float(b[0]) if b[0] > 0 else float("inf")
+        rate = self.samplings[0].rate + float(b[1])
+        return Law(mass, rate * mass, float(b[2]) * mass, float(b[3]) * mass)
+
+    def amplitudes(self, choices: Sequence[Choice], b: Floats) -> tuple[Floats, ...]:
+        """Coefficients of the candidates in N."""
+        out, at = [], 4
+        for one in choices:
+            width = 0 if one.term.fixed or one.name == "rig_mass" else one.term.amplitudes
+            out.append(b[at : at + width] / b[0] if b[0] > 0 else np.full(width, np.nan))
+            at += width
+        return tuple(out)
+
+    def residual(self, fit: Fit) -> Floats:
+        """What a fit leaves of the accelerations (n,), not whitened, of these runs or others."""
+        law = fit.law
+        y = self.response * law.mass - self.drive
+        numbers = np.array([law.damping - self.samplings[0].rate * law.mass, law.minus, law.plus])
+        y = y + self.base @ numbers
+        for one, b in zip(fit.choices, fit.amplitudes, strict=True):
+            if one.name != "rig_mass":
+                c = self.columns(one.term, one.inside, law)
+                y = y + (c[:, 0] if one.term.fixed else c @ b)
+        return np.asarray(y / law.mass, dtype=np.float64)
+
+    def predicted(self, fit: Fit) -> Floats:
+        """Residual (n',) in white units of a fit to other runs: nothing is fitted here."""
+        return self.whitened(self.residual(fit))
+
+    def like(self, other: Balance) -> None:
+        """Take the law and the noise of another balance, and smooth the motion with them."""
+        self.law = other.law
+        for _ in range(2):
+            self._lay()
+            rows = self._rows(self._left(self.law))
+            self.runs = tuple(moved(run, other.noise, own) for run, own in zip(self.runs, rows, strict=True))
+        self._lay()
+        self.take(other.noise)
 
     def sharpen(self, choices: Sequence[Choice], law: Law, *, last: bool = False) -> Fit:
         """Fit the scanned numbers too, from where they are: all of them, or those of the last candidate alone."""
-        moved = choices[-1:] if last else choices
-        held = tuple(choices[: len(choices) - len(moved)])
-        start = np.concatenate([np.zeros(0), *(np.log(np.abs(one.inside)) for one in moved)])
+        moving = choices[-1:] if last else choices
+        held = tuple(choices[: len(choices) - len(moving)])
+        start = np.concatenate([np.zeros(0), *(np.log(np.abs(one.inside)) for one in moving)])
         if not start.size:
             return self.fit(choices, law)
-        steps = np.concatenate([[self._step(one)] * len(one.inside) for one in moved])
+        steps = np.concatenate([[self.step(one)] * len(one.inside) for one in moving])
 
         def at(z: Floats) -> tuple[Choice, ...]:
             out, k = list(held), 0
-            for one in moved:
+            for one in moving:
                 part = slice(k, k + len(one.inside))
                 inside = np.sign(one.inside) * np.exp(start[part] + steps[part] * z[part])
                 out.append(Choice(one.term, inside))
@@ -258,15 +317,15 @@ class Balance:
             return tuple(out)
 
         def white(z: Floats) -> Floats:
-            return self._once(at(z), law, None).white
+            return self.once(at(z), law).white
 
-        still, small = np.zeros(len(start)), np.full(len(start), 1e-2)
+        still, small = np.zeros(len(start)), np.full(len(start), STEP)
         solved = scipy.optimize.least_squares(
             white, still, diff_step=small, bounds=(-6, 6), max_nfev=8, ftol=1e-5, xtol=1e-3
         )
         return self.fit(at(solved.x), law)
 
-    def _step(self, one: Choice) -> float:
+    def step(self, one: Choice) -> float:
         """Natural step of the logarithm of a scanned number: a wave's is that which slips a radian over the record."""
         if one.term.scanned == ("L",):
             return float(one.inside[0] / (2 * np.pi * max(np.ptp(run.x) for run in self.runs)))
@@ -274,6 +333,16 @@ class Balance:
             span = self.runs[-1].t[-1] - self.runs[0].t[0]
             return float(1 / (one.inside[0] * span))
         return 0.3
+
+
+def _law_columns(run: Motion, sampling: Sampling) -> Floats:
+    """Velocity and the two directions of friction (n - 2, 3), in N for the law's numbers.
+
+    Friction is held over each interval, and left to the noise where its sign is in doubt.
+    """
+    s = np.where(run.sure, run.sign[:-1], 0.0)
+    sides = [np.convolve(one, sampling.held, mode="valid") for one in (np.minimum(s, 0), np.maximum(s, 0))]
+    return np.column_stack([run.v[1:-1], *sides])
 
 
 def lengths(columns: Floats) -> Floats:
@@ -289,8 +358,3 @@ def _solved(X: Floats, y: Floats) -> tuple[Floats, int]:
         return np.asarray(vectors @ ((vectors.T @ (X.T @ y)) / sizes), dtype=np.float64), X.shape[1]
     b, _, rank, _ = scipy.linalg.lstsq(X, y, cond=1e-10)
     return np.asarray(b, dtype=np.float64), int(rank)
-
-
-def _beside(blocks: Sequence[Floats]) -> Floats:
-    """Columns that belong to one run each: a block-diagonal matrix."""
-    return np.asarray(scipy.linalg.block_diag(*blocks), dtype=np.float64)

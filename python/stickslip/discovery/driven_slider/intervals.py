@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit, lengths
-from stickslip.discovery.driven_slider.terms import Law
+from stickslip.discovery.driven_slider.fit import STEP, Balance, Choice, Fit, lengths
 from stickslip.discovery.result import Interval
 
 Floats = NDArray[np.float64]
 
 DRAWS = 500
+LAW = {"mass": "mass", "damping": "damping", "kinetic": "minus", "kinetic_plus": "plus"}
 
 
 @dataclass(frozen=True)
@@ -34,52 +34,74 @@ def intervals(balance: Balance, fit: Fit) -> Numbers:
     chi-squared per reading where that is above 1: what is left over widens the intervals. A scanned number is drawn
     no further than the runs can tell: what moves nothing has the whole of that range.
     """
-    X, steps = balance.design(fit)
-    names = balance.law_names(fit)
-    used = len(names) + sum(len(b) for b in fit.amplitudes)
-    keep = [*range(used), *range(X.shape[1] - len(steps), X.shape[1])]
-    best = np.concatenate([fit.coefficients[:used], np.zeros(len(steps))])
-    drawn = _drawn(best, X, keep, used, max(fit.per_reading, 1.0))
+    balance.at(fit)
+    X, moved, steps = derivatives(balance, fit)
+    drawn = _drawn(balance, fit, np.column_stack([X, moved]), len(fit.coefficients))
+    logs = steps * drawn[:, len(fit.coefficients) :]
+    used = drawn[:, : len(fit.coefficients)]
+    laws = [balance.law_of(row) for row in used]
     law = {
-        name: Interval(float(fit.coefficients[i]), None, None)
+        name: Interval(float(getattr(fit.law, own)), None, None)
         if not X[:, i].any()  # a direction in which the slider never moved
-        else _interval(fit.coefficients[i], drawn[:, i])
-        for i, name in enumerate(names)
-        if name != "mass"
+        else _interval(getattr(fit.law, own), np.array([getattr(one, own) for one in laws]))
+        for i, (name, own) in enumerate(LAW.items())
     }
     out = Numbers(law, {}, {})
-    grids = tm.grids(balance.runs, balance.band.cutoff)
-    at, k = len(names), 0
-    for one, b in zip(fit.choices, fit.amplitudes, strict=True):
+    grids = tm.grids(balance.runs)
+    amplitudes = [balance.amplitudes(fit.choices, row) for row in used]
+    k = 0
+    for place, one in enumerate(fit.choices):
         count = len(one.inside)
-        values = one.term.parameters(one.inside, b, fit.law)
-        many: dict[str, list[float]] = {name: [] for name in values}
-        shifted = _shifted(one, steps[k : k + count] * drawn[:, used + k : used + k + count], grids)
-        for row, inside in zip(drawn, shifted, strict=True):
-            numbers = one.term.parameters(inside, row[at : at + len(b)], _law(fit, names, row))
-            for name, value in numbers.items():
-                many[name].append(value)
+        shifted = _shifted(one, logs[:, k : k + count], grids)
+        rows = zip(amplitudes, shifted, laws, strict=True)
+        numbers = [one.term.parameters(inside, b[place], own) for b, inside, own in rows]
+        values = one.term.parameters(one.inside, fit.amplitudes[place], fit.law)
+        many = {name: np.array([row[name] for row in numbers]) for name in values}
         if one.name.startswith("tabulated"):
             out.deviations[one.name] = np.array([np.std(v) for v in many.values()])
-        out.effects[one.name] = {
-            n: _interval(v, np.array(many[n]), turn=n == "phi") for n, v in values.items()
-        }
-        at, k = at + len(b), k + count
+        out.effects[one.name] = {n: _interval(v, many[n], turn=n == "phi") for n, v in values.items()}
+        k += count
     return out
 
 
-def _drawn(best: Floats, X: Floats, keep: list[int], used: int, inflated: float) -> Floats:
-    """Draws (DRAWS, k) of the numbers whose columns of the design are `keep`.
+def derivatives(balance: Balance, fit: Fit) -> tuple[Floats, Floats, Floats]:
+    """White columns of everything fitted, those of the scanned numbers, and the step of the logarithm of each."""
+    _, X = balance.design(fit.choices, fit.law)
+    parts, steps = [np.zeros((len(X), 0))], []
+    for one, b in zip(fit.choices, fit.amplitudes, strict=True):
+        if not len(one.inside):
+            continue
+        c = balance.white_columns(one.term, one.inside, fit.law)
+        weight = (np.ones(1) if one.term.fixed else b) / fit.law.mass
+        for i in range(len(one.inside)):
+            step = STEP * balance.step(one)
+            inside = one.inside.copy()
+            inside[i] *= np.exp(step)
+            column = np.zeros(len(X))
+            change = balance.white_columns(one.term, inside, fit.law) - c
+            column[: len(c)] = -(change @ weight) / STEP
+            parts.append(column[:, None])
+            steps.append(step / STEP)
+    return X, np.column_stack(parts), np.array(steps)
 
-    The first `used` are coefficients, the rest shifts of scanned numbers: endless both ways where nothing moves.
+
+def _drawn(balance: Balance, fit: Fit, X: Floats, used: int) -> Floats:
+    """Draws (DRAWS, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
+
+    A mass that is held stays; a shift is endless both ways where nothing moves.
     """
     scale = lengths(X)
     q = np.linalg.pinv((X / scale).T @ (X / scale), rcond=1e-12, hermitian=True) / np.outer(scale, scale)
-    covariance = q[np.ix_(keep, keep)] * inflated
+    if balance.held(fit.choices):
+        own = X[:, 1:] / scale[1:]
+        q = np.zeros_like(q)
+        q[1:, 1:] = np.linalg.pinv(own.T @ own, rcond=1e-12, hermitian=True) / np.outer(scale[1:], scale[1:])
+    best = np.concatenate([fit.coefficients, np.zeros(X.shape[1] - used)])
     generator = np.random.default_rng(0)
     # semidefinite but for rounding, whatever the sizes of its entries
-    out = generator.multivariate_normal(best, covariance, DRAWS, check_valid="ignore", method="eigh")
-    silent = used + np.flatnonzero(~X[:, keep[used:]].any(axis=0))
+    spread = q * max(fit.per_reading, 1.0)
+    out = generator.multivariate_normal(best, spread, DRAWS, check_valid="ignore", method="eigh")
+    silent = used + np.flatnonzero(~X[:, used:].any(axis=0))
     out[::2, silent], out[1::2, silent] = -np.inf, np.inf
     return out
 
@@ -88,13 +110,10 @@ def _shifted(one: Choice, logs: Floats, grids: Mapping[str, Floats]) -> Floats:
     """Scanned numbers (DRAWS, k) whose logarithms are shifted, within what is tried of them."""
     for i, (name, inside) in enumerate(zip(one.term.scanned, np.abs(one.inside), strict=True)):
         tried = np.append(np.abs(grids[name]), inside)
-        logs[:, i] = np.clip(logs[:, i], *np.log(np.array([tried.min(), tried.max()]) / inside))
+        # where either sign is tried, so is 0 between them
+        least = tried.min() if grids[name].min() > 0 else 1e-9 * tried.max()
+        logs[:, i] = np.clip(logs[:, i], *np.log(np.array([least, tried.max()]) / inside))
     return np.asarray(one.inside * np.exp(logs))
-
-
-def _law(fit: Fit, names: tuple[str, ...], row: Floats) -> Law:
-    known = dict(zip(names, map(float, row), strict=False))
-    return Law(known.get("mass", fit.law.mass), known["damping"], known["kinetic"], known["kinetic_plus"])
 
 
 def _interval(value: float, drawn: Floats, *, turn: bool = False) -> Interval:

@@ -16,10 +16,11 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import percent, plainly
 from stickslip.discovery.driven_slider.errors import error_block, share
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
+from stickslip.discovery.driven_slider.feedback import Feedback, feedback
+from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared, Fit
 from stickslip.discovery.driven_slider.intervals import intervals
-from stickslip.discovery.driven_slider.motion import Band, band, motion
-from stickslip.discovery.driven_slider.residual import describe, spectrum, views
+from stickslip.discovery.driven_slider.motion import band, motion
+from stickslip.discovery.driven_slider.residual import Shown, describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
 from stickslip.discovery.driven_slider.search import CLOSE, Search
 from stickslip.discovery.result import Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
@@ -64,60 +65,96 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
     first = max(case.train, key=len)
     assert first.drive is not None
     over = band(first.t, first.x1, first.drive, rig.mass)
-    train, validate = balance(case.train, over, rig.mass), balance(case.validate, over, rig.mass)
-    search = Search(train, tell, seed)
-    validate.noise = train.noise
-    chosen = search.run()
+    declared = Declared(rig.mass, uncertainty(case))
+    search = Search(balance(case.train, declared), tell, seed)
+    validate = balance(case.validate, declared)
+    validate.like(search.balance)
+    chosen = carried(search, search.run(), validate)
     tell("weighing the evidence")
+    bare = search.bare(chosen)  # the declared law in the noise that is left
     effects = found_effects(search, chosen, validate)
     before, after = model(case, search.null), model(case, chosen, search)
-    gains = [step.before.chi2 - step.after.chi2 for step in search.steps] or [
-        max((search.null.chi2 - one.chi2 for one in search.joined(search.null)), default=0.0)
-    ]
+    observed = largest_gain(search)
     tell("forecasting the validate runs")
+    train_shown, shown = Shown(search.balance, over), Shown(validate, over)
+    own = intervals(search.balance, chosen).law
     return DrivenFound(
         title=case.title,
         verdict=verdict(chosen),
         effects=effects,
         before=before,
         after=after,
-        law=_law(train, chosen),
-        law_before=_law(train, search.null),
-        residual_before=describe(train, search.null),
-        residual_after=describe(train, chosen),
-        error=error_block(case, validate, search.null, chosen, before, after),
+        law=_law(own),
+        law_before=_law(intervals(search.balance, search.null).law),
+        residual_before=describe(search.balance, bare, bare.white),
+        residual_after=describe(search.balance, chosen, chosen.white),
+        error=error_block(case, shown, search.null, chosen, before, after),
         ranking=ranking(search, chosen),
         experiments=(),
         gate=FoundGate(
-            max(gains),
+            observed,
             search.gate.threshold,
-            float(np.mean(search.gate.draws >= max(gains))),
+            float(np.mean(search.gate.draws >= observed)),
             search.gate.draws,
         ),
         runs=(),
-        spectrum=spectrum(train, search.null, chosen),
-        messages=remarks(search, chosen, over),
+        spectrum=spectrum(search.balance, bare.white, chosen.white),
+        messages=remarks(search, chosen, feedback(search.balance, search.null)),
         seconds=time.monotonic() - began,
+        constants={"mass": own["mass"]},
         views=(
-            *views("train", train, search.null, chosen),
-            *views("validate", validate, search.null, chosen),
+            *views("train", train_shown, search.null, chosen),
+            *views("validate", shown, search.null, chosen),
         ),
         waves=waves(search, chosen),
-        noise=train.noise.std,
+        noise=chosen.noise.std * chosen.law.mass,
         cutoff=over.cutoff,
     )
 
 
-def balance(runs: Sequence[Recording], over: Band, mass: float) -> Balance:
-    """The force balance of some recordings."""
+def uncertainty(case: Case) -> float:
+    """Relative standard uncertainty of the mass as a motion shows it, in the units of the drive and of the way."""
+    known = case.uncertainty
+    gains = [known.gains.get(name, 0.0) for name in ("drive", "x1")]
+    return float(np.hypot(known.relative("mass"), np.linalg.norm(gains)))
+
+
+def balance(runs: Sequence[Recording], declared: Declared) -> Balance:
+    """The motion of some recordings."""
     out = []
     for run in runs:
         assert run.drive is not None
-        out.append(motion(run.name, run.t, run.x1, run.drive, over))
+        out.append(motion(run.name, run.t, run.x1, run.drive, declared.mass))
     if all(one.rest.all() for one in out):
         words = "no sample is beyond doubt in motion; a force balance needs a slider that slides"
         raise InputError(f"no verdict: {', '.join(one.name for one in out)}: {words}")
-    return Balance(out, over, mass)
+    return Balance(out, declared)
+
+
+def carried(search: Search, chosen: Fit, validate: Balance) -> Fit:
+    """The chosen fit without effects that have no bound, or that raise the error of the validate runs."""
+    fit = chosen
+    while fit.choices:
+        numbers = intervals(search.balance, fit).effects
+        worst, least = "", 0.0
+        for one in fit.choices:
+            less = search.without(fit, one.name)
+            validate.take(fit.noise)
+            rise = _power(validate, less) - _power(validate, fit)
+            if search.unbounded(one, numbers[one.name]):
+                rise = -np.inf
+            if rise <= least:
+                worst, least = one.name, rise
+        if not worst:
+            break
+        fit = search.renoised(search.without(fit, worst))
+    return fit
+
+
+def largest_gain(search: Search) -> float:
+    """The largest gain of a candidate that joined; where none did, of those that were tried."""
+    joined = [search.gain(step.before, step.after) for step in search.steps]
+    return max(joined or [search.gain(search.null, one) for one in search.joined(search.null)], default=0.0)
 
 
 def _check(case: Case) -> None:
@@ -153,12 +190,13 @@ def model(case: Case, fit: Fit, search: Search | None = None) -> Model:
         else:
             effects.append(effect(one.name, **one.term.parameters(one.inside, b, law)))
     own = case.model()
-    rig = replace(case.rig, damping=max(law.damping, 0.0))
+    mass = case.rig.mass if "rig_mass" in fit.names else law.mass
+    rig = replace(case.rig, mass=mass, damping=max(law.damping, 0.0))
     return replace(own, rig=rig, friction=friction, effects=tuple(effects))
 
 
-def _law(train: Balance, fit: Fit) -> dict[str, Interval]:
-    return intervals(train, fit).law
+def _law(numbers: dict[str, Interval]) -> dict[str, Interval]:
+    return {name: one for name, one in numbers.items() if name != "mass"}
 
 
 def found_effects(search: Search, chosen: Fit, validate: Balance) -> tuple[FoundEffect, ...]:
@@ -166,8 +204,10 @@ def found_effects(search: Search, chosen: Fit, validate: Balance) -> tuple[Found
     numbers = intervals(search.balance, chosen)
     curves = {one.name: one for one in search.curves}
     out = []
-    for one, b in zip(chosen.choices, chosen.amplitudes, strict=True):
-        less = search.without(chosen, one.name)
+    lesser = [search.without(chosen, one.name) for one in chosen.choices]
+    if lesser:
+        search.score_all([*lesser, chosen])
+    for one, b, less in zip(chosen.choices, chosen.amplitudes, lesser, strict=True):
         rivals = search.joined(less, taken=RIPPLES if one.name in RIPPLES else (one.name,))
         proof = evidence(search, chosen, less, one, rivals, validate)
         others = tuple(alternatives(search, chosen, one, rivals))
@@ -205,12 +245,14 @@ def evidence(
     other, where = elsewhere(search, less, one)
     if other > control:
         control, name, best = other, where, None
+    validate.take(chosen.noise)
     base = _power(validate, less)
     ratio = float(np.sqrt(share(_power(validate, chosen), base)))
-    explained = 100 * drop / max(search.excess, 1e-300)
+    excess = search.excess(chosen)
+    explained = 100 * drop / excess
     words = f"it explains {plainly(explained)} % of what the declared law leaves beyond the noise"
     if best is None and name:
-        words += f"; {name} would explain {percent(control / max(search.excess, 1e-300))}"
+        words += f"; {name} would explain {percent(control / excess)}"
     if best is not None:
         held = float(np.sqrt(share(_power(validate, best), base)))
         words += f"; on the validate runs the error falls to {ratio:.3f} of what it was"
@@ -223,22 +265,25 @@ def elsewhere(search: Search, less: Fit, one: Choice) -> tuple[float, str]:
     """What the same wave would explain at the best wrong wavelength or frequency: harmonics and neighbours left out."""
     if not one.term.many:
         return 0.0, ""
-    entries = [(i, e) for i, e in enumerate(search.dictionary.entries) if e.choice.name == one.name]
-    away = np.array([abs(np.log(float(e.choice.inside[0] / one.inside[0]))) for _, e in entries])
+    own = RIPPLES[0] if one.name in RIPPLES else one.name
+    entries = [(i, e) for i, e in enumerate(search.dictionary.entries) if e.name == own]
+    away = np.array([abs(np.log(float(e.inside[0] / one.inside[0]))) for _, e in entries])
     far = (away > APART) & (np.abs(away - np.log(2)) > APART) & (np.abs(away - np.log(4)) > APART)
-    gains = search.scorer(less).gains(less.white)[[i for i, _ in entries]]
+    gains = search.scores(less)[[i for i, _ in entries]]
     best = int(np.argmax(np.where(far, gains, -np.inf)))
-    value = entries[best][1].choice.inside[0]
+    value = entries[best][1].inside[0]
     return float(gains[best]), f"{one.name} with {one.term.scanned[0]} = {value:.3g}"
 
 
 def waves(search: Search, chosen: Fit) -> dict[str, Floats]:
     """What a force periodic in position would explain beside either model, wavelength by wavelength."""
-    kept = [i for i, e in enumerate(search.dictionary.entries) if e.choice.name == RIPPLES[0]]
-    length = np.array([float(search.dictionary.entries[i].choice.inside[0]) for i in kept])
-    was = search.scorer(search.null).gains(search.null.white)[kept]
-    now = search.scorer(chosen).gains(chosen.white)[kept]
-    return {"wavelength": length, "before": was, "after": now}
+    kept = np.flatnonzero(search.dictionary.names == RIPPLES[0])
+    length = np.array([float(search.dictionary.entries[i].inside[0]) for i in kept])
+    return {
+        "wavelength": length,
+        "before": search.scores(search.null)[kept],
+        "after": search.scores(chosen)[kept],
+    }
 
 
 def _power(balance: Balance, fit: Fit) -> float:
@@ -247,7 +292,7 @@ def _power(balance: Balance, fit: Fit) -> float:
 
 
 def _tied(search: Search, chosen: Fit, rival: Fit) -> bool:
-    return (search.score(rival) - search.score(chosen)) / max(chosen.per_reading, 1.0) < CLOSE
+    return search.score(rival) - search.score(chosen) < CLOSE
 
 
 def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]) -> list[Alternative]:
@@ -258,14 +303,11 @@ def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]
         out.append(Alternative(name, 1.0, 0.0, True, True, reason, {}, 1.0))
     for rival in rivals:
         delta = search.score(rival) - search.score(chosen)
-        scaled = delta / max(chosen.per_reading, 1.0)
-        tied = scaled < CLOSE
-        gap = f"it leaves chi-squared {delta:.3g} higher, {scaled:.3g} in units of what is left per reading"
+        tied = delta < CLOSE
+        gap = f"it leaves -2 log likelihood {delta:.3g} higher, its numbers priced"
         held = {k: Interval(v, None, None) for k, v in rival.parameters()[rival.names[-1]].items()}
         out.append(
-            Alternative(
-                rival.names[-1], float(np.exp(-0.5 * max(scaled, 0.0))), delta, tied, False, gap, held
-            )
+            Alternative(rival.names[-1], float(np.exp(-0.5 * max(delta, 0.0))), delta, tied, False, gap, held)
         )
     return out
 
@@ -290,17 +332,24 @@ def ranking(search: Search, chosen: Fit) -> tuple[Rival, ...]:
     return tuple(out)
 
 
-def remarks(search: Search, chosen: Fit, over: Band) -> tuple[str, ...]:
+def remarks(search: Search, chosen: Fit, loop: Feedback) -> tuple[str, ...]:
     """What a person should know of the verdict."""
+    noise, mass = chosen.noise, chosen.law.mass
     out = [
-        f"The force balance is weighed up to {over.cutoff:.3g} Hz, where the drive ceases to explain the acceleration.",
-        f"Process noise, what the most flexible balance leaves: {search.balance.noise.std:.3g} N.",
+        f"Noise: {noise.std * mass:.3g} N of force, {noise.sigma * noise.reading:.3g} m of the readings.",
     ]
-    if chosen.per_reading > 1.1:
-        left = 100 * (chosen.chi2 - len(chosen.white)) / max(search.excess, 1e-300)
+    if loop.closed:
         out.append(
-            f"{plainly(left)} % of what the declared law left beyond the noise is still unexplained; "
-            "no candidate explains more than 1 % of it"
+            f"The drive answers to noise of the readings: {percent(loop.share)} of what is new in it goes with theirs. "
+            f"A force balance by least squares would give a mass of {loop.mass:.3g} kg; the fit is of each reading "
+            "from those before it, which that does not bias."
+        )
+    off = chosen.law.mass / search.balance.declared.mass - 1
+    known = search.balance.declared.uncertainty
+    if "rig_mass" not in chosen.names and abs(off) > known > 0:
+        out.append(
+            f"The mass is fitted {percent(abs(off))} from the declared one, "
+            f"{abs(off) / known:.2g} of its standard uncertainties."
         )
     if len(search.balance.runs) > 1:
         out.append("a force periodic in time is sought with one phase over all training runs")

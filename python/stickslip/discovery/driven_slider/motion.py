@@ -1,4 +1,4 @@
-"""What a recording of a driven slider says of the equation of motion, within the band in which it says anything."""
+"""What a recording of a driven slider says of its motion, and the band within which its force balance is shown."""
 
 from __future__ import annotations
 
@@ -10,6 +10,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.discovery.driven_slider.noise import (
+    LEAST_FORCE,
+    LEAST_READING,
+    Noise,
+    Rows,
+    Sampling,
+    Whitener,
+    fitted,
+)
 from stickslip.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -19,14 +28,13 @@ WIDER = 1.2  # the band is taken this much wider
 FLOOR_CYCLES = 40  # the band is at least so many periods of the record wide
 TAPS_PER_BAND = 3.3  # taps of a Hamming window over the width of its edge
 EDGE = 0.3  # width of the band's edge over its limit
-# periods of the band's limit: within so long of a turn, or in a stick as short, the sign is in doubt
-HIDDEN = 0.5
-SLOW = 4.0  # standard deviations of the velocity below which the slider may be at rest
+SURE = 4.0  # standard deviations of the velocity below which the slider may be at rest
+FEWEST = 200  # samples of a run
 
 
 @dataclass(frozen=True)
 class Band:
-    """A zero-phase low-pass and the step at which its output is kept.
+    """A zero-phase low-pass and the step at which its output is kept: what a report shows of a balance.
 
     `cutoff` in Hz, `taps` (2 h + 1,) symmetric, `step` in samples. Output sample i belongs to input sample
     h + i step; what the filter does not cover whole at either end is dropped.
@@ -53,21 +61,6 @@ class Band:
         first = (2 * self.half + pad) // self.step
         return np.asarray(out[first : first + len(self.kept(len(columns)))], dtype=np.float64)
 
-    def matrix(self, n: int, precision: type[np.floating] = np.float32) -> scipy.sparse.csr_array:
-        """The same as a matrix, for many columns of `n` samples."""
-        at = self.kept(n)
-        width = len(self.taps)
-        rows = np.repeat(np.arange(len(at)), width)
-        columns = (at[:, None] - self.half + np.arange(width)).ravel()
-        weights = np.tile(self.taps, len(at)).astype(precision)
-        return scipy.sparse.csr_array((weights, (rows, columns)), shape=(len(at), n))
-
-    def smoothed(self, column: Floats) -> Floats:
-        """Filter a column (n,) at its own rate, its ends continued by odd reflection."""
-        h = self.half
-        head, tail = 2 * column[0] - column[h:0:-1], 2 * column[-1] - column[-2 : -h - 2 : -1]
-        return np.convolve(np.concatenate([head, column, tail]), self.taps, mode="valid")
-
 
 def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     """The band in which the drive still explains the acceleration.
@@ -82,7 +75,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     Notes
     -----
     The limit is the last frequency at which the coherence of drive and second difference of the position is above
-    a half, and a fifth more; beyond, the position's quantisation and noise hide the motion.
+    a half, and a fifth more; beyond, the position's quantisation and noise hide the motion. Nothing is fitted in it.
     """
     dt = float(np.median(np.diff(t)))
     a = mass * np.diff(x, 2) / dt**2
@@ -99,7 +92,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     limit = float(f[under[0]]) if under.size else float(f[-1])
     cutoff = float(np.clip(WIDER * limit, low, 0.4 / dt))
     half = int(np.ceil(TAPS_PER_BAND / (EDGE * cutoff * dt) / 2))
-    if 6 * half > len(x):
+    if 6 * half > len(x) or len(x) < FEWEST:
         raise InputError(f"{len(x)} samples are too few for a band of {cutoff:.3g} Hz", key="t")
     taps = scipy.signal.firwin(2 * half + 1, cutoff, fs=1 / dt)
     return Band(cutoff, np.asarray(taps, dtype=np.float64), max(int(1 / (2.5 * cutoff * dt)), 1))
@@ -109,13 +102,14 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
 class Motion:
     """One run: (n,) arrays at the sampling rate, SI.
 
-    `x`, `v` position and velocity within the band, `a` the acceleration from second differences of the position as
-    read, `command` the drive as recorded and `drive` as it acts at the samples, `rest` where the sign of the velocity
-    is in doubt.
+    `reading` is the position as read, `x` and `v` position and velocity as smoothed, `a` the acceleration from second
+    differences of the readings, `command` the drive as recorded and `drive` as it acts at the samples, `rest` where the
+    sign of the velocity is in doubt.
     """
 
     name: str
     t: Floats
+    reading: Floats
     x: Floats
     v: Floats
     a: Floats
@@ -126,25 +120,90 @@ class Motion:
 
     @cached_property
     def sign(self) -> Floats:
-        """Sign of the velocity; 0 where it is in doubt."""
-        return np.where(self.rest, 0.0, np.sign(self.v))
+        """Sign of the velocity; at rest the likelier one."""
+        return np.where(self.v < 0, -1.0, 1.0)
+
+    @cached_property
+    def sure(self) -> NDArray[np.bool_]:
+        """Intervals (n - 1,) between samples in which the sign of the velocity is known."""
+        return ~(self.rest[1:] | self.rest[:-1])
+
+    @property
+    def least(self) -> tuple[float, float]:
+        """The least noise of the readings [m] and of the drive [N] that a record may claim."""
+        return (
+            LEAST_READING * float(np.ptp(self.reading)),
+            LEAST_FORCE * float(np.sqrt(np.mean(self.command**2))),
+        )
+
+    def accelerations(self, sampling: Sampling) -> Floats:
+        """What the readings say (n - 2,), as in `noise`."""
+        return np.convolve(self.reading, sampling.position, mode="valid")
+
+    def driven(self, sampling: Sampling) -> Floats:
+        """The drive (n - 2,) as it acts on them: exact for one that is held."""
+        return np.convolve(self.command, sampling.held)[1:-2]
+
+    def doubt(self, accelerated: float) -> Floats:
+        """Variance (n,) of friction over the mass in the interval after each sample, `accelerated` being its limit.
+
+        Friction in doubt most often keeps its sign: a stretch of m intervals has a variance of m limits squared each,
+        so that their sum may be as large as if it did.
+        """
+        unsure = np.append(~self.sure, True)
+        stretch, count = scipy.ndimage.label(unsure)
+        sizes = np.append(0, scipy.ndimage.sum_labels(unsure, stretch, np.arange(1, count + 1)))
+        return np.asarray(accelerated**2 * sizes[stretch], dtype=np.float64)
 
 
-def motion(name: str, t: Floats, x: Floats, force: Floats, over: Band) -> Motion:
-    """Read a run's motion.
+def motion(name: str, t: Floats, x: Floats, force: Floats, mass: float) -> Motion:
+    """Read a run's motion: the position smoothed by the noise model itself, friction being part of its noise.
 
-    The drive is held from each sample to the next, so that the second difference of the position at a sample,
-    divided by dt^2, is the acceleration that the mean of the two drives beside it makes: a mean over the two
-    intervals, with triangular weight. `instant` makes values at the sample of both, for the other forces to add to.
+    Parameters
+    ----------
+    name, t, x, force
+        The run: times [s], position [m] and drive [N], (n,).
+    mass
+        Declared [kg].
+
+    Notes
+    -----
+    The drive is held from each sample to the next. `instant` makes values at the samples of means over the intervals
+    beside each, for the other forces to add to.
     """
     dt = float(np.median(np.diff(t)))
-    smooth = over.smoothed(x)
-    v = np.gradient(smooth, dt)
     a = np.empty_like(x)
     a[1:-1] = np.diff(x, 2) / dt**2
     a[0], a[-1] = a[1], a[-2]
     held = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
-    return Motion(name, t, smooth, v, instant(a), force, instant(held), _rest(x, smooth, v, dt, over), dt)
+    none = np.zeros(len(x), dtype=bool)
+    raw = Motion(name, t, x, x, x, instant(a), force, instant(held), none, dt)
+    sampling = Sampling(dt, 0.0)
+    rows = Rows(raw.accelerations(sampling) - raw.driven(sampling) / mass, sampling, np.zeros(len(x)))
+    reading, least = raw.least
+    return moved(raw, fitted([rows], Noise(reading, least / mass)), rows)
+
+
+def moved(run: Motion, noise: Noise, rows: Rows) -> Motion:
+    """The motion smoothed by a noise and the residual of what is known of the forces; where it is sure of its sign."""
+    x = run.reading - Whitener(noise, rows.sampling, rows.doubt).reading_noise(rows.residual)
+    v = np.gradient(x, run.dt)
+    change = np.abs(np.gradient(v)) + SURE * _deviation(noise, rows, run.dt)
+    slow = np.abs(v) <= scipy.ndimage.maximum_filter1d(change, 3)
+    turn = np.zeros(len(v), dtype=bool)
+    turn[1:] = np.sign(v[1:]) != np.sign(v[:-1])
+    near = scipy.ndimage.binary_dilation(slow | turn | np.append(turn[1:], False), iterations=2)
+    return Motion(run.name, run.t, run.reading, x, v, run.a, run.command, run.drive, near, run.dt)
+
+
+def _deviation(noise: Noise, rows: Rows, dt: float) -> float:
+    """Standard deviation of the smoothed velocity: the smoother on a drawn residual of known reading noise."""
+    n = len(rows.doubt)
+    e, d = noise.drawn(n, np.random.default_rng(0))
+    residual = np.convolve(e, rows.sampling.position, mode="valid")
+    residual += np.convolve(d, rows.sampling.held)[1:-2]
+    known = Whitener(noise, rows.sampling, np.zeros(n)).reading_noise(residual)
+    return float(np.std(np.gradient(e - known, dt)))
 
 
 def instant(mean: Floats) -> Floats:
@@ -157,17 +216,22 @@ def instant(mean: Floats) -> Floats:
     return out
 
 
-def _rest(x: Floats, smooth: Floats, v: Floats, dt: float, over: Band) -> NDArray[np.bool_]:
-    """Samples at which the slider may stick: beside a turn, slower than known, or so slow that a stick is hidden."""
-    noise = 1.4826 * float(np.median(np.abs(x - smooth)))
-    reach = HIDDEN / over.cutoff
-    bend = np.abs(np.gradient(np.gradient(v, dt), dt))
-    slow = np.abs(v) <= SLOW * noise * 2 * np.pi * over.cutoff + 0.5 * bend * reach**2
-    turn = np.zeros(len(v), dtype=bool)
-    turn[1:] = np.sign(v[1:]) != np.sign(v[:-1])
-    near = slow | turn | np.append(turn[1:], False)
-    wide = int(np.ceil(reach / dt))
-    return np.asarray(scipy.ndimage.binary_dilation(near, iterations=wide))
+def spread(columns: Floats, sure: NDArray[np.bool_] | None = None) -> Floats:
+    """Means (n - 2, ..) over the two intervals beside each sample, with triangular weight, of values (n, ..) at them.
+
+    Parameters
+    ----------
+    columns
+        Values; between the samples parabolas.
+    sure
+        Intervals (n - 1,) that count, the others being 0; None: all.
+    """
+    last, now, coming = columns[:-2], columns[1:-1], columns[2:]
+    if sure is None:
+        return np.asarray((last + 10 * now + coming) / 12, dtype=np.float64)
+    counts = sure.reshape(-1, *[1] * (columns.ndim - 1)) / 24
+    after, before = 3 * coming + 10 * now - last, 3 * last + 10 * now - coming
+    return np.asarray(counts[1:] * after + counts[:-1] * before, dtype=np.float64)
 
 
 Columns = Callable[[Motion], Floats]

@@ -1,9 +1,25 @@
-"""Process noise: its colour as an autoregression, and what is left when that is taken out."""
+"""The noise of a driven slider's record, its likelihood, and what is left when its colour is taken out.
+
+The slider obeys `x2' = (F - friction - ...)/mass - damping/mass x2 + d`, with F and d held over each sampling interval,
+and its position is read as `x + e`: e is white, d an autoregression of order 1. Without the velocity that is, exactly,
+
+    x[k+1] - (1 + alpha) x[k] + alpha x[k-1] = held f[k] + before f[k-1],   alpha = exp(-damping dt/mass),
+
+so that the residual of that line is `P e + B d`, P and B short filters. Its covariance is banded, and its banded
+Cholesky factor, lower triangular in time, is the Kalman filter of the record: row k of the solution is what reading
+k + 1 adds to all before it. That is why a drive that answers to the readings does not bias a fit: it answers to earlier
+ones. While the sign of the velocity is in doubt friction may be anything up to its limit: there d has a white part of
+that size more. What colour the innovations keep is taken out by an autoregression of their own.
+
+Sources: banded factor as filter, A. Harvey, "Forecasting, structural time series models and the Kalman filter", 1989,
+chapter 3; closed loops, L. Ljung, "System identification", 1999, section 13.4.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -11,70 +27,252 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-HIGHEST = 40  # order of the autoregression
+HIGHEST = 20  # order of the autoregression of the innovations
+MANY = 48  # columns from which all are solved for together, sample by sample
+LEAST_FORCE, LEAST_READING = 1e-5, 1e-9  # noise at least: of the drive's size, of the way
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How a slider with damping/mass = `rate` [1/s] moves from sample to sample, `dt` s apart.
+
+    Forces held over the interval after and the one before a sample add to the line above with `held` and `before`,
+    per unit of `size`, their sum.
+    """
+
+    dt: float
+    rate: float
+
+    @cached_property
+    def alpha(self) -> float:
+        """What an interval leaves of the velocity."""
+        return float(np.exp(-self.rate * self.dt))
+
+    @cached_property
+    def _moved(self) -> tuple[float, float]:
+        """Way per velocity, and per acceleration, within an interval; series where they cancel."""
+        z = self.rate * self.dt
+        if abs(z) < 1e-4:
+            return self.dt * (1 - z / 2 + z * z / 6), self.dt**2 * (1 / 2 - z / 6 + z * z / 24)
+        way = -float(np.expm1(-z)) / self.rate
+        return way, (self.dt - way) / self.rate
+
+    @cached_property
+    def size(self) -> float:
+        """Sum of the weights [s^2]."""
+        way, accelerated = self._moved
+        return accelerated + way**2 - self.alpha * accelerated
+
+    @cached_property
+    def held(self) -> Floats:
+        """Weights (2,) of the intervals after and before, sum 1."""
+        way, accelerated = self._moved
+        return np.array([accelerated, way**2 - self.alpha * accelerated]) / self.size
+
+    @cached_property
+    def position(self) -> Floats:
+        """Weights (3,) of x[k+1], x[k], x[k-1]: an acceleration."""
+        return np.array([1.0, -(1 + self.alpha), self.alpha]) / self.size
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """A noise e[k] = -h[1] e[k-1] - ... - h[p] e[k-p] + sigma w[k], w white with variance 1.
+    """The noise of a record.
 
-    `filter` is (1, h[1], ..., h[p]), `sigma` in the unit of e.
+    `reading` [m] is the standard deviation of e, `force` [m/s^2] that of what is new in d, `pole` d's memory per
+    sample; `filter` (1, h[1], ..., h[m]) and `sigma` whiten the innovations that are left.
     """
 
-    filter: Floats
-    sigma: float
-
-    @property
-    def order(self) -> int:
-        """Samples at the head of a run that have too short a past."""
-        return len(self.filter) - 1
-
-    def matrix(self, lengths: Sequence[int]) -> scipy.sparse.csr_array:
-        """The matrix that whitens columns, run by run, to units of sigma; each run loses `order` rows."""
-        blocks = []
-        for n in lengths:
-            diagonals = [[float(h / self.sigma)] * (n - self.order) for h in self.filter]
-            offsets = [self.order - i for i in range(self.order + 1)]
-            blocks.append(scipy.sparse.diags_array(diagonals, offsets=offsets, shape=(n - self.order, n)))
-        return scipy.sparse.csr_array(scipy.sparse.block_diag(blocks, format="csr"))
-
-    def drawn(self, n: int, generator: np.random.Generator) -> Floats:
-        """A realisation (n,) with Gaussian w."""
-        w = generator.standard_normal(n + 20 * len(self.filter))
-        return np.asarray(self.sigma * scipy.signal.lfilter([1.0], self.filter, w)[-n:], dtype=np.float64)
+    reading: float
+    force: float
+    pole: float = 0.0
+    filter: tuple[float, ...] = (1.0,)
+    sigma: float = 1.0
 
     @property
     def std(self) -> float:
-        """Standard deviation of e."""
-        _, response = scipy.signal.freqz([1.0], self.filter, worN=4096)
-        return float(self.sigma * np.sqrt(np.mean(np.abs(response) ** 2)))
+        """Standard deviation of d [m/s^2]."""
+        return self.sigma * self.force / float(np.sqrt(1 - self.pole**2))
+
+    def drawn(self, n: int, generator: np.random.Generator) -> tuple[Floats, Floats]:
+        """Realisations (n,) of e and d."""
+        e = self.sigma * self.reading * generator.standard_normal(n)
+        w = generator.standard_normal(n + 4000)
+        d = scipy.signal.lfilter([self.sigma * self.force], [1.0, -self.pole], w)
+        return e, np.asarray(d[-n:], dtype=np.float64)
 
 
-def autoregression(residual: Floats, lengths: Sequence[int], *, freedom: int = 0) -> Noise:
-    """Fit an autoregression to residuals (n,) of one or several runs; the order by Akaike's criterion.
+class Whitener:
+    """Takes the colour of a noise out of residuals of one run.
 
     Parameters
     ----------
-    residual, lengths
-        The runs one below the other, and how long each is.
-    freedom
-        Numbers already fitted to the residuals, for an honest sigma.
+    noise, sampling
+        What to take out; how the run is sampled.
+    doubt
+        Variance (n,) of friction over the mass, held over the interval after each of the run's n samples; 0 where the
+        sign of the velocity is known.
+
+    Notes
+    -----
+    Residuals are (n - 2,), one a sample but the first and the last; of the white ones `1 + HIGHEST` are lost.
     """
-    at = np.concatenate([[0], np.cumsum(lengths)])
-    runs = [residual[a:b] for a, b in zip(at[:-1], at[1:], strict=True)]
-    n = len(residual)
-    highest = min(HIGHEST, min(lengths) // 8)
-    lags = [np.correlate(one, one, "full")[len(one) - 1 : len(one) + highest] for one in runs]
+
+    def __init__(self, noise: Noise, sampling: Sampling, doubt: Floats) -> None:
+        self.noise = noise
+        colour = np.array([1.0, -noise.pole])
+        self.c_e = noise.reading * np.convolve(colour, sampling.position)
+        c_w, c_q = noise.force * sampling.held, np.convolve(colour, sampling.held)
+        n = len(doubt) - 3  # rows: samples 2 to n - 2
+        self.band = np.zeros((4, n))
+        for j, one in enumerate(_lags(self.c_e)):
+            self.band[j] += one
+        for j, one in enumerate(_lags(c_w)):
+            self.band[j] += one
+        for j in range(3):
+            for i in range(3 - j):
+                # row r is of sample r + 2, and holds force number i of the interval that begins at r + 2 - i
+                self.band[j] += c_q[i] * c_q[i + j] * doubt[2 - i : 2 - i + n]
+        self.factor = scipy.linalg.cholesky_banded(self.band, lower=True, check_finite=False)
+
+    @property
+    def log_determinant(self) -> float:
+        """Of the factor that is divided by, squared, over the rows that are kept."""
+        kept = self.factor[0][HIGHEST:]
+        return 2 * float(np.sum(np.log(kept)) + len(kept) * np.log(self.noise.sigma))
+
+    def innovations(self, rows: Floats) -> Floats:
+        """White but for what colour is left: (n - 3, m) of residuals (n - 2, m)."""
+        own = rows[1:] - self.noise.pole * rows[:-1]
+        if own.ndim == 2 and own.shape[1] >= MANY:
+            return self._together(own)
+        return self._solved(own)
+
+    def _solved(self, rows: Floats, *, transposed: bool = False) -> Floats:
+        columns = np.asfortranarray(rows.reshape(len(rows), -1))
+        out, _ = scipy.linalg.lapack.dtbtrs(self.factor, columns, uplo="L", trans="T" if transposed else "N")
+        return np.ascontiguousarray(out).reshape(rows.shape)
+
+    def _together(self, rows: Floats) -> Floats:
+        """The same for many columns: a row at a time costs less than a column at a time."""
+        out = np.ascontiguousarray(rows)
+        f = self.factor
+        for k in range(len(out)):
+            first = max(k - 3, 0)
+            back = np.array([f[k - i, i] for i in range(first, k)])
+            if k:
+                out[k] -= back @ out[first:k]
+            out[k] /= f[0, k]
+        return out
+
+    def __call__(self, rows: Floats) -> Floats:
+        """White residuals (n - 3 - HIGHEST, m) of residuals (n - 2, m)."""
+        w = self.innovations(rows)
+        out = w[HIGHEST:].copy()
+        for j, h in enumerate(self.noise.filter[1:], 1):
+            out += h * w[HIGHEST - j : len(w) - j]
+        return np.asarray(out / self.noise.sigma, dtype=np.float64)
+
+    def coloured(self, white: Floats) -> Floats:
+        """A residual (n - 2,) of white numbers (n - 3,): the inverse, but for what came before."""
+        v = scipy.signal.lfilter([self.noise.sigma], self.noise.filter, white)
+        own = self.factor[0] * v
+        for j in range(1, 4):
+            own[j:] += self.factor[j, :-j] * v[:-j]
+        return np.asarray(scipy.signal.lfilter([1.0], [1.0, -self.noise.pole], np.append(0.0, own)))
+
+    def reading_noise(self, rows: Floats) -> Floats:
+        """The expected e (n,) behind residuals (n - 2,): what a smoother takes off the readings."""
+        own = rows[1:] - self.noise.pole * rows[:-1]
+        v = self._solved(self._solved(own), transposed=True)
+        # row r holds e of samples r + 3, r + 2, r + 1, r
+        return np.convolve(v, self.noise.reading * self.c_e[::-1])
+
+
+def _lags(c: Floats) -> Floats:
+    return np.asarray(np.correlate(c, c, "full")[len(c) - 1 :], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What the likelihood of a noise is of: a run's residuals (n - 2,), its sampling and its doubt."""
+
+    residual: Floats
+    sampling: Sampling
+    doubt: Floats
+
+
+def fitted(runs: Sequence[Rows], least: Noise, start: Noise | None = None) -> Noise:
+    """Maximise the likelihood of residuals over reading noise, force noise and its memory; then whiten what is left.
+
+    Parameters
+    ----------
+    runs
+        Residuals of one or several runs.
+    least
+        Neither noise is taken smaller: nothing is known better than a record is written.
+    start
+        Where to begin; None: from the residuals' own size.
+    """
+    low = np.log([least.reading, least.force])
+    bounds = [(low[0], low[0] + 30), (low[1], low[1] + 30), (0.0, 6.0)]
+
+    def at(z: Floats) -> Noise:
+        return Noise(float(np.exp(z[0])), float(np.exp(z[1])), float(np.tanh(z[2])))
+
+    def deviance(z: Floats) -> float:
+        return _deviance(at(z), runs)
+
+    one = start or min(_starts(runs, least), key=lambda one: _deviance(one, runs))
+    z = np.array([np.log(one.reading), np.log(one.force), np.arctanh(one.pole)])
+    simplex = z + np.vstack([np.zeros(3), (0.3 if start else 0.7) * np.eye(3)])
+    found = scipy.optimize.minimize(
+        deviance, z, method="Nelder-Mead", bounds=bounds,
+        options={"initial_simplex": simplex, "xatol": 0.01, "fatol": 0.05, "maxfev": 60 if start else 150},
+    )  # fmt: skip
+    return whitened(at(found.x), runs)
+
+
+def _starts(runs: Sequence[Rows], least: Noise) -> list[Noise]:
+    """Reading noise that leaves all of the residual or little of it, force noise of any size, short and long."""
+    size = float(np.median([np.std(one.residual) for one in runs]))
+    position = float(np.linalg.norm(runs[0].sampling.position))
+    return [
+        Noise(max(share * size / position, 2 * least.reading), float(force), pole)
+        for share in (1.0, 0.01)
+        for force in np.geomspace(2 * least.force, max(size, 4 * least.force), 12)
+        for pole in (0.0, 0.8, 0.98)
+    ]
+
+
+def _deviance(noise: Noise, runs: Sequence[Rows]) -> float:
+    """-2 log likelihood, but for a constant."""
+    out = 0.0
+    for one in runs:
+        try:
+            white = Whitener(noise, one.sampling, one.doubt)
+        except np.linalg.LinAlgError:
+            return 1e300
+        w = white.innovations(one.residual)[HIGHEST:]
+        out += float(w @ w) + white.log_determinant
+    return out
+
+
+def whitened(noise: Noise, runs: Sequence[Rows]) -> Noise:
+    """The noise with an autoregression of what its innovations leave; the order by Schwarz's criterion."""
+    left = [Whitener(noise, one.sampling, one.doubt).innovations(one.residual) for one in runs]
+    n = sum(len(one) for one in left)
+    lags = [np.correlate(one, one, "full")[len(one) - 1 :][: HIGHEST + 1] for one in left]
     r = np.sum(lags, axis=0) / n
-    r[0] *= 1 + 1e-10
-    best, chosen = np.inf, (np.ones(1), float(r[0]))
-    for order in range(highest + 1):
-        h = np.ones(1)
+    best, h, power = np.inf, np.ones(1), 1.0
+    for order in range(HIGHEST + 1):
+        own = np.ones(1)
         if order:
-            h = np.concatenate([[1.0], -scipy.linalg.solve_toeplitz(r[:order], r[1 : order + 1])])
-        power = float(h @ r[: order + 1])
-        score = n * np.log(power) + 2 * order
+            own = np.concatenate([[1.0], -scipy.linalg.solve_toeplitz(r[:order], r[1 : order + 1])])
+        size = float(own @ r[: order + 1])
+        score = n * np.log(size) + np.log(n) * order
         if score < best:
-            best, chosen = score, (h, power)
-    h, power = chosen
-    return Noise(h, float(np.sqrt(power * n / max(n - freedom - len(h) + 1, 1))))
+            best, h, power = score, own, size
+    if r[0] < 0.5:  # less is left than the least noise
+        return noise
+    return replace(noise, filter=tuple(map(float, h)), sigma=float(np.sqrt(power)))

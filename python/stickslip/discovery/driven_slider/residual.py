@@ -1,12 +1,17 @@
-"""The residual of a fitted balance: its size against the noise, where it sits, its spectrum, and the arrays to draw."""
+"""The residual of a fitted motion: its size against the noise, where it sits, its spectrum, and the arrays to draw."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider.motion import Band, Motion, stacked
+from stickslip.discovery.driven_slider.noise import HIGHEST, Sampling, Whitener
 from stickslip.discovery.driven_slider.result import ForceView
 from stickslip.discovery.result import Part, Residual
 
@@ -15,24 +20,93 @@ Floats = NDArray[np.float64]
 LAGS = 40
 CLEAN = 1.1  # chi-squared per reading below which nothing is said to be left
 PARTS = 4
+FLOOR_DRAWS = 20
 
 
-def describe(balance: Balance, fit: Fit) -> Residual:
-    """The residual against the noise, over all and by direction, speed, place and time."""
-    w = fit.white
-    chi2 = fit.per_reading
+@dataclass(frozen=True)
+class Shown:
+    """The force balance of some runs within a band, in N: what a report shows, and the error is of."""
+
+    balance: Balance
+    band: Band
+
+    @cached_property
+    def force(self) -> Floats:
+        """The drive (n,)."""
+        return stacked(self.balance.runs, self.band, lambda run: run.drive)
+
+    @cached_property
+    def inertia(self) -> Floats:
+        """The acceleration (n,)."""
+        return stacked(self.balance.runs, self.band, lambda run: run.a)
+
+    @cached_property
+    def lengths(self) -> list[int]:
+        """How many rows each run has."""
+        return [len(self.band.kept(len(run.t))) for run in self.balance.runs]
+
+    @cached_property
+    def _free(self) -> Floats:
+        blocks = [self.band(free(run, self.band.step)) for run in self.balance.runs]
+        return np.asarray(scipy.linalg.block_diag(*blocks), dtype=np.float64)
+
+    def unexplained(self, fit: Fit) -> Floats:
+        """What a fit leaves of the force (n,): nothing is fitted here but friction while its sign is in doubt."""
+        return self._left(fit.law.mass * self.balance.residual(fit))
+
+    def floor(self, fit: Fit) -> float:
+        """Root mean square of what the noise of a fit alone leaves [N]: drawn."""
+        generator = np.random.default_rng(0)
+        powers = []
+        none = [Whitener(fit.noise, s, 0.0 * d) for s, d in self._sampled]
+        for _ in range(FLOOR_DRAWS):
+            drawn = [one.coloured(generator.standard_normal(one.band.shape[1])) for one in none]
+            powers.append(np.mean(self._left(fit.law.mass * np.concatenate(drawn)) ** 2))
+        return float(np.sqrt(np.mean(powers)))
+
+    @property
+    def _sampled(self) -> list[tuple[Sampling, Floats]]:
+        return list(zip(self.balance.samplings, self.balance.doubts, strict=True))
+
+    def _left(self, residual: Floats) -> Floats:
+        parts = np.split(residual, np.cumsum(self.balance.lengths)[:-1])
+        y = np.concatenate([self.band(np.pad(one, 1, mode="edge")) for one in parts])
+        return np.asarray(y - self._free @ np.linalg.lstsq(self._free, y, rcond=None)[0], dtype=np.float64)
+
+
+def free(run: Motion, step: int) -> Floats:
+    """Columns (n, m): while the sign of the velocity is in doubt friction may take any value (a stick's is set-valued).
+
+    Triangles `step` samples apart over each such stretch.
+    """
+    at = np.flatnonzero(run.rest)
+    if not at.size:
+        return np.zeros((len(run.t), 0))
+    out = []
+    n = np.arange(len(run.t))
+    for stretch in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1):
+        count = max(int(np.ceil(len(stretch) / step)), 1)
+        for centre in np.linspace(stretch[0], stretch[-1], count):
+            out.append(np.where(run.rest, np.clip(1 - np.abs(n - centre) / step, 0, None), 0.0))
+    return np.column_stack(out)
+
+
+def describe(balance: Balance, fit: Fit, white: Floats) -> Residual:
+    """The residual of a fit, in white units, against the noise: over all, by direction, speed, place and time."""
+    w = white
+    chi2 = float(w @ w) / max(len(w) - fit.freedom, 1)
     error = float(np.sqrt(2 / len(w)))
     centred = w - w.mean()
-    r = np.correlate(centred, centred, "full")[len(w) : len(w) + LAGS] / max(float(centred @ centred), 1e-300)
-    whiteness = float(np.max(np.abs(r)) * np.sqrt(len(w)) / 1.96)
+    r = [float(centred[k:] @ centred[: len(w) - k]) for k in range(LAGS)]
+    whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(len(w)) / 1.96
     parts = _parts(balance, w)
     worst = max(parts, key=lambda one: one.chi2)
     where = f"most of it at {worst.what} {worst.name} ({worst.chi2:.3g})"
     if chi2 < CLEAN:
         words = f"what is left is noise: chi-squared per reading is {chi2:.3g}"
     else:
-        words = f"chi-squared per reading is {chi2:.3g} where the process noise leaves 1; {where}"
-    return Residual(chi2, error, whiteness, chi2 < CLEAN, parts, words)
+        words = f"chi-squared per reading is {chi2:.3g} where the noise leaves 1; {where}"
+    return Residual(chi2, error, float(whiteness), chi2 < CLEAN, parts, words)
 
 
 def _parts(balance: Balance, w: Floats) -> tuple[Part, ...]:
@@ -55,35 +129,30 @@ def _parts(balance: Balance, w: Floats) -> tuple[Part, ...]:
 
 
 def _rows(balance: Balance, name: str) -> Floats:
-    """A quantity of the runs at the rows of the whitened balance (n',)."""
-    order = balance.noise.order
-    return np.concatenate([getattr(run, name)[balance.band.kept(len(run.t))][order:] for run in balance.runs])
+    """A quantity of the runs at the white rows (n',)."""
+    return np.concatenate([getattr(run, name)[HIGHEST + 2 : -1] for run in balance.runs])
 
 
-def spectrum(balance: Balance, before: Fit, after: Fit) -> dict[str, Floats]:
-    """Power of the whitened residuals over angular frequency, 1 for white noise."""
-    rate = 1 / (balance.runs[0].dt * balance.band.step)
-    size = int(min(512, len(before.white) // 4))
-    f, was = scipy.signal.welch(before.white, fs=rate, nperseg=size)
-    _, now = scipy.signal.welch(after.white, fs=rate, nperseg=size)
+def spectrum(balance: Balance, before: Floats, after: Floats) -> dict[str, Floats]:
+    """Power of white residuals over angular frequency, 1 for white noise."""
+    rate = 1 / balance.runs[0].dt
+    size = int(min(512, len(before) // 4))
+    f, was = scipy.signal.welch(before, fs=rate, nperseg=size)
+    _, now = scipy.signal.welch(after, fs=rate, nperseg=size)
     return {"frequency": 2 * np.pi * f[1:], "before": was[1:] * rate / 2, "after": now[1:] * rate / 2}
 
 
-def views(role: str, balance: Balance, before: Fit, after: Fit) -> tuple[ForceView, ...]:
+def views(role: str, shown: Shown, before: Fit, after: Fit) -> tuple[ForceView, ...]:
     """The balances to draw of every run."""
-    was, now = balance.unexplained(before), balance.unexplained(after)
-    white_was, white_now = balance.predicted(before), balance.predicted(after)
-    out, at, white_at, order = [], 0, 0, balance.noise.order
-    for run, n in zip(balance.runs, balance.lengths, strict=True):
-        kept = balance.band.kept(len(run.t))
-        part, white = slice(at, at + n), slice(white_at, white_at + n - order)
-        force = balance.force[part]
-        friction = force - after.law.mass * balance.base[part, 0]
+    was, now = shown.unexplained(before), shown.unexplained(after)
+    out, at = [], 0
+    for run, n in zip(shown.balance.runs, shown.lengths, strict=True):
+        kept = shown.band.kept(len(run.t))
+        part = slice(at, at + n)
+        force = shown.force[part]
+        friction = force - after.law.mass * shown.inertia[part]
         out.append(
-            ForceView(
-                run.name, role, run.t[kept], run.x[kept], run.v[kept], force, friction, was[part], now[part],
-                white_was[white], white_now[white],
-            )
+            ForceView(run.name, role, run.t[kept], run.x[kept], run.v[kept], force, friction, was[part], now[part])
         )  # fmt: skip
-        at, white_at = at + n, white_at + n - order
+        at += n
     return tuple(out)

@@ -18,7 +18,7 @@ class ForceView:
     """The force balance of one run within the band, SI; (n,) arrays.
 
     `force` is the drive; `friction` what it leaves beside the inertia, drive - mass x2'; `before` and `after` the
-    residuals of the two models; `white_before` and `white_after` the same in white units of the noise (n',).
+    residuals of the two models.
     """
 
     name: str
@@ -30,8 +30,6 @@ class ForceView:
     friction: Floats
     before: Floats
     after: Floats
-    white_before: Floats
-    white_after: Floats
 
 
 @dataclass(frozen=True)

@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import DRIVEN
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
+from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
-from stickslip.discovery.driven_slider.dictionary import Dictionary, Scorer
+from stickslip.discovery.driven_slider.dictionary import Dictionary, mass_term, tried
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
-from stickslip.discovery.driven_slider.reference import process_noise
+from stickslip.discovery.result import Interval
 
 Floats = NDArray[np.float64]
 
 MOST = 10  # effects at most
 TRIED = 4  # candidates fitted whole at every step, of those that the score puts first
-SHARE = 0.01  # of the excess over the noise: what explains less is left alone
-DRAWS = 400
+DRAWS = 100
 LEVEL = 0.99  # of the gate
-MARGIN = 1.3  # on the gate, for what the bootstrap does not know
-BLOCK = 0.1  # s, over which noise keeps its shape in the bootstrap
 FAITHFUL = 0.5  # share of what a curve gains that a name must gain to be preferred to it
-CLOSE = 12.0  # fall of chi-squared by which a rival must lose to be ruled out, in units of what is left per reading
+CLOSE = 12.0  # fall of -2 log likelihood by which a rival must lose to be ruled out
+FAR = 3.0  # standard uncertainties by which a declared constant must be off to be an effect
 
 
 @dataclass(frozen=True)
 class Gate:
-    """The largest gain of any candidate on noise alone: `draws`, and the limit that 1 % of them pass."""
+    """The largest gain of any candidate on noise drawn from the fitted null, and what 1 % of the draws pass."""
 
     threshold: float
     draws: Floats
@@ -39,7 +37,7 @@ class Gate:
 
 @dataclass(frozen=True)
 class Step:
-    """One candidate that joined: the fit before and after, and what its rivals would have gained (name: fit)."""
+    """One candidate that joined: the fit before and after, and its rivals' fits."""
 
     before: Fit
     after: Fit
@@ -64,145 +62,203 @@ class Search:
     tell: Callable[[str], None]
     seed: int = 0
     dictionary: Dictionary = field(init=False)
-    noise: Floats = field(init=False)
     null: Fit = field(init=False)
     gate: Gate = field(init=False)
     steps: list[Step] = field(init=False, default_factory=list)
     curves: tuple[CurveTerm, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.tell("fitting the declared law")
-        first = self.balance.fit()
-        self.tell("laying out the candidates")
-        self.dictionary = Dictionary(self.balance, first.law)
-        self.tell("estimating the process noise")
-        self.noise = process_noise(self.balance, self.dictionary)
-        self.null = self.balance.fit()
-        self.gate = self._gate()
+        self.tell("fitting the declared law and the noise")
+        self.null = self.balance.settle()
+        self.dictionary = Dictionary(self.balance)
+        self.tell("drawing the gate")
+        generator = np.random.default_rng(self.seed)
+        draws = generator.standard_normal((len(self.null.white), DRAWS))
+        (first,) = self.dictionary.scores([self.null], draws)
+        self._scored: list[tuple[Fit, Floats]] = [(self.null, first.gains)]
+        self.gate = Gate(extreme(first.drawn, LEVEL), first.drawn)
         self.curves = curves(self.balance.runs)
 
-    def scorer(self, fit: Fit) -> Scorer:
-        """Score candidates beside those of a fit."""
-        balance = self.balance
-        parts = [balance.base[:, 0 if "rig_mass" in fit.names else 1 :], balance.free]
-        for one in fit.choices:
-            if one.name != "rig_mass" and not one.term.fixed:
-                parts.append(balance.columns(one.term, one.inside, fit.law))
-        return self.dictionary.scorer(balance.whitened(np.column_stack(parts)))
+    def scores(self, fit: Fit) -> Floats:
+        """What every entry of the dictionary would gain beside a fit, to first order."""
+        if not any(one is fit for one, _ in self._scored):
+            self.score_all([fit])
+        return next(gains for one, gains in self._scored if one is fit)
 
-    def _gate(self) -> Gate:
-        """Largest gains on the noise itself, its sign drawn block by block: where it is large, it stays large."""
-        generator = np.random.default_rng(self.seed)
-        white = self.balance.whitened(self.noise)
-        block = max(int(BLOCK / (self.balance.runs[0].dt * self.balance.band.step)), 1)
-        count = -(-len(white) // block)
-        signs = np.repeat(generator.choice([-1.0, 1.0], (count, DRAWS)), block, axis=0)[: len(white)]
-        shift = generator.integers(0, block, DRAWS)
-        signs = np.stack([np.roll(signs[:, i], shift[i]) for i in range(DRAWS)], axis=1)
-        draws = self.scorer(self.null).gains(white[:, None] * signs).max(axis=0)
-        return Gate(MARGIN * float(np.quantile(draws, LEVEL)), draws)
-
-    @property
-    def excess(self) -> float:
-        """chi-squared of the declared law beyond what noise leaves."""
-        return max(self.null.chi2 - (len(self.null.white) - self.null.freedom), 0.0)
+    def score_all(self, fits: Sequence[Fit]) -> None:
+        """Score beside fits that share a noise, at the cost of one."""
+        self.balance.at(fits[0])
+        scored = [one.gains for one in self.dictionary.scores(fits)]
+        self._scored = [self._scored[0], *zip(fits, scored, strict=True)]
 
     def gain(self, before: Fit, after: Fit) -> float:
-        """Fall of chi-squared in units of what is left per reading: while much is left, little counts for little."""
-        return (before.chi2 - after.chi2) / max(after.per_reading, 1.0)
+        """Fall of -2 log likelihood, the noise refitted on either side."""
+        return before.deviance - after.deviance
 
     def pays(self, before: Fit, after: Fit) -> bool:
-        """Does the fall pass the gate, the price of its numbers, and the least share of the excess?"""
-        price = np.log(len(after.white)) * (after.freedom - before.freedom)
-        enough = before.chi2 - after.chi2 > SHARE * self.excess
-        return enough and self.gain(before, after) > max(self.gate.threshold, price)
+        """Does the fall pass the gate and the price of its numbers?
+
+        A declared constant is one number that is asked for by name: it is held against its own uncertainty.
+        """
+        joined = set(after.names) - set(before.names)
+        price = float(np.log(len(after.white))) * (after.freedom - before.freedom)
+        least = max(self.gate.threshold, price)
+        known = self.balance.declared.uncertainty
+        if joined == {"rig_mass"} and known > 0:
+            if abs(after.parameters()["rig_mass"]["e"]) <= FAR * known:
+                return False
+            least = FAR**2
+        return self.gain(before, after) > least
 
     def joined(self, fit: Fit, taken: Sequence[str] = ()) -> tuple[Fit, ...]:
-        """Fits with one more candidate each, best first; names `taken` stay out."""
-        scorer = self.scorer(fit)
-        gains = scorer.gains(fit.white)
-        size = np.array([one.choice.term.size for one in self.dictionary.entries])
+        """Fits with one more candidate each in the noise of `fit`, best first; names `taken` stay out."""
+        return self.fitted(fit, self.first(fit, taken))
+
+    def first(self, fit: Fit, taken: Sequence[str], *, every: bool = False) -> list[Choice]:
+        """The candidates that the score puts first beside a fit, and the mass."""
+        gains, names = self.scores(fit), self.dictionary.names
+        size = np.array([one.term.size for one in self.dictionary.entries])
         worth = gains - np.log(len(fit.white)) * size
-        later = [b for a, b in pairwise(RIPPLES) if a not in fit.names]
-        for name in {*taken, *fit.names, *later}:
-            if name in self.dictionary.families:
-                worth[self.dictionary.family == self.dictionary.families.index(name)] = -np.inf
-        order, seen = [], set()
-        for i in np.argsort(-worth):
-            name = self.dictionary.entries[i].choice.name
-            if np.isfinite(worth[i]) and name not in seen:
-                seen.add(name)
-                order.append(int(i))
-        out = []
-        for i in order[:TRIED]:
-            choice = self.dictionary.entries[i].choice
+        out = {*taken, *fit.names}
+        ripple = next((one for one in RIPPLES if one not in out), None)
+        worth[np.isin(names, [one for one in out if one not in RIPPLES])] = -np.inf
+        if ripple is None or (set(taken) & set(RIPPLES)):
+            worth[names == RIPPLES[0]] = -np.inf
+        order = [int(i) for i in np.argsort(-worth) if np.isfinite(worth[i])]
+        best = {names[i]: i for i in reversed(order)}  # the best entry of each name
+        # a wave is told by its score; what is smooth in time may be taken for noise as long as that is not refitted
+        smooth = {one.name for one in self.dictionary.entries if one.term.scanned not in (("L",), ("w",))}
+        ranked = sorted(best.values(), key=lambda i: -worth[i])
+        first = [i for rank, i in enumerate(ranked) if rank < TRIED or (every and names[i] in smooth)]
+        choices = [self.dictionary.entries[i] for i in first]
+        choices = [
+            replace(one, term=_term(ripple)) if ripple and one.name == RIPPLES[0] else one for one in choices
+        ]
+        if "rig_mass" not in out:
+            choices.append(Choice(mass_term(self.balance.declared.mass), np.zeros(0)))
+        return choices
+
+    def fitted(self, fit: Fit, choices: Sequence[Choice]) -> tuple[Fit, ...]:
+        """The possible fits with each of some candidates, in the noise of `fit`, best first."""
+        self.balance.at(fit)
+        found = []
+        for choice in choices:
             self.tell(f"trying {' + '.join((*fit.names, choice.name))}")
-            out.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
-        return tuple(sorted(filter(possible, out), key=self.score))
+            found.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
+        return tuple(sorted(filter(self.possible, found), key=self.score))
+
+    def possible(self, fit: Fit) -> bool:
+        """Whether every number of a fit is one that may be, and was not carried to the end of what is tried."""
+        return possible(fit) and tried(self.dictionary.grids, fit.choices)
 
     def score(self, fit: Fit) -> float:
         """-2 log likelihood with the price of the numbers."""
-        return fit.chi2 + float(np.log(len(fit.white))) * fit.freedom
+        return fit.deviance + float(np.log(len(fit.white))) * fit.freedom
+
+    def renoised(self, fit: Fit) -> Fit:
+        """The fit, its scanned numbers and its noise fitted too."""
+        self.balance.at(fit)
+        sharper = self.balance.sharpen(fit.choices, fit.law)
+        return self.balance.renoised(sharper if self.possible(sharper) else fit)
+
+    def quickly(self, fit: Fit) -> Fit:
+        """The fit in a noise of its own, its scanned numbers held."""
+        self.balance.take(fit.noise)
+        return self.balance.renoised(fit, rounds=1)
 
     def run(self) -> Fit:
         """Let candidates join while they pay, then learned curves; then drop those that no longer do."""
         fit = self.null
         while len(fit.choices) < MOST:
-            rivals = self.joined(fit)
+            self.balance.at(fit)
+            tried = self.fitted(fit, self.first(fit, (), every=True))
+            rivals = tuple(sorted((self.quickly(one) for one in tried), key=self.score))
             learned = self.learned(fit)
             if learned and (not rivals or self.clearly(fit, learned[0], rivals[0])):
                 rivals = (learned[0], *rivals)
-            if not rivals or not self.pays(fit, rivals[0]):
+            ranked = sorted((self.renoised(one) for one in rivals[:3]), key=self.score)
+            # a curve stays ahead of the name that it was put before
+            if ranked and rivals[0].names[-1].startswith("tabulated"):
+                ranked.sort(key=lambda one: not one.names[-1].startswith("tabulated"))
+            paying = [one for one in ranked if self.pays(fit, one)]
+            if not paying:
                 break
-            sharper = self.balance.sharpen(rivals[0].choices, rivals[0].law)
-            after = sharper if possible(sharper) else rivals[0]
-            self.steps.append(Step(fit, after, rivals[1:]))
-            fit = after
-        return self._thinned(self._exchanged(fit))
-
-    def _exchanged(self, fit: Fit) -> Fit:
-        """Give every place to the candidate that fills it best, now that the others are there."""
-        for one in list(fit.choices):
-            if one.name in RIPPLES:
-                continue
-            less = self.without(fit, one.name)
-            rivals = self.joined(less, taken=(one.name, *RIPPLES))
-            if rivals and self.score(rivals[0]) < self.score(fit):
-                other = self.balance.sharpen(rivals[0].choices, rivals[0].law)
-                if possible(other) and self.score(other) < self.score(fit):
-                    fit = other
-        return fit
+            self.steps.append(
+                Step(fit, paying[0], tuple(one for one in rivals if one.names != paying[0].names))
+            )
+            fit = paying[0]
+        return self._thinned(fit)
 
     def learned(self, fit: Fit) -> tuple[Fit, ...]:
         """Fits with one more learned curve each, best first."""
         fresh = [one for one in self.curves if one.name not in fit.names]
         self.tell(f"learning a curve beside {' + '.join(fit.names) or 'the declared law'}")
         none = np.zeros(0)
+        self.balance.at(fit)
         fits = [self.balance.fit((*fit.choices, Choice(one.term(), none)), fit.law) for one in fresh]
+        fits = [self.quickly(one) for one in fits]
         return tuple(sorted(fits, key=self.score))
 
     def clearly(self, fit: Fit, curve: Fit, named: Fit) -> bool:
         """Does a curve do so much better than the best name that the name would only be the nearest word for it?"""
-        drop, best = fit.chi2 - curve.chi2, fit.chi2 - named.chi2
+        drop, best = self.gain(fit, curve), self.gain(fit, named)
         return self.score(curve) < self.score(named) and best < FAITHFUL * drop
 
+    def bare(self, fit: Fit) -> Fit:
+        """The declared law alone, in the noise of a fit."""
+        self.balance.at(fit)
+        return self.balance.fit((), self.null.law)
+
+    def excess(self, chosen: Fit) -> float:
+        """chi-squared of the declared law beyond what the noise leaves, in the noise of a fit."""
+        return max(self.bare(chosen).chi2 - chosen.chi2, 1e-300)
+
+    def unbounded(self, one: Choice, numbers: Mapping[str, Interval]) -> bool:
+        """Whether a number of an effect has no bound: it reaches the end of what is tried, or a size may be 0."""
+        for name, value in zip(one.term.scanned, one.inside, strict=True):
+            own = numbers.get(name)
+            grid = self.dictionary.grids[name]
+            if own is not None and not (grid.min() < _low(own) and _high(own) < grid.max() and value):
+                return True
+        sizes = [own for name, own in numbers.items() if name not in one.term.scanned and name != "phi"]
+        return one.term.size <= 2 and any(_low(own) * _high(own) <= 0 for own in sizes if own.value)
+
     def without(self, fit: Fit, name: str) -> Fit:
-        """The fit without one of its candidates, the others sharpened."""
+        """The fit without one of its candidates, in its own noise."""
         rest = tuple(one for one in fit.choices if one.name != name)
-        return self.balance.fit(rest, fit.law) if rest else self.null
+        self.balance.at(fit)
+        return self.balance.fit(rest, fit.law)
 
     def _thinned(self, fit: Fit) -> Fit:
         for one in list(fit.choices):
-            less = self.without(fit, one.name)
-            if possible(less) and not self.pays(less, fit):
+            less = self.balance.renoised(self.without(fit, one.name))
+            if self.possible(less) and not self.pays(less, fit):
                 fit = less
         return fit
+
+
+def _low(one: Interval) -> float:
+    return -np.inf if one.low is None else one.low
+
+
+def _high(one: Interval) -> float:
+    return np.inf if one.high is None else one.high
+
+
+def _term(name: str) -> tm.Term:
+    return next(one for one in tm.terms() if one.name == name)
+
+
+def extreme(drawn: Floats, level: float) -> float:
+    """Quantile of largest values, from the Gumbel law with their mean and variance: they are few."""
+    scale = float(np.std(drawn)) * np.sqrt(6) / np.pi
+    return float(np.mean(drawn) + scale * (-np.log(-np.log(level)) - np.euler_gamma))
 
 
 def possible(fit: Fit) -> bool:
     """Whether every named effect of a fit has numbers within the bounds that the catalogue sets them."""
     numbers = fit.parameters()
-    return all(
+    return np.isfinite(fit.law.mass) and all(
         info.allows(numbers[name].get(info.name, 0.0))
         for name in numbers.keys() & DRIVEN.keys()
         for info in DRIVEN[name].parameters

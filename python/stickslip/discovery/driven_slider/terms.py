@@ -19,6 +19,8 @@ from stickslip.discovery.driven_slider.motion import Motion, instant
 
 Floats = NDArray[np.float64]
 FEWEST_WAVES = 3.0  # periods within the reach below which a position-periodic force is none
+HIGHEST = 0.1  # of the sampling rate: frequency up to which forces are sought
+MOST_WAVES = 1000  # of one kind that are tried
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Law:
     plus: float
 
     def friction(self, run: Motion) -> Floats:
-        """T (n,), 0 where the sign of the velocity is in doubt."""
+        """T (n,)."""
         return run.sign * np.where(run.sign > 0, self.plus, self.minus)
 
 
@@ -49,6 +51,7 @@ class Term:
     parameters : the catalogue's parameters from scanned numbers and coefficients.
     fixed : its one column has the coefficient 1: all of the drive lags, or none.
     scaled : its columns go with the law's friction.
+    sliding : it is friction, which may be anything while the sign of the velocity is in doubt.
     """
 
     name: str
@@ -59,34 +62,12 @@ class Term:
     fixed: bool = False
     many: bool = False
     scaled: bool = False
+    sliding: bool = False
 
     @property
     def size(self) -> int:
         """How many numbers it adds."""
         return len(self.scanned) + (0 if self.fixed else self.amplitudes)
-
-
-def base(run: Motion) -> Floats:
-    """Columns (n, 4) of the declared law: acceleration, velocity, and the two directions of friction."""
-    s = run.sign
-    return np.column_stack([run.a, run.v, np.where(s < 0, -1.0, 0.0), np.where(s > 0, 1.0, 0.0)])
-
-
-def free(run: Motion, step: int) -> Floats:
-    """Columns (n, m): while the sign of the velocity is in doubt friction may take any value (a stick's is set-valued).
-
-    Triangles `step` samples apart over each such stretch.
-    """
-    at = np.flatnonzero(run.rest)
-    if not at.size:
-        return np.zeros((len(run.t), 0))
-    out = []
-    n = np.arange(len(run.t))
-    for stretch in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1):
-        count = max(int(np.ceil(len(stretch) / step)), 1)
-        for centre in np.linspace(stretch[0], stretch[-1], count):
-            out.append(np.where(run.rest, np.clip(1 - np.abs(n - centre) / step, 0, None), 0.0))
-    return np.column_stack(out)
 
 
 def _one(
@@ -105,6 +86,7 @@ def _one(
         lambda run, _, law: column(run, law)[:, None],
         lambda _, b, __: {parameter: sign * float(b[0])},
         scaled=scaled,
+        sliding=scaled,
     )
 
 
@@ -136,7 +118,7 @@ def _ripple(
         a, phi = _wave(b)
         return {"a": a, "L": float(inside[0]), "phi": phi}
 
-    return Term(name, ("L",), 2, columns, parameters, many=True, scaled=scaled)
+    return Term(name, ("L",), 2, columns, parameters, many=True, scaled=scaled, sliding=scaled)
 
 
 def _harmonic() -> Term:
@@ -155,8 +137,9 @@ def _stribeck() -> Term:
         return np.asarray((run.sign * np.exp(-((run.v / inside[0]) ** 2)))[:, None])
 
     return Term(
-        "stribeck_peak", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])}
-    )
+        "stribeck_peak", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])},
+        sliding=True,
+    )  # fmt: skip
 
 
 def _thinning() -> Term:
@@ -164,8 +147,9 @@ def _thinning() -> Term:
         return np.asarray((run.sign * -np.expm1(-np.abs(run.v) / inside[0]))[:, None])
 
     return Term(
-        "viscous_saturation", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])}
-    )
+        "viscous_saturation", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])},
+        sliding=True,
+    )  # fmt: skip
 
 
 def bristle(run: Motion, d: float) -> Floats:
@@ -191,7 +175,7 @@ def _compliance() -> Term:
     def parameters(inside: Floats, _: Floats, law: Law) -> dict[str, float]:
         return {"k": 0.5 * (law.minus + law.plus) / float(inside[0]), "c": 0.0}
 
-    return Term("contact_compliance", ("d",), 1, columns, parameters, fixed=True, scaled=True)
+    return Term("contact_compliance", ("d",), 1, columns, parameters, fixed=True, scaled=True, sliding=True)
 
 
 def _lag() -> Term:
@@ -249,19 +233,21 @@ def usual_speed(run: Motion) -> float:
     return float(np.median(np.abs(run.v[moving])))
 
 
-def grids(runs: Sequence[Motion], cutoff: float) -> dict[str, Floats]:
+def grids(runs: Sequence[Motion]) -> dict[str, Floats]:
     """Values to try of every scanned number, from what the runs can tell."""
     fastest = max(float(np.percentile(np.abs(run.v), 99)) for run in runs)
     slow = min(usual_speed(run) for run in runs if not run.rest.all())
     reach = max(float(np.ptp(run.x)) for run in runs)
     span = sum(float(run.t[-1] - run.t[0]) for run in runs)
     dt = runs[0].dt
-    waves = np.arange(FEWEST_WAVES / reach, cutoff / slow, 0.7 / reach)
+    highest = HIGHEST / dt
+    waves = np.arange(FEWEST_WAVES / reach, highest / slow, 0.7 / reach)[:MOST_WAVES]
+    delays = np.linspace(-2 * dt, 6 * dt, 17)
     return {
         "v_s": np.geomspace(0.003 * fastest, fastest, 16),
         "d": np.geomspace(3e-5 * reach, 0.03 * reach, 16),
-        "tau": np.geomspace(0.1 * dt, 1 / (2 * np.pi * cutoff) * 8, 12),
-        "delay": np.linspace(-2 * dt, 6 * dt, 17)[np.abs(np.linspace(-2, 6, 17)) > 1e-9],
+        "tau": np.geomspace(0.1 * dt, 1 / (2 * np.pi * highest) * 8, 12),
+        "delay": delays[np.abs(delays) > 1e-9],
         "L": 1 / waves,
-        "w": 2 * np.pi * np.arange(3.0 / span, cutoff, 0.7 / span),
+        "w": 2 * np.pi * np.arange(3.0 / span, highest, 0.7 / span)[:MOST_WAVES],
     }

@@ -1,0 +1,62 @@
+"""Does the drive answer to the readings? In a loop their noise comes back as force, which biases a force balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider.noise import HIGHEST
+
+Floats = NDArray[np.float64]
+
+READINGS = 3  # the latest, to which a drive may answer
+SURE = 1e-6  # chance at which a drive that answers to nothing is taken for one that does
+
+
+@dataclass(frozen=True)
+class Feedback:
+    """`share` of what is new in the drive that goes with the latest readings; `chance` of so much in an open loop.
+
+    `mass` [kg] is what least squares of the force balance would give.
+    """
+
+    share: float
+    chance: float
+    mass: float
+
+    @property
+    def closed(self) -> bool:
+        """Whether the drive answers to the readings."""
+        return self.chance < SURE
+
+
+def feedback(balance: Balance, fit: Fit) -> Feedback:
+    """Ask the first run, by the test of Caines and Chan (IEEE Trans. Automatic Control 20, 1975, 498).
+
+    What its own past does not say of the drive is independent of what is new in the readings so far, unless the drive
+    is made from them.
+    """
+    run = balance.runs[0]
+    new = fit.white[: len(run.t) - 3 - HIGHEST]  # row r is of reading r + HIGHEST + 3
+    first = HIGHEST + 3 + READINGS
+    past = np.column_stack([run.command[first - j : len(run.command) - j] for j in range(1, HIGHEST + 1)])
+    own = run.command[first:]
+    past = np.column_stack([past, np.ones(len(past))])
+    own = own - past @ np.linalg.lstsq(past, own, rcond=None)[0]
+    X = np.column_stack([new[READINGS - i : len(new) - i] for i in range(READINGS)])
+    left = own - X @ np.linalg.lstsq(X, own, rcond=None)[0]
+    total = float(own @ own)
+    share = 1 - float(left @ left) / total if total > 0 else 0.0
+    chance = float(scipy.stats.chi2.sf(len(own) * share, READINGS))
+    return Feedback(share, chance, plain_mass(balance))
+
+
+def plain_mass(balance: Balance) -> float:
+    """The mass by least squares of the force balance at the full rate."""
+    X = np.column_stack([balance.response, balance.base])
+    moving = X[:, 2:4].any(axis=1)
+    return float(np.linalg.lstsq(X[moving], balance.drive[moving], rcond=None)[0][0])

@@ -1,0 +1,186 @@
+"""The noise of a driven slider: its likelihood against plain matrices, what it finds against simulated records."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+import driven_truth as truth
+import stickslip as ss
+from stickslip.discovery.driven_slider.dictionary import mass_term
+from stickslip.discovery.driven_slider.feedback import feedback
+from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared
+from stickslip.discovery.driven_slider.motion import motion, spread
+from stickslip.discovery.driven_slider.noise import HIGHEST, MANY, Noise, Sampling, Whitener
+from stickslip.discovery.driven_slider.search import extreme
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-3, 2.5, 40.0])
+def test_a_held_force_moves_the_samples_as_the_exponential_solution_does(rate) -> None:
+    dt, n = 0.01, 6
+    force = np.random.default_rng(0).standard_normal(n)
+    sampling = Sampling(dt, rate)
+    x = np.empty(n + 1)
+    state = np.array([0.2, -0.3])
+    generator = np.array([[0, 1, 0], [0, -rate, 1], [0, 0, 0]])
+    step = scipy.linalg.expm(generator * dt)
+    for k in range(n + 1):
+        x[k] = state[0]
+        if k < n:
+            state = (step @ np.append(state, force[k]))[:2]
+    left = np.convolve(x, sampling.position, mode="valid")
+    right = np.convolve(force, sampling.held)[1:-1]
+    np.testing.assert_allclose(left, right[: len(left)], rtol=1e-6)
+
+
+def covariance(noise: Noise, sampling: Sampling, doubt: np.ndarray) -> np.ndarray:
+    """Of the residuals once their colour is out, by dense matrices."""
+    n = len(doubt)
+    c = sampling.position
+    P = np.array([[c[k + 1 - j] if 0 <= k + 1 - j < 3 else 0 for j in range(n)] for k in range(1, n - 1)])
+    h = sampling.held
+    B = np.array([[h[k - j] if 0 <= k - j < 2 else 0 for j in range(n)] for k in range(1, n - 1)])
+    A = np.eye(n - 2)[1:] - noise.pole * np.eye(n - 2)[:-1]
+    # the force noise behind the colour: an innovation an interval
+    w = noise.force**2 * np.array(
+        [[h[k - j] if 0 <= k - j < 2 else 0 for j in range(n)] for k in range(2, n - 1)]
+    )
+    W = w @ w.T / noise.force**2
+    return W + noise.reading**2 * A @ P @ P.T @ A.T + A @ B @ np.diag(doubt) @ B.T @ A.T
+
+
+@pytest.fixture
+def small() -> tuple[Noise, Sampling, np.ndarray]:
+    doubt = np.zeros(60)
+    doubt[20:25] = 4.0
+    return Noise(1e-5, 0.3, 0.7, (1.0, -0.4), 1.3), Sampling(0.01, 3.0), doubt
+
+
+def test_the_filter_is_the_cholesky_factor_of_the_plain_covariance(small) -> None:
+    noise, sampling, doubt = small
+    white = Whitener(noise, sampling, doubt)
+    L = np.linalg.cholesky(covariance(noise, sampling, doubt))
+    rows = np.random.default_rng(1).standard_normal((58, MANY))
+    expected = np.linalg.solve(L, rows[1:] - 0.7 * rows[:-1])
+    np.testing.assert_allclose(white.innovations(rows), expected, rtol=1e-8)
+    np.testing.assert_allclose(white.innovations(rows[:, 0]), expected[:, 0], rtol=1e-8)
+    expected = (expected[HIGHEST:] - 0.4 * expected[HIGHEST - 1 : -1]) / 1.3
+    np.testing.assert_allclose(white(rows), expected, rtol=1e-8)
+    kept = np.diag(L)[HIGHEST:]
+    assert white.log_determinant == pytest.approx(2 * np.sum(np.log(1.3 * kept)))
+
+
+def test_colour_put_in_is_taken_out(small) -> None:
+    white = Whitener(*small)
+    z = np.random.default_rng(2).standard_normal(57)
+    np.testing.assert_allclose(white(white.coloured(z)), z[HIGHEST:], atol=1e-9)
+
+
+def test_the_smoother_is_the_mean_of_the_readings_noise_given_the_residual(small) -> None:
+    noise, sampling, doubt = small
+    n, c = len(doubt), sampling.position
+    P = np.array([[c[k + 1 - j] if 0 <= k + 1 - j < 3 else 0 for j in range(n)] for k in range(1, n - 1)])
+    A = np.eye(n - 2)[1:] - noise.pole * np.eye(n - 2)[:-1]
+    r = np.random.default_rng(3).standard_normal(n - 2)
+    C = covariance(noise, sampling, doubt)
+    expected = noise.reading**2 * (A @ P).T @ np.linalg.solve(C, A @ r)
+    np.testing.assert_allclose(Whitener(noise, sampling, doubt).reading_noise(r), expected, rtol=1e-7)
+
+
+def test_friction_counts_in_the_intervals_in_which_its_sign_is_known() -> None:
+    t = np.linspace(0, 1, 9)
+    column = 1 + t + t**2
+    sure = np.ones(8, dtype=bool)
+    np.testing.assert_allclose(spread(column, sure), spread(column))
+    sure[3] = False
+    # exact mean of a parabola over the interval after sample 4, with weight falling to 0
+    h = t[1]
+    exact = scipy.integrate.quad(lambda u: (1 - u / h) / h * (1 + (t[4] + u) + (t[4] + u) ** 2), 0, h)[0]
+    assert spread(column, sure)[3] == pytest.approx(exact)
+
+
+def test_the_gate_is_the_quantile_of_largest_values() -> None:
+    drawn = np.random.default_rng(0).gumbel(20, 2, 4000)
+    assert extreme(drawn, 0.99) == pytest.approx(20 - 2 * np.log(-np.log(0.99)), rel=0.02)
+
+
+def settled(uncertainty=0.0166, declared=truth.MASS, **physics):
+    t, x, u = truth.record(12.0, **physics)
+    balance = Balance([motion("run", t, x, truth.GAIN * u, declared)], Declared(declared, uncertainty))
+    return balance, balance.settle()
+
+
+def test_sizes_and_colour_of_the_noise_are_recovered() -> None:
+    _, fit = settled(reading=3e-6, noise=0.5)
+    assert fit.noise.reading * fit.noise.sigma == pytest.approx(3e-6, rel=0.05)
+    assert fit.noise.std * fit.law.mass == pytest.approx(0.5, rel=0.1)
+    assert fit.noise.pole == pytest.approx(0.8, abs=0.05)
+    assert fit.per_reading == pytest.approx(1, abs=0.05)
+
+
+def test_a_record_without_force_noise_leaves_that_of_the_readings() -> None:
+    _, fit = settled(noise=0.0)
+    assert fit.noise.reading * fit.noise.sigma == pytest.approx(truth.QUANTUM / np.sqrt(12), rel=0.05)
+    assert fit.noise.std * fit.law.mass < 0.01
+    law = fit.law
+    assert (law.damping, law.minus, law.plus) == pytest.approx(
+        (truth.DAMPING, truth.MINUS, truth.PLUS), rel=1e-4
+    )
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.25])
+def test_noise_that_the_loop_feeds_back_does_not_bias_the_mass(noise) -> None:
+    balance, fit = settled(reading=5e-5, noise=noise)
+    free = balance.fit((Choice(mass_term(truth.MASS), np.zeros(0)),), fit.law)
+    assert free.law.mass == pytest.approx(truth.MASS, rel=0.02)
+    said = feedback(balance, fit)
+    assert said.closed
+    assert said.mass < 0.1 * truth.MASS  # least squares of the force balance
+
+
+def test_an_open_loop_is_not_taken_for_a_closed_one() -> None:
+    balance, fit = settled(reading=5e-6, closed=False)
+    assert not feedback(balance, fit).closed
+
+
+def test_a_mass_keeps_to_its_uncertainty_and_no_further() -> None:
+    _, held = settled(0.0, 1.01 * truth.MASS)
+    assert held.law.mass == pytest.approx(1.01 * truth.MASS, rel=1e-12)
+    _, free = settled(0.0166, 1.01 * truth.MASS, noise=0.05)
+    assert free.law.mass == pytest.approx(truth.MASS, rel=2e-3)
+
+
+QUIET = {
+    "white force noise": {"colour": 0.0},
+    "coloured force noise": {"colour": 0.95, "noise": 0.5},
+    "no force noise": {"noise": 0.0},
+    "open loop, white readings": {"closed": False, "reading": 5e-6},
+    "open loop, no force noise": {"closed": False, "noise": 0.0, "reading": 1e-6},
+    "readings fed back": {"reading": 5e-5},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", QUIET)
+def test_a_record_that_the_declared_law_explains_names_nothing(kind, tmp_path) -> None:
+    found = ss.discover(ss.load_case(truth.write_case(tmp_path, seconds=24.0, **QUIET[kind])))
+    assert found.verdict.value == "no_effect"
+    assert found.effects == ()
+    assert found.constants["mass"].value == pytest.approx(truth.MASS, rel=0.02)
+    assert any("answers to noise" in one for one in found.messages) is (kind == "readings fed back") or (
+        "open" not in kind
+    )
+
+
+@pytest.mark.slow
+def test_a_wrong_mass_is_named_and_one_within_its_uncertainty_is_not(tmp_path) -> None:
+    toml = truth.write_case(tmp_path, seconds=24.0)
+    text = toml.read_text()
+    for declared, names in ((1.1, ["rig_mass"]), (1.02, [])):
+        toml.write_text(text.replace(f"m = {truth.MASS}", f"m = {truth.MASS * declared}"))
+        found = ss.discover(ss.load_case(toml))
+        assert [one.name for one in found.effects] == names
+        if names:
+            e = found.effects[0].parameters["e"]
+            assert (1 + e.value) * declared == pytest.approx(1, rel=5e-3)
