@@ -154,7 +154,7 @@ def test_a_mass_keeps_to_its_uncertainty_and_no_further() -> None:
 QUIET = {
     "white force noise": {"colour": 0.0},
     "coloured force noise": {"colour": 0.95, "noise": 0.5},
-    "no force noise": {"noise": 0.0},
+    "no force noise": {"noise": 0.0, "reading": 3e-7},
     "open loop, white readings": {"closed": False, "reading": 5e-6},
     "open loop, no force noise": {"closed": False, "noise": 0.0, "reading": 1e-6},
     "readings fed back": {"reading": 5e-5},

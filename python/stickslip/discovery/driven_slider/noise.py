@@ -246,24 +246,30 @@ def _starts(runs: Sequence[Rows], least: Noise) -> list[Noise]:
 
 
 def _deviance(noise: Noise, runs: Sequence[Rows]) -> float:
-    """-2 log likelihood, but for a constant."""
-    out = 0.0
-    for one in runs:
-        try:
-            white = Whitener(noise, one.sampling, one.doubt)
-        except np.linalg.LinAlgError:
-            return 1e300
-        w = white.innovations(one.residual)[HIGHEST:]
-        out += float(w @ w) + white.log_determinant
-    return out
+    """-2 log likelihood with the best colour of the innovations, priced; but for a constant."""
+    try:
+        return _whitened(noise, runs)[1]
+    except np.linalg.LinAlgError:
+        return 1e300
 
 
 def whitened(noise: Noise, runs: Sequence[Rows]) -> Noise:
     """The noise with an autoregression of what its innovations leave; the order by Schwarz's criterion."""
-    left = [Whitener(noise, one.sampling, one.doubt).innovations(one.residual) for one in runs]
-    n = sum(len(one) for one in left)
-    lags = [np.correlate(one, one, "full")[len(one) - 1 :][: HIGHEST + 1] for one in left]
-    r = np.sum(lags, axis=0) / n
+    return _whitened(noise, runs)[0]
+
+
+def _whitened(noise: Noise, runs: Sequence[Rows]) -> tuple[Noise, float]:
+    """That noise, and -2 log likelihood with the price of the order."""
+    r, n, fixed = np.zeros(HIGHEST + 1), 0, 0.0
+    for one in runs:
+        white = Whitener(noise, one.sampling, one.doubt)
+        w = white.innovations(one.residual)
+        r += [float(w[k:] @ w[: len(w) - k]) for k in range(HIGHEST + 1)]
+        n += len(w)
+        fixed += 2 * float(np.sum(np.log(white.factor[0])))
+    r /= n
+    if r[0] < 0.5:  # less is left than the least noise
+        return noise, n * float(r[0]) + fixed
     best, h, power = np.inf, np.ones(1), 1.0
     for order in range(HIGHEST + 1):
         own = np.ones(1)
@@ -273,6 +279,4 @@ def whitened(noise: Noise, runs: Sequence[Rows]) -> Noise:
         score = n * np.log(size) + np.log(n) * order
         if score < best:
             best, h, power = score, own, size
-    if r[0] < 0.5:  # less is left than the least noise
-        return noise
-    return replace(noise, filter=tuple(map(float, h)), sigma=float(np.sqrt(power)))
+    return replace(noise, filter=tuple(map(float, h)), sigma=float(np.sqrt(power))), n + float(best) + fixed
