@@ -12,6 +12,19 @@ function(stickslip_require_eigen)
   endif()
 endfunction()
 
+set(STICKSLIP_GENERATED ${PROJECT_BINARY_DIR}/generated)
+
+# Write stickslip/<folder>/all.hpp: it includes every header of that folder and lists their types. A folder changes
+# when a file comes or goes, so the build then configures itself anew.
+function(stickslip_type_list folder types names)
+  set(sources ${PROJECT_SOURCE_DIR}/cpp/include/stickslip/${folder})
+  set(script ${PROJECT_SOURCE_DIR}/cmake/type_lists.py)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources} ${script})
+  execute_process(COMMAND ${Python_EXECUTABLE} ${script} ${sources} ${types} ${names}
+                          ${STICKSLIP_GENERATED}/stickslip/${folder}/all.hpp
+                  COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
 # Warnings, optimisation and sanitizers of one target. GCC's guess that something may be uninitialised
 # changes with every release and with what is inlined; it is shown, and is no error.
 function(stickslip_settings target)
@@ -41,7 +54,7 @@ function(stickslip_kernel library isa lanes sources)
   endif()
   list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)
   add_library(kernel_${isa} OBJECT ${sources})
-  target_include_directories(kernel_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/cpp/include)
+  target_include_directories(kernel_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/cpp/include ${STICKSLIP_GENERATED})
   target_link_libraries(kernel_${isa} PRIVATE Eigen3::Eigen)
   target_compile_definitions(kernel_${isa} PRIVATE STICKSLIP_ISA=${isa} STICKSLIP_LANES=${lanes})
   target_compile_options(kernel_${isa} PRIVATE ${flags})

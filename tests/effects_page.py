@@ -6,6 +6,7 @@ from pathlib import Path
 
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN
 from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.laws import LAWS
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 
@@ -61,9 +62,7 @@ it). `normal_force_feedback` alone stops at zero: a contact does not pull.
 
 | law | R(u), u = \\|v_w\\| | at rest |
 |---|---|---|
-| `PaperFriction` | (4.1) and (4.2) of the paper, see [model.md](model.md) | T_s_minus, T_s_plus |
-| `CoulombFriction` | kinetic | static |
-| `HyperbolicFriction` | scale/(1 + decay u) + constant + quadratic u^2 | R(0) = scale + constant |
+LAWS
 
 `..._plus` parameters are those of slip with v_w > 0; left out, both directions share a number.
 """
@@ -89,7 +88,9 @@ def page() -> str:
     ]
     shared = ", ".join(f"`{name}`" for name in DRIVEN if name in CATALOGUE or name in CONSTANTS)
     driven = DRIVEN_HEAD.replace("SHARED", shared) + "\n".join(others)
-    parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, TAIL)
+    laws = [f"| `{law.__name__}` | {law.formula} | {law.at_rest} |" for law in LAWS.values()]
+    tail = TAIL.replace("LAWS", "\n".join(laws))
+    parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, tail)
     return "\n".join(parts)
 
 

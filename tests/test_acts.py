@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.declared.effect import CONSTANTS, KINDS
+from stickslip.declared.laws import LAWS as DECLARED
 from stickslip.declared.model import idle
 from stickslip.errors import InputError
 from stickslip.simulated.reference import integrate as reference
@@ -21,7 +22,11 @@ LAWS = {
     "hyperbolic": ss.HyperbolicFriction(scale=0.7, decay=3.0, constant=0.3),
 }
 PAIRS = [("two_degree", "paper"), ("block_on_belt", "coulomb"), ("block_on_belt", "hyperbolic")]
-UNEVEN = {  # every number of every law
+UNEVEN = {  # every number of every law; of one that is not here, its defaults
+    **{
+        kind: law(**{f"{name}_plus": 1.2 * getattr(law, name) for name in law.each_way})
+        for kind, law in DECLARED.items()
+    },
     "paper": ss.PaperFriction(),
     "coulomb": ss.CoulombFriction(static=1, kinetic=0.5, static_plus=1.2, kinetic_plus=0.7),
     "hyperbolic": ss.HyperbolicFriction(

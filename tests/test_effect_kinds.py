@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from stickslip import _core
 from stickslip.declared import effects, friction
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.dimensions import Dimension
+from stickslip.declared.effect import TabulatedPlace, TabulatedVariable
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.effect_terms import Adds
 from stickslip.declared.friction_law import FrictionLaw
@@ -98,12 +100,23 @@ def test_what_moves_with_time_says_when_it_repeats(kind: EffectKind) -> None:
     assert (kind.behaves.period is not None) == ("t" in kind.depends_on and kind.physics == "dynamics")
 
 
+def test_a_curve_may_be_where_and_of_what_the_core_has_it() -> None:
+    assert [where for where in get_args(TabulatedPlace) if not where.endswith("channel")] == list(
+        _core.TABLE_PLACES
+    )
+    assert get_args(TabulatedVariable) == _core.TABLE_VARIABLES
+
+
+def test_the_core_s_effects_have_a_file_here() -> None:
+    assert {name for name in _core.EFFECTS if name not in CATALOGUE} == {"tabulated"}
+
+
 LAW_FILES = sorted(path.stem for path in Path(friction.__path__[0]).glob("*.py") if path.stem != "__init__")
 
 
 def test_the_laws_are_the_folder_and_the_core_s() -> None:
     assert sorted(LAWS) == LAW_FILES
-    assert set(LAWS) == set(_core.LawKind.__members__)
+    assert set(LAWS) == set(_core.LAWS)
     assert len({law.rank for law in LAWS.values()}) == len(LAWS)
 
 
@@ -112,7 +125,7 @@ def test_every_number_of_a_law_is_lowered_and_has_a_dimension(law: type[Friction
     numbers = {one.name for one in fields(law)}
     assert numbers == {*law.single, *law.each_way, *(f"{name}_plus" for name in law.each_way)}
     slots = {*law.single, *(f"{name}_{side}" for name in law.each_way for side in ("minus", "plus"))}
-    assert slots <= set(_core.PARAMETERS)
+    assert {f"{law.kind}.{name}" for name in slots} <= set(_core.PARAMETERS)
     assert all(dimension(name) is not None for name in numbers)
 
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stickslip/slots.hpp"
 #include "stickslip/table.hpp"
 #include "stickslip/trajectory.hpp"
 
@@ -20,12 +21,15 @@ constexpr double start[4] = {0.3, 0.06, 0.02, 0.05};
 template <class T>
 System<T> reference_rig() {
   System<T> sys{};
+  sys.structure.law = law("paper");
   auto& p = sys.p;
   p[alpha1] = T(16.0), p[alpha2] = T(8.0), p[beta3] = T(4.0), p[eta1] = T(0.1), p[eta12] = T(0.2);
   p[coupling] = T(1.0), p[belt_speed] = T(0.1);
-  p[T_s_minus] = T(5.94), p[A1] = T(3.2345), p[A2] = T(2.8736), p[t1] = T(0.0342), p[t2] = T(0.3053);
-  p[v_w_min] = T(-0.28), p[T_min_minus] = T(1.42), p[T_s_plus] = T(3.63), p[T_min_plus] = T(0.86);
-  p[v_w_max] = T(0.27);
+  p[slot("paper.T_s_minus")] = T(5.94), p[slot("paper.A1")] = T(3.2345), p[slot("paper.A2")] = T(2.8736),
+  p[slot("paper.t1")] = T(0.0342), p[slot("paper.t2")] = T(0.3053);
+  p[slot("paper.v_w_min")] = T(-0.28), p[slot("paper.T_min_minus")] = T(1.42), p[slot("paper.T_s_plus")] = T(3.63),
+  p[slot("paper.T_min_plus")] = T(0.86);
+  p[slot("paper.v_w_max")] = T(0.27);
   build(sys);
   return sys;
 }
@@ -41,7 +45,7 @@ int taylor(const System<T>& sys, int order, double tolerance, T* z) {
   for (double t = 0; t < span; ++steps) {
     T unused(0.0);
     expand(sys, mode, s, order, piece, unused);
-    const double wanted = static_cast<double>(step_length(sys, mode, piece, order, tolerance, tolerance));
+    const double wanted = static_cast<double>(step_length(sys, mode, s, piece, order, tolerance, tolerance));
     const double h = std::min(wanted, span - t);
     T next[state_count];
     piece_state(sys, mode, piece, s, order, T(h), next);

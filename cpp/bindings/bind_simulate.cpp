@@ -1,12 +1,10 @@
-// One trajectory: `_core.simulate`, its model structure and its record.
-#include <array>
+// One trajectory: `_core.simulate` and its record.
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "results.hpp"
 #include "stickslip/record.hpp"
-#include "stickslip/slots.hpp"
 
 namespace stickslip::bindings {
 
@@ -69,25 +67,9 @@ py::dict simulate(const Structure& structure, const ConstVector& parameters, con
   return as_dict(std::move(r));
 }
 
-template <std::size_t N>
-py::list names(const std::array<std::string_view, N>& all) {
-  py::list out;
-  for (const auto& name : all) out.append(py::str(name.data(), name.size()));
-  return out;
-}
-
 }  // namespace
 
 void bind_simulate(py::module_& m) {
-  py::native_enum<RigKind>(m, "RigKind", "enum.IntEnum")
-      .value("two_degree", RigKind::two_degree)
-      .value("block_on_belt", RigKind::block_on_belt)
-      .finalize();
-  py::native_enum<LawKind>(m, "LawKind", "enum.IntEnum")
-      .value("paper", LawKind::paper)
-      .value("coulomb", LawKind::coulomb)
-      .value("hyperbolic", LawKind::hyperbolic)
-      .finalize();
   py::native_enum<Locator>(m, "Locator", "enum.IntEnum")
       .value("henon", Locator::henon)
       .value("bracket", Locator::bracket)
@@ -101,27 +83,6 @@ void bind_simulate(py::module_& m) {
       .value("interrupted", Outcome::interrupted)
       .value("too_many_steps", Outcome::too_many_steps)
       .finalize();
-  py::class_<Structure>(m, "Structure", "Which rig, law and effects a parameter vector describes.")
-      .def(py::init([](RigKind rig, LawKind law, std::uint32_t effects, int place, int variable, double period,
-                       const std::vector<double>& knots) {
-             Structure s;
-             s.rig = rig;
-             s.law = law;
-             s.effects = effects;
-             s.table_place = static_cast<TablePlace>(place);
-             s.table_variable = static_cast<TableVariable>(variable);
-             s.table_period = period;
-             if (knots.size() > max_knots) throw py::value_error("a tabulated term has at most 24 knots");
-             s.knots = static_cast<int>(knots.size());
-             std::copy(knots.begin(), knots.end(), s.knot);
-             return s;
-           }),
-           py::kw_only(), py::arg("rig"), py::arg("law"), py::arg("effects") = 0, py::arg("table_place") = 0,
-           py::arg("table_variable") = 0, py::arg("table_period") = 0.0, py::arg("knots") = std::vector<double>{});
-  m.attr("PARAMETERS") = py::tuple(names(slot_names));
-  m.attr("MAX_KNOTS") = max_knots;
-  m.attr("STATES") = py::tuple(names(state_names));
-  m.attr("EFFECTS") = py::tuple(names(effect_names));
   m.def("simulate", &simulate, py::kw_only(), py::arg("structure"), py::arg("parameters").noconvert(),
         py::arg("initial").noconvert(), py::arg("t_start"), py::arg("t_end"), py::arg("contact"),
         py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "results.hpp"
+#include "stickslip/slots.hpp"
 #include "stickslip/sweep.hpp"
 
 namespace stickslip::bindings {
@@ -49,10 +50,13 @@ py::tuple sweep_members(const Structure& structure, const ConstVector& base, con
 }  // namespace
 
 void bind_sweep(py::module_& m) {
-  m.attr("SWEEP_ROW") =
-      py::make_tuple("x1", "x2", "y1", "y2", "w", "z", "b", "m", "dwell", "t", "stick_time", "transitions", "releases",
-                     "slips", "first_release", "last_release", "interval_squares", "x1_min", "x2_min", "y1_min",
-                     "y2_min", "x1_max", "x2_max", "y1_max", "y2_max", "dissipated", "steps", "outcome");
+  py::list row;
+  for (const auto& name : state_names) row.append(py::str(name.data(), name.size()));
+  for (const char* name : {"t", "stick_time", "transitions", "releases", "slips", "first_release", "last_release",
+                           "interval_squares", "x1_min", "x2_min", "y1_min", "y2_min", "x1_max", "x2_max", "y1_max",
+                           "y2_max", "dissipated", "steps", "outcome"})
+    row.append(name);
+  m.attr("SWEEP_ROW") = py::tuple(row);
   m.attr("MAX_SWEEP_POINTS") = max_sweep_points;
   m.def("sweep", &sweep_members, py::kw_only(), py::arg("structure"), py::arg("base").noconvert(),
         py::arg("varied").noconvert(), py::arg("values").noconvert(), py::arg("t_end"), py::arg("after"),

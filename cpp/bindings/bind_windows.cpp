@@ -87,7 +87,8 @@ void bind_windows(py::module_& m) {
         py::arg("t").noconvert(), py::arg("offset").noconvert(), py::arg("rtol"), py::arg("atol"),
         py::arg("seeds").noconvert(), py::arg("column").noconvert(), py::arg("columns"), py::arg("kept").noconvert(),
         py::arg("max_transitions"), py::arg("max_steps"), py::arg("order") = 0, py::arg("threads") = 1,
-        "Windows, each from its own start through its own times: state (n, 9), slopes (kept, n, columns), mode (n,)\n"
+        "Windows, each from its own start through its own times: state (n, states), slopes (kept, n, columns), mode "
+        "(n,)\n"
         "and the outcome (windows,) as numbers of Outcome.");
 }
 

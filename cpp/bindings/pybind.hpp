@@ -24,6 +24,7 @@ void bind_bodies(py::module_& m);
 void bind_config(py::module_& m);
 void bind_filter(py::module_& m);
 void bind_simulate(py::module_& m);
+void bind_structure(py::module_& m);
 void bind_sweep(py::module_& m);
 void bind_windows(py::module_& m);
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "stickslip/slots.hpp"
 #include "stickslip/table.hpp"
 #include "stickslip/trajectory.hpp"
 
@@ -66,13 +67,19 @@ struct Setup {
 // The illustrative rig of the documentation: 191 transitions to t = 1000.
 inline Setup reference_rig() {
   Setup s;
+  s.structure.law = law("paper");
   auto& p = s.p;
   p[alpha1] = 16, p[alpha2] = 8, p[beta3] = 4, p[eta1] = 0.1, p[eta12] = 0.2, p[coupling] = 1, p[belt_speed] = 0.1;
-  p[T_s_minus] = 5.94, p[A1] = 3.2345, p[A2] = 2.8736, p[t1] = 0.0342, p[t2] = 0.3053, p[v_w_min] = -0.28;
-  p[T_min_minus] = 1.42, p[T_s_plus] = 3.63, p[T_min_plus] = 0.86, p[v_w_max] = 0.27;
-  p[static_minus] = 5, p[kinetic_minus] = 3, p[static_plus] = 4, p[kinetic_plus] = 2;
-  p[scale_minus] = 5, p[decay_minus] = 3, p[constant_minus] = 0.5, p[quadratic_minus] = 0.2;
-  p[scale_plus] = 4, p[decay_plus] = 2, p[constant_plus] = 0.3, p[quadratic_plus] = 0.1;
+  p[slot("paper.T_s_minus")] = 5.94, p[slot("paper.A1")] = 3.2345, p[slot("paper.A2")] = 2.8736,
+  p[slot("paper.t1")] = 0.0342, p[slot("paper.t2")] = 0.3053, p[slot("paper.v_w_min")] = -0.28;
+  p[slot("paper.T_min_minus")] = 1.42, p[slot("paper.T_s_plus")] = 3.63, p[slot("paper.T_min_plus")] = 0.86,
+  p[slot("paper.v_w_max")] = 0.27;
+  p[slot("coulomb.static_minus")] = 5, p[slot("coulomb.kinetic_minus")] = 3, p[slot("coulomb.static_plus")] = 4,
+  p[slot("coulomb.kinetic_plus")] = 2;
+  p[slot("hyperbolic.scale_minus")] = 5, p[slot("hyperbolic.decay_minus")] = 3,
+  p[slot("hyperbolic.constant_minus")] = 0.5, p[slot("hyperbolic.quadratic_minus")] = 0.2;
+  p[slot("hyperbolic.scale_plus")] = 4, p[slot("hyperbolic.decay_plus")] = 2, p[slot("hyperbolic.constant_plus")] = 0.3,
+  p[slot("hyperbolic.quadratic_plus")] = 0.1;
   s.z = {0.1, 0.1};
   return s;
 }
@@ -80,11 +87,11 @@ inline Setup reference_rig() {
 inline Setup block_on_belt(double fixed, double moving, double v_b) {
   Setup s;
   s.structure.rig = RigKind::block_on_belt;
-  s.structure.law = LawKind::coulomb;
+  s.structure.law = law("coulomb");
   s.p[alpha1] = s.p[stiffness] = 1;
   s.p[belt_speed] = v_b;
-  s.p[static_minus] = s.p[static_plus] = fixed;
-  s.p[kinetic_minus] = s.p[kinetic_plus] = moving;
+  s.p[slot("coulomb.static_minus")] = s.p[slot("coulomb.static_plus")] = fixed;
+  s.p[slot("coulomb.kinetic_minus")] = s.p[slot("coulomb.kinetic_plus")] = moving;
   s.z = {0.0, v_b};
   return s;
 }

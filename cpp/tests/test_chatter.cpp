@@ -21,7 +21,7 @@ Swept sweep_static(const Setup& setup) {
   std::array<double, parameter_count + state_count> base{};
   for (std::size_t i = 0; i < parameter_count; ++i) base[i] = setup.p[i];
   for (std::size_t i = 0; i < state_count; ++i) base[parameter_count + i] = setup.z[i];
-  const int varied = static_minus;
+  const int varied = slot("coulomb.static_minus");
   const std::array<double, 3> values{0.5, 1.2, 0.6};
   Swept out;
   SweepRequest q{};
@@ -56,7 +56,7 @@ TEST_CASE("transitions that pile up end a run") {
   CHECK(alone.summary.t == doctest::Approx(2.5));  // where k x reaches the static limit
   CHECK(run<double>(block_on_belt(1.2, 0.8, 0.2), 40.0, 1e-10).summary.outcome == Outcome::finished);
   Setup plain = block_on_belt(1.0, 0.8, 0.2), effects = plain;
-  effects.structure.effects = fx_viscous;
+  effects.structure.effects = effect("block_viscous_damping");
   for (const Swept& swept : {sweep_static<Ensemble<2>>(plain), sweep_static<EffectEnsemble<2>>(effects)}) {
     CHECK(swept.outcome[0] == static_cast<double>(Outcome::chatter));
     CHECK(swept.t[0] == doctest::Approx(2.5));

@@ -20,7 +20,7 @@ Watch<double> between(const double* c, double lo, double hi) {
 TEST_CASE("switching: the earliest exit of several watches and both sides") {
   const double up[order + 1] = {0.0, 1.0}, down[order + 1] = {0.0, -1.0};
   Watch<double> watches[] = {between(up, -1.0, 0.9), between(down, -0.4, 1.0), between(up, -1.0, 0.5)};
-  watches[1].id = watch_gap;
+  watches[1].id = watch_demand;
   watches[2].id = watch_kink;
   const Side on[watch_count] = {};
   auto exit = first_exit(watches, 3, order, 1.0, on, true);

@@ -9,7 +9,7 @@ const std::vector<double> heights{0.3, -0.2, 0.8, 0.1, -0.5, 0.6, 0.2};
 
 System<double> table_of(const std::vector<double>& x, const std::vector<double>& y) {
   Setup setup = reference_rig();
-  setup.structure.effects = fx_table;
+  setup.structure.effects = effect("tabulated");
   setup.structure.knots = static_cast<int>(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     setup.structure.knot[i] = x[i];

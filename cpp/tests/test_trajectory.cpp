@@ -6,28 +6,26 @@ namespace {
 
 Setup with_effects() {
   Setup s = reference_rig();
-  s.structure.effects = fx_forcing | fx_cubic1 | fx_ripple | fx_gap | fx_peak;
-  s.p[harmonic_forcing_a] = 0.3, s.p[harmonic_forcing_w] = 1.7, s.p[spring_cubic_k1_k] = 1.0;
-  s.p[belt_speed_ripple_a] = 0.05, s.p[belt_speed_ripple_w] = 2.0, s.p[spring_gap_k3_k] = 0.5;
-  s.p[spring_gap_k3_d] = 0.05, s.p[stribeck_peak_dT] = 0.2, s.p[stribeck_peak_v_s] = 0.05;
+  s.structure.effects = effect("harmonic_forcing") | effect("spring_cubic_k1") | effect("belt_speed_ripple") |
+                        effect("spring_gap_k3") | effect("stribeck_peak");
+  s.p[slot("harmonic_forcing.a")] = 0.3, s.p[slot("harmonic_forcing.w")] = 1.7, s.p[slot("spring_cubic_k1.k")] = 1.0;
+  s.p[slot("belt_speed_ripple.a")] = 0.05, s.p[slot("belt_speed_ripple.w")] = 2.0, s.p[slot("spring_gap_k3.k")] = 0.5;
+  s.p[slot("spring_gap_k3.d")] = 0.05, s.p[slot("stribeck_peak.dT")] = 0.2, s.p[slot("stribeck_peak.v_s")] = 0.05;
   return s;
 }
 
-Setup with_law(LawKind law) {
+Setup with_law(int kind) {
   Setup s = reference_rig();
-  s.structure.law = law;
+  s.structure.law = kind;
   return s;
 }
 
 std::vector<Setup> setups() {
   Setup backwards = reference_rig();
   backwards.p[belt_speed] = -0.1;
-  return {reference_rig(),
-          backwards,
-          with_law(LawKind::coulomb),
-          with_law(LawKind::hyperbolic),
-          block_on_belt(1.0, 0.5, 0.2),
-          with_effects()};
+  return {
+      reference_rig(), backwards, with_law(law("coulomb")), with_law(law("hyperbolic")), block_on_belt(1.0, 0.5, 0.2),
+      with_effects()};
 }
 
 template <class A, class B>
@@ -114,7 +112,8 @@ TEST_CASE("trajectory: Coulomb's block on a belt in closed form, in every number
 TEST_CASE("trajectory: transitions and states differentiate by every kind of parameter") {
   Setup setup = reference_rig();
   setup.contact = 0;
-  for (const Slot slot : {alpha1, alpha2, beta3, eta1, belt_speed, T_s_minus, A1, t1, T_min_minus})
+  for (const int slot : {alpha1, alpha2, beta3, eta1, belt_speed, slot("paper.T_s_minus"), slot("paper.A1"),
+                         slot("paper.t1"), slot("paper.T_min_minus")})
     check_seed(setup, 30.0, [=](auto& p, auto&, const auto& d) { p[slot] = p[slot] + d; }, 1e-8);
   for (const int i : {0, 2, 3})
     check_seed(setup, 30.0, [=](auto&, auto& s, const auto& d) { s.z[i] = s.z[i] + d; }, 1e-8);
@@ -123,12 +122,12 @@ TEST_CASE("trajectory: transitions and states differentiate by every kind of par
 TEST_CASE("trajectory: derivatives pass through the transitions of the other laws and of effects") {
   Setup coulomb = block_on_belt(1.0, 0.5, 0.2);
   coulomb.contact = 0;
-  for (const Slot slot : {alpha1, stiffness, static_minus, kinetic_minus, belt_speed})
+  for (const int slot : {alpha1, stiffness, slot("coulomb.static_minus"), slot("coulomb.kinetic_minus"), belt_speed})
     check_seed(coulomb, 40.0, [=](auto& p, auto&, const auto& d) { p[slot] = p[slot] + d; }, 1e-9);
   Setup effects = with_effects();
   effects.contact = 0;
-  for (const Slot slot :
-       {harmonic_forcing_a, harmonic_forcing_w, belt_speed_ripple_a, spring_gap_k3_d, stribeck_peak_v_s})
+  for (const int slot : {slot("harmonic_forcing.a"), slot("harmonic_forcing.w"), slot("belt_speed_ripple.a"),
+                         slot("spring_gap_k3.d"), slot("stribeck_peak.v_s")})
     check_seed(effects, 20.0, [=](auto& p, auto&, const auto& d) { p[slot] = p[slot] + d; }, 1e-7);
 }
 

@@ -13,7 +13,7 @@ import typing
 __all__: list[str] = [
     "EFFECTS",
     "Formulas",
-    "LawKind",
+    "LAWS",
     "Locator",
     "MAX_KNOTS",
     "MAX_SWEEP_POINTS",
@@ -25,6 +25,8 @@ __all__: list[str] = [
     "STATES",
     "SWEEP_ROW",
     "Structure",
+    "TABLE_PLACES",
+    "TABLE_VARIABLES",
     "bodies_layout",
     "build_config",
     "first_order",
@@ -38,10 +40,22 @@ class RigKind(enum.IntEnum):
     two_degree = 0
     block_on_belt = 1
 
-class LawKind(enum.IntEnum):
-    paper = 0
-    coulomb = 1
-    hyperbolic = 2
+class Structure:
+    """
+    Which rig, law and effects a parameter vector describes.
+    """
+
+    def __init__(
+        self,
+        *,
+        rig: RigKind,
+        law: typing.SupportsInt | typing.SupportsIndex,
+        effects: typing.SupportsInt | typing.SupportsIndex = 0,
+        table_place: typing.SupportsInt | typing.SupportsIndex = 0,
+        table_variable: typing.SupportsInt | typing.SupportsIndex = 0,
+        table_period: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        knots: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
+    ) -> None: ...
 
 class Locator(enum.IntEnum):
     henon = 0
@@ -55,23 +69,6 @@ class Outcome(enum.IntEnum):
     too_many_transitions = 4
     interrupted = 5
     too_many_steps = 6
-
-class Structure:
-    """
-    Which rig, law and effects a parameter vector describes.
-    """
-
-    def __init__(
-        self,
-        *,
-        rig: RigKind,
-        law: LawKind,
-        effects: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_place: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_variable: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_period: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        knots: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
-    ) -> None: ...
 
 class Formulas:
     """
@@ -192,7 +189,7 @@ def simulate_windows(
     threads: typing.SupportsInt | typing.SupportsIndex = 1,
 ) -> dict[str, object]:
     """
-    Windows, each from its own start through its own times: state (n, 9), slopes (kept, n, columns), mode (n,)
+    Windows, each from its own start through its own times: state (n, states), slopes (kept, n, columns), mode (n,)
     and the outcome (windows,) as numbers of Outcome.
     """
 
@@ -214,9 +211,12 @@ def sweep(
 ) -> tuple[object, ...]: ...
 
 EFFECTS: tuple[str, ...]
+LAWS: tuple[str, ...]
 MAX_KNOTS: int = 24
 MAX_SWEEP_POINTS: int = 64
 OPERATIONS: tuple[str, ...]
 PARAMETERS: tuple[str, ...]
 STATES: tuple[str, ...]
 SWEEP_ROW: tuple[str, ...]
+TABLE_PLACES: tuple[str, ...]
+TABLE_VARIABLES: tuple[str, ...]

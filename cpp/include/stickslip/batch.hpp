@@ -26,14 +26,14 @@ struct Batch {
 
 template <int W>
 void copy_branch(Branch<Lanes<W>>& to, int i, const Branch<double>& from) {
-  to.shape = from.shape;
+  to.curve = from.curve;
   to.has_kink = from.has_kink;
-  const double values[] = {from.static_limit, from.c0,    from.c1,        from.c2,
-                           from.rational,     from.decay, from.a1,        from.k1,
-                           from.a2,           from.k2,    from.saturated, from.has_kink ? from.kink : 0.0};
-  Lanes<W>* slots[] = {&to.static_limit, &to.c0, &to.c1, &to.c2, &to.rational,  &to.decay,
-                       &to.a1,           &to.k1, &to.a2, &to.k2, &to.saturated, &to.kink};
-  for (int k = 0; k < 12; ++k) slots[k]->set(i, values[k]);
+  to.static_limit.set(i, from.static_limit);
+  to.c0.set(i, from.c0);
+  to.c1.set(i, from.c1);
+  for (int k = 0; k < curve_numbers; ++k) to.own[k].set(i, from.own[k]);
+  to.saturated.set(i, from.saturated);
+  to.kink.set(i, from.has_kink ? from.kink : 0.0);
 }
 
 template <int W>

@@ -1,6 +1,8 @@
 // How long a step of a run with derivatives may be: their own series against the tolerance.
 #pragma once
 
+#include <algorithm>
+
 #include "stickslip/step.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -23,14 +25,15 @@ void derivative_floors(const System<T>& sys, double motion, double* floors) {
 }
 
 template <class T>
-double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, int order, double h, double rtol) {
+double derivative_step(const System<T>& sys, const Mode& mode, const State<T>& begin, Piece<T>& piece, int order,
+                       double h, double rtol) {
   constexpr int seeds = T::size;
   const double frequency = natural_frequency(sys), over_a1 = std::abs(sys.rig.over_a1.v);
   struct Row {
     const T* series;
     double weight;  // to a speed; of a force, to an acceleration
   };
-  Row rows[9];
+  Row rows[7 + Effects::size];
   int count = 0;
   const auto add = [&](const T* series, double weight) { rows[count++] = {series, weight}; };
   add(piece.s.x1, frequency);
@@ -42,8 +45,12 @@ double derivative_step(const System<T>& sys, const Mode& mode, Piece<T>& piece, 
   if (sys.structure.effects != 0) {
     add(piece.fx.friction, over_a1);
     if (mode.contact == 0) add(piece.fx.limit_minus, over_a1);
-    if (has(sys, fx_memory) && mode.contact != 0) add(piece.fx.w, 1);
-    if (has(sys, fx_ripple) || has(sys, fx_droop)) add(piece.fx.belt, 1);
+    each_acting(sys, mode, begin, piece, [&](const auto& at) {
+      using E = typename std::decay_t<decltype(at)>::Effect;
+      if constexpr (requires { &E::template decides<T>; })
+        if (const T* c = E::decides(at)) add(c, 1);
+    });
+    if (acts(sys, moves_belt)) add(piece.fx.belt, 1);
   }
   double floors[seeds];
   bool known = false;

@@ -41,8 +41,8 @@ void put(EffectBatch<W>& b, int i, const Member& m) {
   copy_rig(b.sys.rig, i, m.sys.rig);
   copy_branch(b.sys.minus, i, m.sys.minus);
   copy_branch(b.sys.plus, i, m.sys.plus);
-  for (int slot = block_viscous_damping_c; slot < slot_count; ++slot) b.sys.p[slot].set(i, m.sys.p[slot]);
-  const int intervals = has(m.sys, fx_table) ? m.sys.structure.knots + 1 : 0;
+  for (int slot = effect_first; slot < slot_count; ++slot) b.sys.p[slot].set(i, m.sys.p[slot]);
+  const int intervals = acts(m.sys, bit_of<Tabulated>) ? m.sys.structure.knots + 1 : 0;
   for (int k = 0; k < intervals; ++k)
     for (int j = 0; j < 4; ++j) b.sys.table[k][j].set(i, m.sys.table[k][j]);
   b.sys.frequency.set(i, m.sys.frequency);

@@ -6,14 +6,6 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
-// A mode as one number: members with the same one can share a batch. (Of a table in t, only one without cycles.)
-inline std::uint16_t key_of(const Mode& mode) {
-  const int signs =
-      (mode.saturated ? 1 : 0) + (mode.x2_sign > 0 ? 2 : 0) + (mode.lifted ? 4 : 0) + (mode.w_sign > 0 ? 8 : 0);
-  const int thirds = (mode.contact + 1) + 3 * (mode.gap + 1) + 9 * (mode.pivot + 1);
-  return static_cast<std::uint16_t>(signs + 16 * (thirds + 27 * mode.knot));
-}
-
 template <int W>
 struct EffectEnsemble {
   static constexpr int pool_size = 8 * W;
@@ -22,7 +14,7 @@ struct EffectEnsemble {
   EffectBatch<W> batch;
   Member pool[pool_size];
   Member* waiting[pool_size];
-  std::uint16_t wanted[pool_size];  // their modes
+  std::uint64_t wanted[pool_size];  // their modes
   int waits = 0;
   Common common;
   Piece<double> scratch;
@@ -75,7 +67,7 @@ struct EffectEnsemble {
     return best;
   }
   // Members that want this mode fill the idle lanes.
-  void refill(std::uint16_t mode) {
+  void refill(std::uint64_t mode) {
     for (int j = waits - 1; j >= 0 && batch.active < W; --j) {
       if (wanted[j] != mode) continue;
       enter(batch, __builtin_ctz(~batch.busy), waiting[j]);
@@ -98,8 +90,8 @@ struct EffectEnsemble {
     if (b.active < W) fill_idle(b);
     L h;
     expand(b.sys, b.mode, b.s, order, b.piece, h);
-    h = step_length(b.sys, b.mode, b.piece, order, q.rtol, q.atol);
-    if (has(b.sys, fx_lag)) settle_lag(b.sys, b.piece, order, h, q.rtol, q.atol);
+    h = step_length(b.sys, b.mode, b.s, b.piece, order, q.rtol, q.atol);
+    settle_step(b.sys, b.mode, b.s, b.piece, order, h, q.rtol, q.atol);
     const L left = b.limit - b.s.t, least = abs(b.s.t) * std::numeric_limits<double>::epsilon();
     const unsigned small = mask_of<W>((h.v < left.v) & (h.v <= least.v));
     h = min(h, left);

@@ -1,4 +1,4 @@
-// The series of a piece of (2.1): stick, slip along a line, along the two exponentials of (4.2), along a hyperbola.
+// The series of a piece of (2.1): stick, slip along a line, along the curve of a law.
 #pragma once
 
 #include "stickslip/rig.hpp"
@@ -67,65 +67,22 @@ void expand_line(const Rig<T>& r, const T& c0, const T& c1, const Real<T>& dir, 
   }
 }
 
-// Slip along the two exponentials of (4.2). The recurrence is a chain of dependent operations, so all that does not
-// need the newest coefficient is formed beside it: e holds (a_i/a1) e^(k_i u), `other` the part of u' without e, and
-// each turn of the chain is one sum and one multiply-add.
-template <class T>
-void expand_exponentials(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
-  T slope[series_size];  // slope[k] = k u_k
-  Pair<T> e[series_size];
-  const T damping = r.e1 * r.over_a1, stiffness = r.kx * dir, y_damping = damping * dir,
-          y_stiffness = r.s * r.over_a1 * dir;
-  const T b3 = r.b3 * r.over_a2, e12 = r.e12 * r.over_a2, leg1 = r.over_a2, leg2 = r.e1 * r.over_a2;
-  const Pair<T> rate = paired(b.k1, b.k2);
-  T x1 = s.x1[0], x2 = s.x2[0], y1 = s.y1[0], y2 = s.y2[0], u = (x2 - r.v_b) * dir;
-  e[0] = paired(T(b.a1 * r.over_a1), T(b.a2 * r.over_a1)) * exponential(rate * u);
-  const Pair<T> first = e[0] * rate;
-  Pair<T> newest = e[0];
-  T other = -(b.c0 * r.over_a1) - damping * (x2 * dir - u);  // of u' : all but e and the terms below
-  for (int k = 0; k < order; ++k) {
-    const Real<T> over = inverse<T>(k + 1);
-    Pair<T> rest(0.0);
-    if (k > 0) rest = exponential_rest(slope, e, k + 1) * (rate * over);
-    other = other - (stiffness * x1 + y_damping * y2 + y_stiffness * y1);
-    const T leg = (b3 * y1 + e12 * y2 + leg1 * x1 + leg2 * x2) * over;
-    x1 = x2 * over;
-    y1 = y2 * over;
-    y2 = -leg;
-    const T next = (other - damping * u) + sum(newest);
-    slope[k + 1] = next;
-    newest = rest + first * (next * over);
-    e[k + 1] = newest;
-    u = next * over;
-    x2 = u * dir;
-    s.x1[k + 1] = x1;
-    s.x2[k + 1] = x2;
-    s.y1[k + 1] = y1;
-    s.y2[k + 1] = y2;
-    other = T(0.0);
-  }
-}
-
-// Slip along c0 + c2 u^2 + rational/(1 + decay u).
-template <class T>
-void expand_rational(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
-  T u[series_size], den[series_size], q[series_size];
-  const T scale = r.over_a1 * dir;
-  u[0] = (s.x2[0] - r.v_b) * dir;
-  den[0] = T(1.0) + b.decay * u[0];
-  const T over_den = T(1.0) / den[0];
-  q[0] = b.rational * over_den;
-  for (int k = 0; k < order; ++k) {
-    if (k > 0) {
-      u[k] = s.x2[k] * dir;
-      den[k] = b.decay * u[k];
-      q[k] = quotient_next(T(0.0), den, q, over_den, k);
+// Slip along the curve of the law L, with the law's own loop where it has one.
+template <class L, class T>
+void expand_curve(const Rig<T>& r, const Branch<T>& b, const Real<T>& dir, int order, Series<T>& s) {
+  if constexpr (requires { L::expand(r, b, dir, order, s); }) {
+    L::expand(r, b, dir, order, s);
+  } else {
+    T u[series_size];
+    typename L::template Series<T> own;
+    const T scale = r.over_a1 * dir;
+    for (int k = 0; k < order; ++k) {
+      u[k] = (k == 0 ? s.x2[0] - r.v_b : s.x2[k]) * dir;
+      extend_positions(r, s, k);
+      const T friction = constant(b.c0, k) + b.c1 * u[k] + L::next(b.own, u, own, k);
+      const T a = r.kx * s.x1[k] + bracket(r, s.x2[k], s.y1[k], s.y2[k]) * r.over_a1 + friction * scale;
+      s.x2[k + 1] = -a * inverse<T>(k + 1);
     }
-    extend_positions(r, s, k);
-    T friction = q[k] + b.c1 * u[k] + b.c2 * product(u, u, k);
-    if (k == 0) friction = friction + b.c0;
-    const T a = r.kx * s.x1[k] + bracket(r, s.x2[k], s.y1[k], s.y2[k]) * r.over_a1 + friction * scale;
-    s.x2[k + 1] = -a * inverse<T>(k + 1);
   }
 }
 

@@ -10,9 +10,6 @@ namespace stickslip_abi {
 
 enum class Locator : int { henon = 0, bracket = 1 };
 
-// The state: x1 x2 y1 y2, then the hidden ones: memory w, bristle z, belt b, lagged reading m, dwell.
-enum Hidden : int { hidden_w = 4, hidden_z = 5, hidden_b = 6, hidden_m = 7, hidden_dwell = 8, state_count = 9 };
-
 enum class Outcome : int {
   finished = 0,
   chatter,

@@ -28,7 +28,7 @@ struct Common {
 
 inline void prepare(const SweepRequest& q, Common& c) {
   c.law = true;
-  for (int j = 0; j < q.n_varied; ++j) c.law &= q.varied[j] < T_s_minus || q.varied[j] > quadratic_plus;
+  for (int j = 0; j < q.n_varied; ++j) c.law &= q.varied[j] < law_first || q.varied[j] >= effect_first;
   for (int i = 0; i < parameter_count; ++i) c.sys.p[i] = q.base[i];
   c.sys.structure = *q.structure;
   if (c.law) build_law(c.sys);
@@ -61,22 +61,33 @@ inline void start_member(const SweepRequest& q, const Common& common, Member& m,
 }
 
 inline bool alike(const Branch<double>& a, const Branch<double>& b) {
-  return a.shape == b.shape && a.has_kink == b.has_kink;
+  return a.curve == b.curve && a.has_kink == b.has_kink;
+}
+
+inline std::uint32_t variants_of(const System<double>& sys) {
+  std::uint32_t bits = 0;
+  const auto one = [&]<class E> {
+    if constexpr (requires { &E::template variant<double>; })
+      bits |= E::variant(Numbers<E, double>{sys.p.p + first_slot<E>}) ? bit_of<E> : 0;
+  };
+  [&]<class... E>(TypeList<E...>) { (one.template operator()<E>(), ...); }(Effects{});
+  return bits;
 }
 
 // Who can share a batch: those like the first to come in what decides the course of a computation.
 struct Company {
   Branch<double> minus, plus;
-  bool creep = false, first = true;
+  std::uint32_t variants = 0;  // one bit an effect
+  bool first = true;
 
   bool takes(const Member& m) {
     if (first) {
       minus = m.sys.minus;
       plus = m.sys.plus;
-      creep = creeps(m.sys);
+      variants = variants_of(m.sys);
       first = false;
     }
-    return alike(minus, m.sys.minus) && alike(plus, m.sys.plus) && creep == creeps(m.sys);
+    return alike(minus, m.sys.minus) && alike(plus, m.sys.plus) && variants == variants_of(m.sys);
   }
 };
 

@@ -1,31 +1,12 @@
 // One piece of a trajectory: its series, the surfaces that end it, and what happens at them.
 #pragma once
 
+#include "stickslip/effect_series.hpp"
 #include "stickslip/expand.hpp"
 #include "stickslip/switching.hpp"
 #include "stickslip/system.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-// Coefficients of what effects bring along, one array a quantity; only those of active effects are ever touched.
-template <class T>
-struct EffectSeries {
-  T w[series_size], z[series_size], b[series_size], m[series_size];  // hidden states
-  T reads[series_size], lag_rest;  // what a lag follows; the part of m that dies out as e^(-t/tau), beside the series
-  bool lag_settles = false;
-  T belt[series_size], ripple[series_size], ripple_cos[series_size];  // V(t); v_b a sin(w t + phi) and its cosine
-  T v[series_size], u[series_size], friction[series_size], magnitude[series_size], kinetic[series_size];
-  T slope[series_size], e1[series_size], e2[series_size];
-  T square[series_size], peak_slope[series_size], peak[series_size];
-  T factor[4][series_size], normal[series_size], drift[series_size], seam_slope[series_size], seam[series_size],
-      seam_cos[series_size];
-  T aging[series_size], limit_minus[series_size], limit_plus[series_size];
-  T forcing[series_size], forcing_cos[series_size];
-  T x1_square[series_size], x2_square[series_size], y1_square[series_size], sum[series_size], sum_square[series_size];
-  T zv[series_size], ratio[series_size], pivot_force[series_size];
-  T creep_slope[series_size], creep[series_size], creep_rest[series_size];  // y2/v_c, its tanh, 1 - tanh^2
-  T table[series_size], variable[series_size], variable2[series_size], variable3[series_size];
-};
 
 template <class T>
 struct Piece {
@@ -39,8 +20,8 @@ struct Piece {
 
 template <class T>
 T* state_series(Piece<T>& piece, int i) {
-  T* all[] = {piece.s.x1, piece.s.x2, piece.s.y1, piece.s.y2, piece.fx.w, piece.fx.z, piece.fx.b, piece.fx.m};
-  return all[i];
+  T* visible[] = {piece.s.x1, piece.s.x2, piece.s.y1, piece.s.y2};
+  return i < visible_count ? visible[i] : piece.fx.hidden[i - visible_count];
 }
 
 template <class T>
@@ -83,16 +64,12 @@ int expand_plain(const System<T>& sys, const Mode& mode, int curve_order, Piece<
   if (mode.saturated) {
     linear_step = sys.floor_step;
     expand_line(r, b.saturated, T(0.0), dir, order, s);
-  } else if (b.shape == Shape::line) {
+  } else if (b.curve == straight) {
     expand_line(r, b.c0, b.c1, dir, order, s);
   } else {
     linear_step = Real<T>(0.0);
     order = curve_order;
-    if (b.shape == Shape::exponentials) {
-      expand_exponentials(r, b, dir, order, s);
-    } else {
-      expand_rational(r, b, dir, order, s);
-    }
+    with_curve(b, [&]<class L> { expand_curve<L>(r, b, dir, order, s); });
   }
   watch.c = s.x2;  // x2 = v_b + dir u, so that u = 0 and u = kink are bounds on x2 itself
   const T far = r.v_b + b.kink * dir;

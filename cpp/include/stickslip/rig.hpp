@@ -1,4 +1,4 @@
-// (2.1) and the block on a belt as one linear vector field, and the modes a trajectory moves through.
+// (2.1) and the block on a belt as one linear vector field.
 //
 //   x1' = x2     x2' = -kx x1 - (e1 (x2 + y2) + s y1 + T) / a1      T = sgn(v_w) R(|v_w|), v_w = x2 - v_b
 //   y1' = y2     y2' = (-b3 y1 - e12 y2 - x1 - e1 x2) / a2
@@ -6,6 +6,7 @@
 #pragma once
 
 #include "stickslip/friction.hpp"
+#include "stickslip/mode.hpp"
 #include "stickslip/series.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -51,19 +52,6 @@ template <class T>
 T demand(const Rig<T>& r, const T& x1, const T& x2, const T& y1, const T& y2) {
   return r.a1 * r.kx * x1 + bracket(r, x2, y1, y2);
 }
-
-// The discrete part of the state. Only `contact` and `saturated` move without effects.
-struct Mode {
-  int contact = 0;         // -1 slip with v_w < 0, 0 stick, 1 slip with v_w > 0
-  bool saturated = false;  // the branch holds its floor
-  int x2_sign = 1;         // block_quadratic_damping
-  int gap = 0;             // spring_gap_k3: -1 below -d, 1 above d
-  int pivot = 1;           // pivot_dry_friction: sign of y2, 0 stuck (with a creep speed: within its reach)
-  bool lifted = false;     // normal_force_feedback: no contact force
-  int w_sign = 1;          // friction_memory
-  int knot = 0;            // tabulated term: interval, 0 below the first knot
-  int cycle = 0;           // tabulated term in t: whole periods passed
-};
 
 template <class T>
 struct State {

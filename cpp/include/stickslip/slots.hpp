@@ -1,90 +1,56 @@
-// The public names of the slots of structure.hpp, in their order.
+// The public names of the slots and states of structure.hpp, in their order, and the way back from a name.
 #pragma once
 
-#include <array>
-#include <string_view>
+#include "stickslip/structure.hpp"
 
-#include "stickslip/interface.hpp"
+namespace stickslip::inline STICKSLIP_ISA {
 
-namespace stickslip_abi {
+// A number of a law or an effect has the name of its owner before its own: "paper.A1", "belt_seam.a".
+struct SlotName {
+  std::string_view owner, own;
+  constexpr bool operator==(std::string_view full) const {
+    if (owner.empty()) return full == own;
+    return full.size() == owner.size() + 1 + own.size() && full.starts_with(owner) && full[owner.size()] == '.' &&
+           full.ends_with(own);
+  }
+};
 
-// Parameters of the rig and the laws by their own name, those of effects as effect.parameter; then the values of a
-// tabulated term at its knots.
-inline constexpr std::array<std::string_view, slot_count> slot_names{"alpha1",
-                                                                     "alpha2",
-                                                                     "beta3",
-                                                                     "eta1",
-                                                                     "eta12",
-                                                                     "coupling",
-                                                                     "stiffness",
-                                                                     "belt_speed",
-                                                                     "T_s_minus",
-                                                                     "A1",
-                                                                     "A2",
-                                                                     "t1",
-                                                                     "t2",
-                                                                     "v_w_min",
-                                                                     "T_min_minus",
-                                                                     "T_s_plus",
-                                                                     "T_min_plus",
-                                                                     "v_w_max",
-                                                                     "static_minus",
-                                                                     "kinetic_minus",
-                                                                     "static_plus",
-                                                                     "kinetic_plus",
-                                                                     "scale_minus",
-                                                                     "decay_minus",
-                                                                     "constant_minus",
-                                                                     "quadratic_minus",
-                                                                     "scale_plus",
-                                                                     "decay_plus",
-                                                                     "constant_plus",
-                                                                     "quadratic_plus",
-                                                                     "block_viscous_damping.c",
-                                                                     "block_quadratic_damping.c",
-                                                                     "spring_cubic_k1.k",
-                                                                     "spring_cubic_k2.k",
-                                                                     "spring_cubic_k3.k",
-                                                                     "spring_gap_k3.k",
-                                                                     "spring_gap_k3.d",
-                                                                     "constant_load.f",
-                                                                     "harmonic_forcing.a",
-                                                                     "harmonic_forcing.w",
-                                                                     "harmonic_forcing.phi",
-                                                                     "pivot_dry_friction.f",
-                                                                     "pivot_dry_friction.v_c",
-                                                                     "normal_force_feedback.beta2",
-                                                                     "normal_force_feedback.eta2",
-                                                                     "stribeck_peak.dT",
-                                                                     "stribeck_peak.v_s",
-                                                                     "static_aging.dT",
-                                                                     "static_aging.tau",
-                                                                     "friction_memory.tau",
-                                                                     "friction_drift.r",
-                                                                     "belt_seam.a",
-                                                                     "belt_seam.L",
-                                                                     "belt_seam.phi",
-                                                                     "contact_compliance.k",
-                                                                     "contact_compliance.c",
-                                                                     "belt_speed_ripple.a",
-                                                                     "belt_speed_ripple.w",
-                                                                     "belt_speed_ripple.phi",
-                                                                     "belt_load_droop.k",
-                                                                     "belt_load_droop.tau",
-                                                                     "sensor_lag.tau",
-                                                                     "sensor_crosstalk.c",
-                                                                     "tabulated.w",
-                                                                     "tabulated.phi"};
+consteval auto all_slots() {
+  std::array<SlotName, stickslip_abi::slot_count> out;
+  std::size_t at = 0;
+  for (const auto& name : stickslip_abi::rig_names) out[at++] = {"", name};
+  const auto put = [&]<class... All>(TypeList<All...>, const auto& owners) {
+    std::size_t owner = 0;
+    const auto one = [&](const auto& own) {
+      for (const auto& name : own) out[at++] = {owners[owner], name};
+      ++owner;
+    };
+    (one(All::parameters), ...);
+  };
+  put(Laws{}, law_names);
+  put(Effects{}, effect_names);
+  return out;
+}
+inline constexpr auto slot_names = all_slots();
 
-inline constexpr std::array<std::string_view, state_count> state_names{"x1", "x2", "y1", "y2",   "w",
-                                                                       "z",  "b",  "m",  "dwell"};
+void two_hidden_states_at_one_place();  // does not compile where it is called: it is none of a constant
+consteval auto all_states() {
+  std::array<std::string_view, stickslip_abi::state_count> out{"x1", "x2", "y1", "y2"};
+  const auto one = [&]<class E> {
+    if constexpr (requires { E::hidden; }) out[static_cast<std::size_t>(state_of<E>)] = E::hidden.name;
+  };
+  [&]<class... E>(TypeList<E...>) { (one.template operator()<E>(), ...); }(Effects{});
+  for (const auto& name : out)
+    if (name.empty()) two_hidden_states_at_one_place();
+  return out;
+}
+inline constexpr auto state_names = all_states();
 
-// Bit k of Structure::effects is entry k.
-inline constexpr std::array<std::string_view, 20> effect_names{
-    "block_viscous_damping", "block_quadratic_damping", "spring_cubic_k1", "spring_cubic_k2",
-    "spring_cubic_k3",       "spring_gap_k3",           "constant_load",   "harmonic_forcing",
-    "pivot_dry_friction",    "normal_force_feedback",   "stribeck_peak",   "static_aging",
-    "friction_memory",       "friction_drift",          "belt_seam",       "contact_compliance",
-    "belt_speed_ripple",     "belt_load_droop",         "sensor_lag",      "tabulated"};
+consteval stickslip_abi::Slot slot(std::string_view name) {
+  return static_cast<stickslip_abi::Slot>(place_of(slot_names, name));
+}
+consteval int law(std::string_view name) { return place_of(law_names, name); }
+consteval int state(std::string_view name) { return place_of(state_names, name); }
+consteval std::uint32_t effect(std::string_view name) { return std::uint32_t{1} << place_of(effect_names, name); }
 
-}  // namespace stickslip_abi
+}  // namespace stickslip::inline STICKSLIP_ISA

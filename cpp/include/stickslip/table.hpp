@@ -67,7 +67,8 @@ void build_table(System<T>& sys) {
   const T* y = sys.p.p + slot_count;
   T m[max_knots];  // second derivatives
   if (st.table_period > 0) {
-    T& phi = sys.p[tabulated_phi];  // whole turns off: a mode counts the periods in an int
+    T& phi = sys.p[first_slot<Tabulated> +
+                   place_of(Tabulated::parameters, "phi")];  // whole turns off: a side counts the periods in an int
     const double turn = 2 * std::numbers::pi;
     phi = phi - turn * std::floor(static_cast<double>(value(phi)) / turn);
     periodic_curvature(st.knot, y, n, m);

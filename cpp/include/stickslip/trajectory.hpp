@@ -22,6 +22,15 @@ inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2, an
 
 constexpr double resting = 1e-9;  // of a motion's own rate
 
+// Is a surface that of an effect that does not jump there?
+inline bool is_smooth(int watch) {
+  const auto one = [&]<class E> {
+    if constexpr (requires { E::smooth; }) return watch == effect_watch<E>;
+    return false;
+  };
+  return [&]<class... E>(TypeList<E...>) { return (one.template operator()<E>() || ...); }(Effects{});
+}
+
 template <class T>
 struct Machine {
   using R = Real<T>;
@@ -55,11 +64,11 @@ struct Machine {
       const R left = R(opt.t_end) - value(s.t);
       if (opt.fixed_step > 0) h = R(opt.fixed_step);
       if (h == 0) {
-        h = step_length(sys, mode, piece, order, opt.rtol, opt.atol);
+        h = step_length(sys, mode, s, piece, order, opt.rtol, opt.atol);
         if constexpr (requires(T x) { x.d[0]; })
-          h = derivative_step(sys, mode, piece, order, h, opt.rtol > 0 ? opt.rtol : opt.atol);
+          h = derivative_step(sys, mode, s, piece, order, h, opt.rtol > 0 ? opt.rtol : opt.atol);
       }
-      if (has(sys, fx_lag)) settle_lag(sys, piece, order, h, opt.rtol, opt.atol);
+      settle_step(sys, mode, s, piece, order, h, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);
       const bool last = h >= left;
       if (last) h = left;
@@ -111,10 +120,10 @@ struct Machine {
     for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
     return std::isfinite(sum);
   }
-  // x2 = 0, met by a block that rests but for rounding: the time of that has no derivative, and the drag that changes
-  // there is 0 on both sides, so that none is needed.
+  // A surface where nothing jumps, met by a block that rests but for rounding: the time of that has no derivative, and
+  // none is needed.
   bool hardly_moves(const Watch<T>& w, int order, const R& h) const {
-    if (w.id != watch_x2 || sys.structure.effects == 0) return false;
+    if (sys.structure.effects == 0 || !is_smooth(w.id)) return false;
     R rate(0.0);
     for (int k = order; k >= 1; --k) rate = rate * h + R(value(w.c[k])) * static_cast<double>(k);
     return magnitude(rate) < resting * motion_scale(sys, piece.s) * natural_frequency(sys);

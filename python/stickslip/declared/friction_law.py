@@ -40,7 +40,8 @@ class FrictionLaw:
 
     `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those
     of one branch, `each_way` those that have a twin `..._plus` for v_w > 0, which is None where both are the same.
-    `dimensions` has what every number measures, twins aside.
+    `dimensions` has what every number measures, twins aside; `formula` and `at_rest` say R(u) and the static limits in
+    the table of laws.
     """
 
     kind: ClassVar[str]
@@ -48,6 +49,8 @@ class FrictionLaw:
     single: ClassVar[tuple[str, ...]] = ()
     each_way: ClassVar[tuple[str, ...]] = ()
     dimensions: ClassVar[Mapping[str, Dimension]]
+    formula: ClassVar[str]
+    at_rest: ClassVar[str]
 
     @property
     def numbers(self) -> dict[str, float]:

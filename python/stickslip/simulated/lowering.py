@@ -27,14 +27,9 @@ Floats = NDArray[np.float64]
 
 SLOTS: Mapping[str, int] = {name: i for i, name in enumerate(_core.PARAMETERS)}
 WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
-PLACES = ("block", "angle_body", "contact")
-VARIABLES = ("x1", "x2", "y1", "y2", "v_w", "t")
 # what no motion depends on, though a lag has a state
 READ_ALONE = frozenset(kind.name for kind in CATALOGUE.values() if kind.physics == "reading")
 READING_EFFECTS = frozenset(name for name in READ_ALONE if not CATALOGUE[name].hidden)
-
-
-_LAW_KINDS: Mapping[str, _core.LawKind] = _core.LawKind.__members__
 
 
 class _Put(Protocol):
@@ -161,8 +156,8 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         rig=rig_kind,
         law=law_kind,
         effects=bits,
-        table_place=0 if table is None else PLACES.index(table.where),
-        table_variable=0 if table is None else VARIABLES.index(table.variable),
+        table_place=0 if table is None else _core.TABLE_PLACES.index(table.where),
+        table_variable=0 if table is None else _core.TABLE_VARIABLES.index(table.variable),
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )
@@ -187,17 +182,18 @@ def _lower_rig(rig: Rig | BlockOnBelt, put: _Put, parameters: Floats) -> _core.R
     return _core.RigKind.two_degree
 
 
-def _lower_law(law: FrictionLaw, put: _Put) -> _core.LawKind:
+def _lower_law(law: FrictionLaw, put: _Put) -> int:
+    own = law.kind + "."
     for name in law.single:
-        put(name, getattr(law, name))
+        put(name, getattr(law, name), own + name)
     for name in law.each_way:
         value, other = getattr(law, name), getattr(law, f"{name}_plus")
         if other is None:
-            put(name, value, f"{name}_minus", f"{name}_plus")
+            put(name, value, f"{own}{name}_minus", f"{own}{name}_plus")
         else:
-            put(name, value, f"{name}_minus")
-            put(f"{name}_plus", other)
-    return _LAW_KINDS[law.kind]
+            put(name, value, f"{own}{name}_minus")
+            put(f"{name}_plus", other, f"{own}{name}_plus")
+    return _core.LAWS.index(law.kind)
 
 
 def _correct(

@@ -34,6 +34,8 @@ class CoulombFriction(FrictionLaw):
 
     kind: ClassVar[str] = "coulomb"
     rank: ClassVar[int] = 20
+    formula: ClassVar[str] = "kinetic"
+    at_rest: ClassVar[str] = "static"
     each_way: ClassVar[tuple[str, ...]] = ("static", "kinetic")
     dimensions: ClassVar[Mapping[str, Dimension]] = {"static": FORCE, "kinetic": FORCE}
 

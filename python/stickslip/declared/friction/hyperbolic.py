@@ -37,6 +37,8 @@ class HyperbolicFriction(FrictionLaw):
 
     kind: ClassVar[str] = "hyperbolic"
     rank: ClassVar[int] = 30
+    formula: ClassVar[str] = "scale/(1 + decay u) + constant + quadratic u^2"
+    at_rest: ClassVar[str] = "R(0) = scale + constant"
     each_way: ClassVar[tuple[str, ...]] = ("scale", "decay", "constant", "quadratic")
     dimensions: ClassVar[Mapping[str, Dimension]] = {
         "scale": FORCE,

@@ -43,6 +43,8 @@ class PaperFriction(FrictionLaw):
 
     kind: ClassVar[str] = "paper"
     rank: ClassVar[int] = 10
+    formula: ClassVar[str] = "(4.1) and (4.2) of the paper, see [model.md](model.md)"
+    at_rest: ClassVar[str] = "T_s_minus, T_s_plus"
     single: ClassVar[tuple[str, ...]] = (
         "T_s_minus",
         "A1",
