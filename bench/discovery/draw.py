@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import laboratory
 import numpy as np
 import rigsim
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ class Conditions:
     declare_friction: bool | None = None
     declare_noise: bool | None = None
     odd_units: bool = False
+    laboratory: float = 0.0  # size of a laboratory's imperfections, 1 the usual one; 0: a clean room
     name: str = "ordinary"
 
 
@@ -69,6 +71,7 @@ class Case:
     declare_noise: bool
     conditions: Conditions
     runs: list[Run] = field(default_factory=list)
+    imperfections: laboratory.Imperfections | None = None
 
 
 def draw_law(rng: np.random.Generator, spread: float) -> dict[str, float]:
@@ -134,6 +137,7 @@ def draw_run(
     speed: float,
     noise: float,
     c: Conditions,
+    lab: laboratory.Imperfections | None = None,
 ) -> Run:
     """Simulate one record; half of them start in the middle of the motion, the others on a carried block."""
     vb = speed * rng.uniform(1 - c.speed_spread, 1 + c.speed_spread)
@@ -147,12 +151,14 @@ def draw_run(
         wander = np.zeros(steps.size)
         for i in range(1, steps.size):
             wander[i] = 0.93 * wander[i - 1] + 0.37 * steps[i]  # unit variance, about 14 time units long
+    if lab is not None:
+        wander = laboratory.field(rng, abs(vb) * (c.samples * c.dt + 30.0), lab)
     start = np.zeros(len(rigsim.STATE))
     start[0] = np.sign(vb) * rng.uniform(0, 0.15)
     start[1] = vb if rng.random() < 0.5 else vb * rng.uniform(0.0, 1.0)
     start[2] = rng.normal(0, 0.05)
     start[7] = start[0] + values.get("crosstalk_c", 0.0) * start[2]
-    numbers = values | phases | {"vb": vb}
+    numbers = values | phases | {"vb": vb} | ({} if lab is None else laboratory.numbers(rng, lab))
     start[10] = start[2]
     if values.get("memory_tau"):
         start[5] = start[1] - vb
@@ -170,6 +176,8 @@ def draw_run(
     for channel in (x1, y1):
         hit = rng.random(t.size) < c.outliers
         channel[hit] += rng.choice([-1, 1], hit.sum()) * rng.uniform(8, 60, hit.sum()) * noise
+    if lab is not None:
+        x1, y1 = (laboratory.as_read(rng, a, g, noise, lab) for a, g in zip((x1, y1), lab.gains, strict=True))
     return Run(role, float(vb), t, x1, y1, belt, start, -lead, phases, modes, wander)
 
 
@@ -187,12 +195,21 @@ def draw_case(rng: np.random.Generator, names: Sequence[str], conditions: Condit
         scales = draw_scales(rng, lot(c.si, 0.65))
         belt = lot(c.belt, 0.4)
         declared = {k: TABLE_1[k] for k in TABLE_1} if lot(c.declare_friction, 0.3) else None
+        lab = laboratory.draw(rng, c.laboratory) if c.laboratory else None
         case = Case(
-            effects, law | effect_values(effects), noise, scales, declared, lot(c.declare_noise, 0.7), c
+            effects,
+            law | effect_values(effects),
+            noise,
+            scales,
+            declared,
+            lot(c.declare_noise, 0.7),
+            c,
+            [],
+            lab,
         )
         try:
             for role, speeds in (("train", c.train), ("validate", c.validate)):
-                case.runs.extend(draw_run(rng, case.values, names, role, v, noise, c) for v in speeds)
+                case.runs.extend(draw_run(rng, case.values, names, role, v, noise, c, lab) for v in speeds)
         except ArithmeticError:
             continue
         if not belt:

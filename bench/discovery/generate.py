@@ -88,7 +88,9 @@ def write_case(folder: Path, case: Case, rng: np.random.Generator) -> None:
     to_t = 1.0 / (s["w"] * TIME_UNITS[time]) if s["on"] else 1.0
     to_x = s["L"] / LENGTH_UNITS[length] if s["on"] else 1.0
     to_v = s["L"] * s["w"] / (SPEED_UNITS[speed] if has_belt else 1.0) if s["on"] else 1.0
-    lines = [f'title = "{folder.name}"', "", "[rig]", *rig_lines(case.values, s)]
+    off = {} if case.imperfections is None else case.imperfections.constants
+    stated = {name: value * off.get(name, 1.0) for name, value in case.values.items()}
+    lines = [f'title = "{folder.name}"', "", "[rig]", *rig_lines(stated, s)]
     if case.declared is not None:
         lines += [
             "",
@@ -130,31 +132,33 @@ def answer_of(name: str, group: str, case: Case, seen: tuple[float, float] | Non
         "scales": case.scales,
         "belt_recorded": case.runs[0].belt is not None,
         "phases": [r.phases for r in case.runs],
+        "laboratory": None if case.imperfections is None else case.imperfections.told(),
         "surviving_chi2": seen and seen[0],
         "refit_chi2_per_sample": seen and seen[1],
     }
 
 
 def plan(
-    rng: np.random.Generator, counts: dict[str, int], only: tuple[str, ...]
+    rng: np.random.Generator, counts: dict[str, int], only: tuple[str, ...], laboratory: float = 0.0
 ) -> list[tuple[str, list[str], Conditions]]:
     """What to draw: class, effects and conditions of every case."""
+    ordinary = replace(ORDINARY, laboratory=laboratory, name="laboratory") if laboratory else ORDINARY
     told = [n for n in LISTED if not LISTED[n].absorbed]
     listed = [n for n in told if not only or n in only]
     unlisted = [n for n in UNLISTED if not only or n in only]
-    drawn: list[tuple[str, list[str], Conditions]] = [("single", [n], ORDINARY) for n in listed] * counts[
+    drawn: list[tuple[str, list[str], Conditions]] = [("single", [n], ordinary) for n in listed] * counts[
         "single"
     ]
-    drawn += [("unlisted", [n], ORDINARY) for n in unlisted] * counts["unlisted"]
-    drawn += [("none", [], ORDINARY)] * counts["none"]
+    drawn += [("unlisted", [n], ordinary) for n in unlisted] * counts["unlisted"]
+    drawn += [("none", [], ordinary)] * counts["none"]
     pairs = [
         list(p)
         for p in combinations(told, 2)
         if frozenset(p) not in FORBIDDEN_PAIRS and (not only or set(p) & set(only))
     ]
     order = rng.permutation(len(pairs))
-    drawn += [("pair", pairs[order[i % len(pairs)]], ORDINARY) for i in range(counts["pairs"])]
-    odd = list(ODD.items())
+    drawn += [("pair", pairs[order[i % len(pairs)]], ordinary) for i in range(counts["pairs"])]
+    odd = [(name, replace(one, laboratory=laboratory)) for name, one in ODD.items()]
     for i in range(counts["odd"]):
         name, conditions = odd[i % len(odd)]
         effects = [] if rng.random() < 0.25 else [str(rng.choice(listed))]
@@ -163,12 +167,18 @@ def plan(
 
 
 def generate(
-    out: Path, seed: int, counts: dict[str, int], only: tuple[str, ...] = (), *, strength: bool = False
+    out: Path,
+    seed: int,
+    counts: dict[str, int],
+    only: tuple[str, ...] = (),
+    *,
+    strength: bool = False,
+    laboratory: float = 0.0,
 ) -> list[dict[str, Any]]:
     """Write the cases and answers.json below ``out``; returns the answers."""
     rng = np.random.default_rng(seed)
     answers = []
-    for i, (group, names, conditions) in enumerate(plan(rng, counts, only)):
+    for i, (group, names, conditions) in enumerate(plan(rng, counts, only, laboratory)):
         own = np.random.default_rng([seed, i])
         case = draw_case(own, names, conditions)
         seen = surviving(case) if strength and names else None
@@ -187,6 +197,7 @@ def generate(
 @click.option("--unlisted", default=0, help="Cases of every effect outside the list.")
 @click.option("--odd", default=0, help="Cases under unusual conditions.")
 @click.option("--only", multiple=True, help="Limit to these effects.")
+@click.option("--laboratory", default=0.0, help="Size of a laboratory's imperfections; 1 is the usual one.")
 @click.option("--strength", is_flag=True, help="Also compute what survives a refit (seconds a case).")
 def main(
     out: Path,
@@ -197,6 +208,7 @@ def main(
     unlisted: int,
     odd: int,
     only: tuple[str, ...],
+    laboratory: float,
     strength: bool,
 ) -> None:
     """Draw cases into OUT, which must not hold any yet."""
@@ -206,7 +218,7 @@ def main(
     if unknown := [n for n in only if n not in LISTED and n not in UNLISTED]:
         raise click.ClickException(f"no such effect: {', '.join(unknown)}")
     counts = {"single": single, "none": none_, "pairs": pairs, "unlisted": unlisted, "odd": odd}
-    answers = generate(out, seed, counts, only, strength=strength)
+    answers = generate(out, seed, counts, only, strength=strength, laboratory=laboratory)
     click.echo(f"{len(answers)} cases in {out}")
 
 

@@ -54,10 +54,12 @@ _UNLISTED = (
     "belt_square_phi belt_warm_a belt_warm_tau tanh_k tanh_d wander_a angle_c maxwell_k maxwell_tau tones_a "
     "tones_w tones_phi load_y2sq viscous_cq belt_drift_r y1_lag_tau"
 )
-FIELDS = tuple((_LAW + " " + _LISTED + " " + _UNLISTED).split())
+_LABORATORY = "field_a wobble_a wobble_w wobble_phi"
+FIELDS = tuple((_LAW + " " + _LISTED + " " + _UNLISTED + " " + _LABORATORY).split())
 """Names of every number the simulator knows; all zero means that the term is absent."""
 STATE = ("x1", "x2", "y1", "y2", "bristle", "memory", "belt", "lag", "hysteresis", "creep", "y1_lag")
 SMOOTH = 2  # contact mode when a bristle replaces rigid stick
+FIELD_STEP, FIELD_BEFORE = 0.02, 60.0  # of `wander` where it is a field along the belt
 NUMBERS = np.dtype([(name, "f8") for name in FIELDS])
 
 
@@ -77,6 +79,11 @@ def belt_speed(t, s, p):
         e = math.exp(-max(t, 0.0) / p.belt_warm_tau)
         v += p.vb * p.belt_warm_a * (1 - e)
         a += p.vb * p.belt_warm_a * e / p.belt_warm_tau
+    if p.wobble_a != 0.0:  # three slow waves
+        for k in range(3):
+            w, phi = p.wobble_w * (1.0 + 0.83 * k), p.wobble_phi * (1 + k)
+            v += p.vb * p.wobble_a * math.sin(w * t + phi)
+            a += p.vb * p.wobble_a * w * math.cos(w * t + phi)
     v += p.vb * p.belt_drift_r * t
     a += p.vb * p.belt_drift_r
     return v + s[6], a
@@ -96,6 +103,10 @@ def scale(t, s, p, wander):
         g *= 1.0 + p.patch_a * math.exp(-(((x1 - p.patch_x0) / p.patch_w) ** 2))
     if p.warm_a != 0.0:
         g *= 1.0 + p.warm_a * (1.0 - math.exp(-max(t, 0.0) / p.warm_tau))
+    if p.field_a != 0.0:  # a field along the belt, every FIELD_STEP from FIELD_BEFORE before the record on
+        place = (abs(p.vb) * t - x1 * (1.0 if p.vb > 0 else -1.0) + FIELD_BEFORE) / FIELD_STEP
+        i = min(max(int(place), 0), wander.size - 2)
+        g *= 1.0 + p.field_a * (wander[i] + (min(max(place - i, 0.0), 1.0)) * (wander[i + 1] - wander[i]))
     if p.wander_a != 0.0:  # knots one time unit apart
         i = min(max(int(t), 0), wander.size - 2)
         g *= 1.0 + p.wander_a * (wander[i] + (min(max(t - i, 0.0), 1.0)) * (wander[i + 1] - wander[i]))
