@@ -91,9 +91,11 @@ def test_a_constant_of_the_rig_of_two_degrees_is_named(
     tmp_path: Path, factors: dict[str, float], told: str
 ) -> None:
     path = found_by_hand.write_case(tmp_path, si=True)
-    checked(ss.load_case(path))  # right as it is
+    case = ss.load_case(path)
+    checked(case, case.train)  # right as it is
     with pytest.raises(ss.InputError) as refused:
-        checked(rewritten(path, factors))
+        wrong = rewritten(path, factors)
+        checked(wrong, wrong.train)
     assert told in str(refused.value)
 
 

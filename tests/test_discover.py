@@ -118,7 +118,7 @@ def test_a_forecast_of_the_true_model_leaves_the_noise_alone():
     past, future = run.window(0.0, 30.0), run.window(30.0, 40.0)
     model = Model(RIG, friction=LAW, effects=[effect("sensor_crosstalk", c=0.15)])
     table = forecast(model, past, belt_speed=run.belt_speed, horizon=9.0)
-    assert list(table.columns) == ["t", "x1", "y1"]
+    assert list(table.columns) == ["t", "x1", "y1", "x1_low", "x1_high", "y1_low", "y1_high"]
     np.testing.assert_allclose(table["t"], future.t[: len(table)], atol=1e-9)
     for channel in ("x1", "y1"):
         off = table[channel].to_numpy() - getattr(future, channel)[: len(table)]

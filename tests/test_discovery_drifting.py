@@ -22,7 +22,7 @@ DROOP = effect("belt_load_droop", k=0.004, tau=0.8)
 def searched(term):
     """A search in which the declared law and a droop have been fitted."""
     case = make_case((term,), length=60.0, turned=False)
-    data, _ = loop._checked(case)
+    data, _ = loop._checked(case, ())
     search = Search(
         data[: len(case.train)], Model(case.rig, friction=case.friction), 2, lambda _: None, 200.0
     )

@@ -67,7 +67,7 @@ def late_case(tau=0.0, delay=0.0):
 
 def searched(case):
     """A search in which the declared law and a delay have been fitted."""
-    data, _ = loop._checked(case)
+    data, _ = loop._checked(case, ())
     search = Search(
         data[: len(case.train)], Model(case.rig, friction=case.friction), 2, lambda _: None, 200.0
     )
@@ -101,7 +101,7 @@ def test_a_delay_stays_one():
 
 def test_derivatives_of_lagged_readings_are_those_of_differences():
     case = make_case(length=30.0)
-    data, _ = loop._checked(case)
+    data, _ = loop._checked(case, ())
     search = Search(data[:1], Model(case.rig, friction=case.friction), 1, lambda _: None, 200.0)
     delayed = trace.hypothesis(search.model, [trace.Start(effect("sensor_delay", delay=0.2))], search.model)
     trial = search.run(delayed, cycles=1.0, iterations=1, rounds=0)

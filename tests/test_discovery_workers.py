@@ -214,8 +214,9 @@ def test_an_interrupt_ends_the_workers(monkeypatch):
     stopped = []
     monkeypatch.setattr(workers.Workers, "stop", lambda self: stopped.append(self))
 
-    def interrupt(_):
-        raise KeyboardInterrupt
+    def interrupt(words):
+        if "readings" not in words:  # before them there are no workers
+            raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         discover(make_case(), progress=interrupt)

@@ -118,7 +118,7 @@ def test_the_shipped_recording(tmp_path: Path) -> None:
     run = shipped().validate[0]
     past = run.window(float(run.t[0]), float(run.t[0]) + 3.0)
     ahead = ss.forecast(model, past, belt_speed=run.belt_speed, horizon=0.1)
-    assert list(ahead.columns) == ["t", "spring_force"]
+    assert list(ahead.columns) == ["t", "spring_force", "spring_force_low", "spring_force_high"]
     assert np.all(np.abs(ahead["spring_force"] - np.nanmean(past.to_readings("x1", past.x1))) < 0.2)
     stiffer = model.replace(stiffness=1002.0)
     other = replace(past, rig=replace(past.rig, stiffness=1002.0), x1=past.x1 * 168.0 / 1002.0)

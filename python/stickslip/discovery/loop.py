@@ -102,8 +102,9 @@ def discover(
     if progress is not None and not callable(progress):
         raise InputError("must be a function of one sentence", key="progress")
     tell = progress or (lambda _: None)
+    runs = (*case.train, *case.validate)  # a case without them is refused before anything is said
     tell("looking at the readings")
-    copied = copied_words((*case.train, *case.validate)) if isinstance(case.rig, Rig) else ()
+    copied = copied_words(runs) if isinstance(case.rig, Rig) else ()
     case, less = thinned_case(case, MOST_SAMPLES)
     found = _searched(case, copied, tell, threads, seed, budget)
     return replace(found, thinned=less, messages=(*sentences(less), *found.messages))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -22,7 +23,8 @@ from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.views import validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
-from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.variances import MOST
@@ -56,10 +58,12 @@ class Verdicts:
 
     @property
     def doubtful(self) -> bool:
-        """Whether no name was found that leaves noise alone: a law that repeats may do better."""
+        """Whether no name leaves noise alone, or scatter is beyond its prior: a law that repeats may do better."""
         chosen = self.searched.chosen
         left = outcome.per_reading(chosen.fit)
-        return self.curve is not None or (bool(chosen.terms) and left > self.bench.policy.noise_left)
+        if not chosen.terms:
+            return self.curve is not None or _swollen(chosen.fit.population, self.bench.policy)
+        return self.curve is not None or left > self.bench.policy.noise_left
 
 
 def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int) -> Verdicts | None:
@@ -101,6 +105,12 @@ def _lost(bench: Bench, trial: Trial) -> bool:
     if sum(b is None for b in blocks) > bench.policy.lost_windows * len(blocks):
         return True
     return max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
+
+
+def _swollen(p: Population, policy: Policy) -> bool:
+    """Whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
+    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
+    return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
 
 
 def repeats(bench: Bench, trial: Trial) -> bool:
