@@ -93,8 +93,8 @@ def test_a_constant_of_the_rig_of_two_degrees_is_named(
     path = found_by_hand.write_case(tmp_path, si=True)
     case = ss.load_case(path)
     checked(case, case.train)  # right as it is
+    wrong = rewritten(path, factors)
     with pytest.raises(ss.InputError) as refused:
-        wrong = rewritten(path, factors)
         checked(wrong, wrong.train)
     assert told in str(refused.value)
 
