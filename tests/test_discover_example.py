@@ -12,7 +12,7 @@ import stickslip as ss
 ROOT = Path(__file__).parent.parent
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_the_example_of_the_page(tmp_path: Path) -> None:
     page = re.sub(r"\s+", " ", (ROOT / "docs" / "discovery.md").read_text(encoding="utf-8"))
     program = ROOT / "examples" / "discovery" / "aging.py"

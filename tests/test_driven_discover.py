@@ -198,7 +198,7 @@ def test_the_simulated_loop_is_as_near_as_published(emps: dict[str, np.ndarray])
 
 
 @needs_emps
-@pytest.mark.slow
+@pytest.mark.study
 def test_the_loop_on_the_public_record(tmp_path: Path) -> None:
     toml = (Path(__file__).parents[1] / "examples" / "emps" / "rig.toml").read_text()
     (tmp_path / "rig.toml").write_text(toml)

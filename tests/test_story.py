@@ -73,7 +73,7 @@ def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert "sensor_lag.tau" in text
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_the_cause_is_found(tmp_path: Path) -> None:
     told = story.story(tmp_path, Console(file=StringIO(), width=100))
     named = {one.name: one for one in told.found.effects}
