@@ -1,6 +1,8 @@
 // Recurrences of the functions that only formulas use (series.hpp has the others).
 #pragma once
 
+#include <cmath>
+
 #include "stickslip/bodies/link.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -33,7 +35,7 @@ template <class T>
 T whole_power_next(const Instruction<T>& in, int k) {
   const T *square = in.a, *so_far = nullptr;
   T* room = in.aux;
-  int p = static_cast<int>(static_cast<double>(value(in.x)) + 0.5);
+  int p = static_cast<int>(std::lround(static_cast<double>(value(in.x))));
   for (;;) {
     if (p % 2 == 1) {
       if (so_far == nullptr) {

@@ -10,7 +10,7 @@ template <class T>
 int source(const Tape<T>& tape, int i) {
   for (;;) {
     const Node& one = tape.at(i);
-    const int side = tape.node[i].side;
+    const auto side = tape.node[i].side;
     if (one.op == Op::maximum || one.op == Op::minimum) {
       i = (one.op == Op::maximum) == (side > 0) ? one.a : one.b;
     } else if (one.op == Op::absolute && side > 0) {
