@@ -18,7 +18,8 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import UNSETTLED, Fit, begin, fitted, ready, unexplained, window_posterior
+from stickslip.likelihoods.fit import UNSETTLED, Fit, begin, fitted, unexplained, window_posterior
+from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
@@ -33,7 +34,6 @@ TAILS = (0.025, 0.975)  # of the band
 AHEAD = 2.0  # cycles that members are simulated at once
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
 FEWEST = 3  # windows of a past that shows scatter
-ENOUGH = 6  # windows that show how events hang together
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,11 @@ class _Members:
     def __init__(self, fit: Fit, run: Data, rng: np.random.Generator, rest: float) -> None:
         self.run_, self.rng, self.rest, self.windows = run, rng, rest, fit.windows
         self.root = factor(fit.population, fit.windows.places)[0]
-        self.memory = memory = _memory(fit)
+        found, error = memory(fit, KINETIC)
+        # the past tells the correlation poorly: every member has one that may be the true one
+        self.memory = np.clip(found + error * rng.standard_normal(MEMBERS), 0.0, MOST)
         # the law is that of other runs: what the events of this one have in common is known from them alone
-        count = len(fit.random) * (1 - memory) / (1 + memory)
+        count = len(fit.random) * (1 - found) / (1 + found)
         # so few events tell their standard deviation roughly: each member has one that they may come from
         self.wide = np.sqrt(len(fit.random) / self.rng.chisquare(len(fit.random), MEMBERS))
         spread = self.wide[:, None] * (self.rng.standard_normal((MEMBERS, self.root.shape[1])) @ self.root.T)
@@ -148,11 +150,10 @@ class _Members:
         base = begin(windows)
         mean = base.own[0].copy()
         common = fit.random.mean(axis=0)
-        mean[windows.begins :] = common + self.memory * (fit.random[-1] - common)
-        at = replace(
-            base, population=fit.population, noise=fit.noise, own=mean[None], knee=np.full(1, np.inf)
+        mean[windows.begins :] = common + float(self.memory.mean()) * (fit.random[-1] - common)
+        found = window_posterior(
+            replace(base, population=fit.population, noise=fit.noise, own=mean[None]), POLICY
         )
-        found = window_posterior(ready(at, POLICY), POLICY)
         if found is None:
             return None
         own, covariance = found
@@ -165,7 +166,7 @@ class _Members:
         n, channels = len(self.run_.t), self.run_.readings.shape[1]
         out = np.full((MEMBERS, n, channels), np.nan)
         own, at = own.copy(), [tail] * MEMBERS
-        going, span = np.ones(MEMBERS, dtype=bool), len(self.run_.t) - tail.start
+        going = np.ones(MEMBERS, dtype=bool)
         first = tail.stop - tail.start + self.ahead
         while going.any():
             who = np.flatnonzero(going)
@@ -185,9 +186,6 @@ class _Members:
                     cut[i], motions[i] = one, m
             for k, one, m in zip(who.tolist(), cut, motions, strict=True):
                 going[k] = self._kept(out[k], k, one, m, own, at)
-            span -= 1
-            if span < 0:
-                break
         return out
 
     def _simulated(self, cut: Sequence[Stretch], own: Floats) -> list[Motion | None]:
@@ -208,25 +206,16 @@ class _Members:
         own[k, :begins] = state[list(self.windows.sensors.begins)]
         fresh = self.wide[k] * (self.root @ self.rng.standard_normal(self.root.shape[1]))
         apart = own[k, begins:] - self.mean[k]
-        own[k, begins:] = self.mean[k] + self.memory * apart + math.sqrt(1 - self.memory**2) * fresh
+        like = float(self.memory[k])
+        own[k, begins:] = self.mean[k] + like * apart + math.sqrt(1 - like**2) * fresh
         at[k] = Stretch(0, one.start + again, len(self.run_.t), 0.0, self.rest)
         return True
 
 
 def _stuck_again(motion: Motion) -> int | None:
-    """The first sample of the stick that follows a slip."""
+    """The first sample of the stick that follows a slip, so later than the first of all."""
     slips = np.flatnonzero(motion.mode != 0)
     if not len(slips):
         return None
     stuck = np.flatnonzero(motion.mode[slips[0] :] == 0)
-    # a sample on, so that a member always gets ahead
     return int(slips[0] + stuck[0]) if len(stuck) else None
-
-
-def _memory(fit: Fit) -> float:
-    """Correlation of friction as a whole from one event to the next."""
-    u = fit.random[:, 1:-1].mean(axis=1)
-    if len(u) < ENOUGH or np.std(u) == 0:
-        return 0.0
-    u = u - u.mean()
-    return float(np.clip((u[1:] @ u[:-1]) / (u @ u), 0.0, 0.95))

@@ -378,18 +378,13 @@ def events(fit: Fit, turns: int = 15) -> tuple[Floats, Floats]:
     return chi, chi + held
 
 
-def ready(fit: Fit, policy: Policy) -> Fit:
-    """Return a fit linearised where it stands, its population and noise kept."""
-    return _linearised(fit, policy)
-
-
 def window_posterior(fit: Fit, policy: Policy) -> tuple[Floats, Floats] | None:
     """
     Return what the readings say of the numbers of one window alone: (own,) and their covariance; None where it fails.
 
     Parameters
     ----------
-    fit : of one window, linearised, its population and noise known
+    fit : of one window, its population and noise known
     policy : what steers it
     """
     cost = _Cost(fit, fit.population, fit.noise)

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench, wobble
-from stickslip.discovery.laboratory.memory import KINETIC, MOST, STATIC, memory
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant

@@ -14,9 +14,9 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
-from stickslip.discovery.laboratory.memory import KINETIC, memory, slowness
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.likelihoods.fit import Fit, begin, fitted, null, settled
+from stickslip.likelihoods.memory import KINETIC, memory, slowness
 
 
 @dataclass(frozen=True)
