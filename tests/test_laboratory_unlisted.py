@@ -1,0 +1,40 @@
+"""What passes the gate beside the names found is unlisted: a name must leave what scatter and noise leave."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from scattering import case
+from stickslip.declared.effect import Effect, Tabulated
+from stickslip.discovery.laboratory import loop
+from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.fit import begin, fitted
+
+X1 = np.linspace(-0.8, 0.8, 17)
+PULL = ss.tabulated("block", "x1", X1, 0.12 / (0.9 - X1) ** 2)  # of a magnet: no power of x1
+CUBIC = ss.effect("spring_cubic_k1", k=4.0)
+GATE = 15.0  # of such records, as the search draws it
+
+
+def fit_of(bench: Bench, terms: tuple[Term, ...]) -> Trial:
+    return Trial(terms, fitted(begin(bench.windows(terms)), bench.policy))
+
+
+@pytest.mark.parametrize(("acts", "left"), [(PULL, True), (CUBIC, False)])
+def test_a_name_that_only_stands_in_leaves_a_curve(
+    tmp_path: Path, acts: Effect | Tabulated, left: bool
+) -> None:
+    read = ss.load_case(case(tmp_path, (acts,), 0.015, 0.005, 7))
+    bench = loop.bench_of(read, prepare(read.train))
+    named = fit_of(bench, (Term(CUBIC),))
+    step = SimpleNamespace(gate=SimpleNamespace(threshold=GATE))
+    found = loop._left_over(bench, Searched(fit_of(bench, ()), named, [step]))
+    assert (found is not None) == left
+    if found is not None:
+        assert (found.where, found.variable) == ("block", "x1")
+        assert loop.Verdicts(bench, Searched(named, named), found, beside=True).told is named
