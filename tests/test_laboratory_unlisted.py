@@ -13,7 +13,8 @@ from stickslip.discovery.laboratory import loop
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.fitted.data import prepare
-from stickslip.likelihoods.fit import begin, fitted
+from stickslip.likelihoods.fit import fitted
+from stickslip.likelihoods.fit_state import begin
 
 X1 = np.linspace(-0.8, 0.8, 17)
 PULL = ss.tabulated("block", "x1", X1, 0.12 / (0.9 - X1) ** 2)  # of a magnet: no power of x1

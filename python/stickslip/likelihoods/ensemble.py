@@ -18,13 +18,15 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import UNSETTLED, Fit, begin, fitted, unexplained, window_posterior
+from stickslip.likelihoods.fit import UNSETTLED, fitted
+from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
+from stickslip.likelihoods.single_windows import window_posterior
 from stickslip.likelihoods.stretches import Stretch, stretches
 
 Floats = NDArray[np.float64]

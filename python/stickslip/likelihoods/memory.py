@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 
 MOST = 0.95
 STATIC, KINETIC = 0, 1

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.mixed import Windows, products, solve
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor

@@ -43,7 +43,8 @@ from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.block_windows import BlockSensors
-from stickslip.likelihoods.fit import UNSETTLED, null, unexplained
+from stickslip.likelihoods.fit import UNSETTLED, null
+from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.shared import Declared

@@ -18,7 +18,7 @@ from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.result import Interval
 from stickslip.discovery.rig_numbers import BEYOND
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.shared import Declared
 
 Floats = NDArray[np.float64]

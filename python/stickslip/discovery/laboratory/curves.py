@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.score import Columns, score
 from stickslip.simulated import states

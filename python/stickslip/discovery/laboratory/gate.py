@@ -19,7 +19,7 @@ from stickslip.discovery.laboratory.hypothesis import Bench, wobble
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
 
 Floats = NDArray[np.float64]

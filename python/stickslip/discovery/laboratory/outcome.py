@@ -34,7 +34,7 @@ from stickslip.discovery.result import (
 )
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import SLIPPING, of_law
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
 NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line

@@ -15,7 +15,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.waves import Wave, Waves
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]

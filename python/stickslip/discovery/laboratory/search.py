@@ -15,8 +15,10 @@ from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.likelihoods.fit import Fit, begin, fitted, null, settled
+from stickslip.likelihoods.fit import fitted, null
+from stickslip.likelihoods.fit_state import Fit, begin
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
+from stickslip.likelihoods.single_windows import settled
 
 
 @dataclass(frozen=True)
@@ -171,7 +173,8 @@ def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Tri
             stride = np.array([n.stride for n in windows.numbers[:p]])
             at[:p] += np.clip(candidate.step, -stride, stride)
         first = replace(base.fit, windows=windows, at=at)
-        cost, own = settled(first)
+        own, _, each = settled(first)
+        cost = float(each.sum()) + windows.prior.penalty(at)
         if best is None or cost < best[0]:
             best = cost, replace(first, own=own)
     assert best is not None

@@ -15,12 +15,14 @@ from stickslip.discovery.laboratory.hypothesis import Bench, Term
 from stickslip.discovery.laboratory.search import Trial
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import Fit, events
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.single_windows import settled
 from stickslip.likelihoods.stretches import stretches
 
 Floats = NDArray[np.float64]
 PHASES = 12  # of a turn, tried for a phase that is another in every run
+TURNS = 15  # of each event alone
 LATE = (0.0, 0.05, -0.05)  # static levels that an event is fitted from
 
 
@@ -74,9 +76,8 @@ def _settled(bench: Bench, trial: Trial, population: Population, phase: float) -
     for late in LATE:
         own = windows.first()
         own[:, windows.begins] = late
-        chi, cost = events(
-            Fit(windows, at, own, population, np.ones(windows.channels), np.full(count, np.inf))
-        )
+        start = Fit(windows, at, own, population, np.ones(windows.channels), np.full(count, np.inf))
+        _, chi, cost = settled(start, TURNS)
         better = cost < best[1]
         best = np.where(better, chi, best[0]), np.where(better, cost, best[1])
     return best

@@ -6,7 +6,7 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.result import RunView
 from stickslip.discovery.views import Made, nothing, view
 from stickslip.fitted.readings import reading_rate
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 
 
 def train_views(bench: Bench, before: Fit, after: Fit) -> list[RunView]:

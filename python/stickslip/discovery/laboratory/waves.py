@@ -16,7 +16,7 @@ from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
 from stickslip.discovery.laboratory.null import Null, Projected
-from stickslip.likelihoods.fit import Fit
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]

@@ -1,0 +1,117 @@
+"""Windows each alone, the shared numbers held: polished, sought anew, and what one says of its own numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.fit_state import BLANK, Cost, Fit, misfits
+from stickslip.likelihoods.policy import Policy
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is sought anew with
+
+
+def polished(fit: Fit, cost: Cost, own: Floats, select: Mask, turns: int) -> Floats:
+    """Return own numbers after Levenberg's steps of the selected windows, each alone."""
+    windows, own, select = fit.windows, own.copy(), select.copy()
+    damping = np.full(len(own), 1e-2)
+    blocks = windows.blocks(fit.at, own, select, shared=())
+    now = np.add(*cost.of(blocks, own))
+    for _ in range(turns):
+        trial = own.copy()
+        for i in np.flatnonzero(select):
+            if (block := blocks[i]) is not None:
+                trial[i] += _local_step(block, own[i], cost.inverse[i], cost.noise, damping[i])
+        new = windows.blocks(fit.at, trial, select, shared=())
+        then = np.add(*cost.of(new, trial))
+        better = select & (then < now)
+        done = better & (now - then < 0.3)
+        own[better], damping[better] = trial[better], np.maximum(damping[better] / 10, 1e-6)
+        now = np.where(better, then, now)
+        blocks = [n if b else a for a, n, b in zip(blocks, new, better, strict=True)]
+        damping[select & ~better] *= 10
+        select &= ~done & (damping < 1e6)
+        if not select.any():
+            break
+    return own
+
+
+def _local_step(block: Floats, own: Floats, inverse: Floats, noise: Floats, damping: float) -> Floats:
+    q = len(own) - len(inverse)
+    scaled = (block / np.sqrt(noise)[None, :, None]).reshape(-1, block.shape[2])
+    gram = scaled[:, :-1].T @ scaled[:, :-1]
+    pull = scaled[:, :-1].T @ scaled[:, -1]
+    gram[q:, q:] += inverse
+    pull[q:] -= inverse @ own[q:]
+    diagonal = np.arange(len(gram))
+    gram[diagonal, diagonal] = gram[diagonal, diagonal] * (1 + damping) + 1e-12
+    return np.asarray(np.linalg.solve(gram, pull))
+
+
+def rescued(fit: Fit) -> Fit:
+    """The fit with its worst windows sought anew from several starts of their own."""
+    assert fit.linear is not None
+    windows = fit.windows
+    per = misfits(fit) / np.maximum(fit.windows.sizes * windows.channels, 1)
+    lost = per > max(1.5 * float(np.median(per)), 1.3)
+    if not lost.any():
+        return fit
+    cost = Cost(fit, fit.population, fit.noise)
+    best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
+    fresh = windows.first()
+    near, q = _neighbours(windows, lost), windows.begins
+    for number, shift in enumerate(SHIFTS):
+        trial = fit.own.copy()
+        trial[lost, :q] = fresh[lost, :q]
+        for i in np.flatnonzero(lost).tolist():
+            trial[i, q:] = 0.0 if number == 0 or not near[i] else fit.own[near[i], q:].mean(0)
+            trial[i, q] += shift
+        trial = polished(fit, cost, trial, lost, 8)
+        found = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
+        better = lost & (found < least)
+        best[better], least[better] = trial[better], found[better]
+    return replace(fit, own=best)
+
+
+def _neighbours(windows: BeltWindows, lost: Mask) -> dict[int, list[int]]:
+    """The three nearest windows of the same run that are not lost, for each that is."""
+    out = {}
+    for i in np.flatnonzero(lost):
+        same = [j for j in windows.by_run[windows.runs[i]] if not lost[j]]
+        out[int(i)] = sorted(same, key=lambda j: abs(j - i))[:3]
+    return out
+
+
+def settled(fit: Fit, turns: int = 2) -> tuple[Floats, Floats, Floats]:
+    """Return own numbers once each window has settled alone, chi-squared of each, and its cost with the scatter's."""
+    cost = Cost(fit, fit.population, fit.noise)
+    own = polished(fit, cost, fit.own, np.ones(len(fit.own), dtype=bool), turns)
+    left, held = cost.of(fit.windows.blocks(fit.at, own, shared=(), local=False), own)
+    return own, left, left + held
+
+
+def window_posterior(fit: Fit, policy: Policy) -> tuple[Floats, Floats] | None:
+    """
+    Return what the readings say of the numbers of one window alone: (own,) and their covariance; None where it fails.
+
+    Parameters
+    ----------
+    fit : of one window, its population and noise known
+    policy : what steers it
+    """
+    cost = Cost(fit, fit.population, fit.noise)
+    own = polished(fit, cost, fit.own, np.ones(1, dtype=bool), policy.most_steps)
+    (block,) = fit.windows.blocks(fit.at, own, shared=())
+    if block is None:
+        return None
+    scaled = (block / np.sqrt(fit.noise)[None, :, None]).reshape(-1, block.shape[2])
+    gram = scaled[:, :-1].T @ scaled[:, :-1]
+    begins = fit.windows.begins
+    gram[begins:, begins:] += cost.inverse[0]
+    gram[range(len(gram)), range(len(gram))] += BLANK
+    return own[0], np.asarray(np.linalg.inv(gram), dtype=np.float64)
