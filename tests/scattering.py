@@ -44,8 +44,19 @@ def scaled(law: ss.PaperFriction, level: float) -> ss.PaperFriction:
     return ss.PaperFriction(**{name: level * getattr(law, name) for name in names})
 
 
-def case(folder: Path, effects: tuple[ss.Effect, ...], scatter: float, off: float, seed: int) -> Path:
-    """Write a case whose declared alpha2 is `off` by a share; return its rig.toml."""
+def in_si(off: float) -> dict[str, float]:
+    """RIG as constants in SI, J `off` by a share."""
+    k2, omega, r = 100.0, 10.0, 0.1
+    k1, c1 = k2 * (RIG["alpha1"] - 1), RIG["eta1"] * k2 / omega
+    inertia = RIG["alpha2"] * r**2 * k2 / omega**2 * (1 + off)
+    si = {"m": (k1 + k2) / omega**2, "J": inertia, "r": r, "k1": k1, "k2": k2, "k3": k2 * (RIG["beta3"] - 1)}
+    return si | {"c1": c1, "c2": RIG["eta12"] * k2 / omega - c1, "length": 0.01}
+
+
+def case(
+    folder: Path, effects: tuple[ss.Effect, ...], scatter: float, off: float, seed: int, *, si: bool = False
+) -> Path:
+    """Write a case whose declared alpha2, or J of a rig in `si`, is `off` by a share; return its rig.toml."""
     rng = np.random.default_rng(seed)
     model = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction(), effects=effects)
     runs = []
@@ -63,8 +74,10 @@ def case(folder: Path, effects: tuple[ss.Effect, ...], scatter: float, off: floa
         noisy = readings + 1e-3 * rng.standard_normal(readings.shape)
         name = f"run_{i}.csv"
         np.savetxt(folder / name, np.column_stack([t, noisy]), delimiter=",", header="t,x1,y1", comments="")
-        runs.append(f'[[run]]\nfile = "{name}"\nrole = "{role}"\nbelt_speed = {speed}\n')
-    declared = {**RIG, "alpha2": RIG["alpha2"] * (1 + off)}
+        runs.append(
+            f'[[run]]\nfile = "{name}"\nrole = "{role}"\nbelt_speed = {speed * (0.1 if si else 1.0)}\n'
+        )
+    declared = in_si(off) if si else {**RIG, "alpha2": RIG["alpha2"] * (1 + off)}
     lines = ['title = "scatter"', "[rig]", *(f"{k} = {v}" for k, v in declared.items())]
     lines += ["[noise]", "x1 = 1e-3", "y1 = 1e-3", *runs, "[channels]"]
     lines += [f'{c} = {{ column = "{c}", unit = "1" }}' for c in ("t", "x1", "y1")]

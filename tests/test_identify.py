@@ -12,8 +12,9 @@ from scipy.optimize import lsq_linear
 import stickslip as ss
 from recorded import recording
 from slider_cases import KINETIC, STATIC, case_of, rig_of
+from stickslip.fitted.covered_speeds import covered_speeds
 from stickslip.fitted.identified import estimate, stopped
-from stickslip.fitted.identify import covered_speeds, law_parameters
+from stickslip.fitted.identify import law_parameters
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.fitted.shooting import above_zero, shoot
 from stickslip.measured.fit_window import Window

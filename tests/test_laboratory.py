@@ -6,6 +6,10 @@ import pytest
 
 import stickslip as ss
 from scattering import case
+from stickslip.discovery.laboratory import loop
+from stickslip.discovery.laboratory.constants import freed
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.fit import null
 
 SCATTER, OFF = 0.02, 0.008
 
@@ -44,6 +48,17 @@ def test_a_constant_beyond_three_of_its_uncertainties_is_named_and_mended(tmp_pa
     assert number.low < 8.0 < number.high
     assert number.high - number.low < 0.3
     assert found.after.parameters["alpha2"] == pytest.approx(8.0, rel=0.02)
+
+
+def test_a_constant_of_a_rig_in_si_is_named_by_its_own_name(tmp_path: Path) -> None:
+    read = ss.load_case(case(tmp_path, (), SCATTER, 0.1, 3, si=True))
+    bench = loop.bench_of(read, prepare(read.train))
+    first, *others = freed(bench, null(bench.windows(), bench.policy), read.uncertainty)
+    assert first.name == "J"
+    assert first.beyond
+    low, high = (1 / 1.1 - 0.02, 1 / 1.1 + 0.02)
+    assert low < 1 + first.off < high
+    assert first.gain > others[0].gain + 5
 
 
 def test_a_constant_within_three_of_its_uncertainties_is_no_finding(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """What passes the gate beside the names found is unlisted: a name must leave what scatter and noise leave."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -39,3 +40,14 @@ def test_a_name_that_only_stands_in_leaves_a_curve(
     if found is not None:
         assert (found.where, found.variable) == ("block", "x1")
         assert loop.Verdicts(bench, Searched(named, named), found, beside=True).told is named
+
+
+def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> None:
+    """What of a wave's gain scatter may have too was taken off before a curve was held against it, and the curve won."""
+    read = ss.load_case(case(tmp_path, (CUBIC,), 0.015, 0.005, 7))
+    bench = loop.bench_of(read, prepare(read.train))
+    null, named = fit_of(bench, ()), fit_of(bench, (Term(CUBIC),))
+    step = SimpleNamespace(gate=SimpleNamespace(threshold=GATE))
+    gain = null.fit.deviance - named.fit.deviance
+    assert loop._curve(bench, Searched(null, null, [step])) is not None
+    assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0), [step])) is None

@@ -134,6 +134,37 @@ class Uncertainty:
         own = np.array([*self.constants.values(), *self.gains.values()])
         return np.asarray((rows * own**2) @ rows.T, dtype=np.float64)
 
+    def on_time(
+        self, names: Sequence[str], freed: str | None = None, wide: float = 0.0
+    ) -> NDArray[np.float64]:
+        """Covariance of relative errors where the unit of time is as declared, (n, n).
+
+        A fit that holds the unit of time says so: of a rig in SI a mass alone cannot be wrong then, as every period
+        would be.
+
+        Parameters
+        ----------
+        names
+            As for `covariance`.
+        freed, wide
+            A constant or a gain that is not as declared, and the variance of its relative error beside its own.
+
+        Raises
+        ------
+        InputError
+            No such number.
+        """
+        timed = [*names, "omega"] if "omega" in self.names else [*names]
+        whole = self.covariance(timed)
+        if freed is not None:
+            own = self.covariance([*timed, freed])[-1]
+            along = own[:-1] / own[-1]
+            whole = whole + wide * np.outer(along, along)
+        if len(timed) == len(names) or whole[-1, -1] == 0:
+            return whole[: len(names), : len(names)]
+        kept, clock = whole[:-1, :-1], whole[:-1, -1]
+        return np.asarray(kept - np.outer(clock, clock) / whole[-1, -1], dtype=np.float64)
+
     def _row(self, name: str) -> NDArray[np.float64]:
         """Relative change of a number for a relative change of each constant and each gain."""
         keys = [*self.constants, *(f"gain of {channel}" for channel in self.gains)]

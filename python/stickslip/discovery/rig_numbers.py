@@ -44,14 +44,21 @@ class Kind:
     line: bool = False
 
 
+PLACES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    **dict.fromkeys(("alpha1", "m", "k1"), ("block", ("x1",))),
+    **dict.fromkeys(("alpha2", "J", "r", "beta3", "k3"), ("angle_body", ("y1",))),
+    **dict.fromkeys(("eta12", "c2"), ("angle_body", ("y2",))),
+    **dict.fromkeys(("eta1", "c1"), ("both", ("x2", "y2"))),
+    "k2": ("both", ("x1", "y1")),
+    "x1": ("x1 channel", ("x1",)),
+    "y1": ("y1 channel", ("y1",)),
+}
+"""Where a declared constant, or the gain of a channel, acts, and on what."""
 KINDS: Mapping[tuple[str, ...], Kind] = {  # by what the trials of them are called
-    ("alpha1",): Kind(("alpha1",), "block", ("x1",)),
-    ("alpha2",): Kind(("alpha2",), "angle_body", ("y1",)),
-    ("beta3",): Kind(("beta3",), "angle_body", ("y1",)),
-    ("eta12",): Kind(("eta12",), "angle_body", ("y2",)),
-    ("eta1", "eta12"): Kind(("eta1", "eta12"), "angle_body", ("x2", "y2")),  # c1 is in both
-    ("block stiffness",): Kind((), "block", ("x1",), line=True),  # alpha1 x1 alone
-    ("block inertia",): Kind(("alpha1",), "block", ("x1",), line=True),  # alpha1 x1'' too, and not alike
+    **{(name,): Kind((name,), *PLACES[name]) for name in ("alpha1", "alpha2", "beta3", "eta12")},
+    ("eta1", "eta12"): Kind(("eta1", "eta12"), *PLACES["eta1"]),  # c1 is in both
+    ("block stiffness",): Kind((), *PLACES["k1"], line=True),  # alpha1 x1 alone
+    ("block inertia",): Kind(("alpha1",), *PLACES["m"], line=True),  # alpha1 x1'' too, and not alike
 }
 
 

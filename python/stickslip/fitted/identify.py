@@ -22,7 +22,8 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
-from stickslip.fitted.identified import BRANCHES, Branch, Estimate, ForcePoints, Identified, estimate
+from stickslip.fitted.covered_speeds import covered_speeds
+from stickslip.fitted.identified import Branch, Estimate, ForcePoints, Identified, estimate
 from stickslip.fitted.identify_check import checked, explainable, misfit
 from stickslip.fitted.identify_words import fit_messages, misfit_messages, plateau_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
@@ -381,27 +382,6 @@ def _conclude(
         },
         messages=messages,
     )
-
-
-def covered_speeds(
-    model: Model, windows: Sequence[Window], simulator: Simulator
-) -> dict[Branch, tuple[float, float] | None]:
-    """Range of |v_w| on each branch while the readings' simulation slips."""
-    speeds: dict[Branch, list[Array]] = {"minus": [], "plus": []}
-    for w in windows:
-        local = model.replace(**w.local) if w.local else model
-        run = simulator(
-            local, belt_speed=w.belt_speed, initial=tuple(w.initial), t_end=float(w.t[-1]), t_eval=w.t
-        )
-        v_w = run.state[:, 1] - w.belt_speed
-        tiny = 1e-6 * (abs(w.belt_speed) + float(np.max(np.abs(v_w))))
-        speeds["minus"].append(-v_w[v_w < -tiny])
-        speeds["plus"].append(v_w[v_w > tiny])
-    covered: dict[Branch, tuple[float, float] | None] = {}
-    for branch in BRANCHES:
-        u = np.concatenate(speeds[branch]) if speeds[branch] else np.array([])
-        covered[branch] = (float(u.min()), float(u.max())) if u.size else None
-    return covered
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

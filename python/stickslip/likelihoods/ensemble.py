@@ -18,7 +18,7 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import UNSETTLED, fitted
+from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.motion import Motion
@@ -77,7 +77,9 @@ def distribution(
         fit = fitted(begin(windows), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
-    if unexplained(fit) > UNSETTLED:  # no model of these windows: its scatter is that of something else
+    if (
+        unexplained(fit) > POLICY.noise_left
+    ):  # no model of these windows: its scatter is that of something else
         return None
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))

@@ -26,7 +26,6 @@ STEPS = (1.0, 0.4, 0.1)
 WORSE = (5.0, 0.02)  # growth of a window's cost, absolute and relative, from which it is polished alone
 LAST_TURNS = 40  # of it at the end of a fit
 TURNS = 6  # of the population's optimiser in a step
-UNSETTLED = 2.0  # chi-squared per reading in the median window from which a fit may have failed
 ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
 
@@ -39,7 +38,7 @@ def null(windows: BeltWindows, policy: Policy) -> Fit:
     with scatter to take it.
     """
     fit = fitted(begin(windows), policy)
-    if unexplained(fit) < UNSETTLED or (shown := shown_levels(windows)) is None:
+    if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit
     p = start(policy)
     wide = replace(p, level=WIDE * p.level, curve=WIDE * p.curve, static=WIDE * p.static)

@@ -27,7 +27,7 @@ class Policy:
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
     repeats : relative scatter of friction within a run below which every event is like every other
     lost_windows : share of windows that may fail before a hypothesis is no model of them
-    noise_left : chi-squared per reading above which what was found is held against a law that repeats
+    noise_left : chi-squared per reading of the median window above which a fit is no model of the windows
     fewest_windows : below which scatter cannot be told
     most_effects : in a verdict
     fullest : candidates that are fitted in full
@@ -69,7 +69,7 @@ class Policy:
     wobble: float = 0.005
     repeats: float = 4e-3
     lost_windows: float = 0.2
-    noise_left: float = 1.5
+    noise_left: float = 2.0
     fewest_windows: int = 12
     most_effects: int = 3
     fullest: int = 4

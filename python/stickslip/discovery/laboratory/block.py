@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,20 +14,17 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
 from stickslip.declared.uncertainty import GAINS
-from stickslip.discovery.evidence import TIED
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench, known
 from stickslip.discovery.laboratory.loop import Verdicts, searched
-from stickslip.discovery.laboratory.outcome import NEAR
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.discovery.laboratory.single_events import Single, single
+from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import (
-    Alternative,
-    Evidence,
     Found,
     FoundEffect,
     Interval,
@@ -43,7 +39,7 @@ from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.block_windows import BlockSensors
-from stickslip.likelihoods.fit import UNSETTLED, null
+from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.scaled import Scaled, scaled, start
@@ -117,7 +113,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None
         return None
     bench, units, data = made
     verdicts = searched(bench, case.uncertainty, tell, seed)
-    if verdicts is None or unexplained(verdicts.searched.chosen.fit) > UNSETTLED:
+    if verdicts is None or unexplained(verdicts.searched.chosen.fit) > bench.policy.noise_left:
         return None
     return _found(Search(case, units, data, verdicts), tell, began)
 
@@ -228,21 +224,20 @@ def _constant(wrong: Freed, found: Searched) -> FoundEffect | None:
     kind = _kind(wrong)
     if kind is None:
         return None
-    rivals = []
-    for one in wrong.rivals:
-        other, delta = _kind(one), wrong.gain - one.gain
-        if other is not None and delta < NEAR:
-            words = "that constant is wrong instead"
-            odds = math.exp(-0.5 * max(delta, 0.0))
-            rivals.append(
-                Alternative(other.name, odds, delta, delta < TIED, False, words, {"e": _error(one)})
-            )
-    far = abs(math.log1p(wrong.off)) / wrong.known
-    said = f"{far:.1f} standard uncertainties from what is declared"
-    threshold = found.steps[0].gate.threshold
-    proof = Evidence(wrong.gain, wrong.gain, None, None, "", threshold, said)
-    numbers = {"e": _error(wrong)}
-    return FoundEffect(kind.name, kind.where, kind.depends_on, numbers, proof, tuple(rivals), kind.formula)
+
+    def named(one: Freed) -> tuple[str, Mapping[str, Interval]] | None:
+        other = _kind(one)
+        return None if other is None else (other.name, {"e": _error(one)})
+
+    return FoundEffect(
+        kind.name,
+        kind.where,
+        kind.depends_on,
+        {"e": _error(wrong)},
+        evidence_of(found, wrong),
+        rivals_of(wrong, named),
+        kind.formula,
+    )
 
 
 def _kind(one: Freed) -> EffectKind | None:

@@ -1,7 +1,8 @@
 """Is a declared constant wrong by more than its uncertainty? One is freed at a time, all others as well as declared.
 
 A constant within three of its standard uncertainties is no finding, whatever it gains. Constants of an SI rig are in
-several numbers of (2.1) at once: what tells them apart is how those numbers are off together.
+several numbers of (2.1) at once: what tells them apart is how those numbers are off together, and that the unit of time
+is as declared.
 """
 
 from __future__ import annotations
@@ -49,9 +50,14 @@ class Freed:
     rivals: tuple[Freed, ...] = ()
 
     @property
+    def far(self) -> float:
+        """How many standard uncertainties it is off."""
+        return abs(math.log1p(self.off)) / self.known
+
+    @property
     def beyond(self) -> bool:
         """Whether the whole 95 % interval lies beyond three standard uncertainties."""
-        return self.gain > 0 and abs(math.log1p(self.off)) - Z * self.sd > BEYOND * self.known
+        return self.gain > 0 and self.far - Z * self.sd / self.known > BEYOND
 
     def interval(self, value: float = 1.0) -> Interval:
         """Return the constant with its 95 % interval, from its declared value."""
@@ -68,20 +74,21 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
     bench, fit : a fitted hypothesis
     known : the declared constants
     """
-    declared = bench.declared
+    declared, wide = bench.declared, bench.policy.law_spread**2
+    plain = [name.removeprefix("gain.") for name in declared.names]
     information, pull = _told(fit, declared.names)
     none = _evidence(declared.covariance, information, pull)
-    wide = bench.policy.law_spread**2
     out = []
     for name, own in {**known.constants, **known.gains}.items():
-        along = _along(known, declared.names, name, own)
-        if along is None:
+        if own == 0:
             continue
-        covariance = declared.covariance + wide * np.outer(along, along)
+        joint = known.on_time([*plain, name], name, wide)
+        covariance, along = joint[:-1, :-1], joint[-1, :-1]
+        if np.abs(along).max(initial=0.0) == 0:
+            continue  # in none of the numbers that are fitted
         inner = np.linalg.inv(np.eye(len(pull)) + information @ covariance)
-        variance = wide + own**2
-        at = float(variance * along @ inner @ pull)
-        left = float(variance - variance**2 * along @ (inner @ (information @ along)))
+        at = float(along @ inner @ pull)
+        left = float(joint[-1, -1] - along @ (inner @ (information @ along)))
         gain = 2 * (_evidence(covariance, information, pull) - none)
         free = replace(declared, covariance=covariance)
         out.append(Freed(name, math.expm1(at), math.sqrt(max(left, 0.0)), own, gain, free))
@@ -98,15 +105,6 @@ def _told(fit: Fit, names: Sequence[str]) -> tuple[Floats, Floats]:
     information = precision - prior[np.ix_(at, at)]
     size, turn = np.linalg.eigh(0.5 * (information + information.T))
     return (turn * np.maximum(size, 0.0)) @ turn.T, precision @ -away[at]
-
-
-def _along(known: Uncertainty, names: Sequence[str], constant: str, own: float) -> Floats | None:
-    """Relative change of the fitted numbers for one of a constant; None for one that is exact or in none of them."""
-    if own == 0:
-        return None
-    plain = [n.removeprefix("gain.") for n in names]
-    along = known.covariance([*plain, constant])[-1, :-1] / own**2
-    return along if np.abs(along).max(initial=0.0) > 0 else None
 
 
 def _evidence(covariance: Floats, information: Floats, pull: Floats) -> float:

@@ -115,7 +115,7 @@ def known(case: Case) -> Declared:
     gains = {f"gain.{channel}": channel for channel in case.uncertainty.gains}
     names = [n for n in case.model().parameters if n in case.uncertainty.names and n not in gains.values()]
     every = {**{n: n for n in names}, **gains}
-    covariance = case.uncertainty.covariance(list(every.values()))
+    covariance = case.uncertainty.on_time(list(every.values()))
     kept = [
         i
         for i, n in enumerate(every)

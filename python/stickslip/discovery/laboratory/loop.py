@@ -23,6 +23,7 @@ from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.views import validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.rig_windows import RigSensors
@@ -59,11 +60,10 @@ class Verdicts:
     @property
     def doubtful(self) -> bool:
         """Whether no name leaves noise alone, or scatter is beyond its prior: a law that repeats may do better."""
-        chosen = self.searched.chosen
-        left = outcome.per_reading(chosen.fit)
-        if not chosen.terms:
-            return self.curve is not None or _swollen(chosen.fit.population, self.bench.policy)
-        return self.curve is not None or left > self.bench.policy.noise_left
+        fit = self.searched.chosen.fit
+        if self.curve is not None or unexplained(fit) > self.bench.policy.noise_left:
+            return True
+        return not self.searched.chosen.terms and _swollen(fit.population, self.bench.policy)
 
 
 def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int) -> Verdicts | None:
@@ -135,7 +135,9 @@ def _curve(bench: Bench, found: Searched) -> Learned | None:
     count = len(bench.stretches)
     best = max(learned(bench, found.null.fit), key=lambda one: one.worth(count))
     threshold = found.steps[0].gate.threshold
-    named = found.null.worth() - found.chosen.worth()
+    # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
+    chosen = found.chosen
+    named = found.null.fit.deviance - chosen.fit.deviance - chosen.numbers() * math.log(count)
     return best if best.worth(count) > max(threshold, named) else None
 
 

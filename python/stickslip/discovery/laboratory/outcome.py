@@ -19,6 +19,7 @@ from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curves import Learned
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
+from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
 from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
@@ -32,12 +33,12 @@ from stickslip.discovery.result import (
     Residual,
     Rival,
 )
+from stickslip.discovery.rig_numbers import PLACES
 from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import SLIPPING, of_law
 from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
-NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line
 UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
 
 
@@ -179,46 +180,26 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
 
 
-PLACES: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    **dict.fromkeys(("alpha1", "m", "k1"), ("block", ("x1",))),
-    **dict.fromkeys(("alpha2", "J", "r", "beta3", "k3"), ("angle_body", ("y1",))),
-    **dict.fromkeys(("eta12", "c2"), ("angle_body", ("y2",))),
-    **dict.fromkeys(("eta1", "c1"), ("both", ("x2", "y2"))),
-    "k2": ("both", ("x1", "y1")),
-    "x1": ("x1 channel", ("x1",)),
-    "y1": ("y1 channel", ("y1",)),
-}
-"""Where a constant or a gain acts, and on what."""
-
-
 def _wrong_constant(bench: Bench, found: Searched, wrong: Freed) -> FoundEffect:
     """A declared constant that is off by more than three of its standard uncertainties."""
     where, on = PLACES[wrong.name]
+    rig = every_number(bench.model.rig)
     gain = wrong.name in CHANNELS
-    name = "sensor_gain" if gain else f"rig_{wrong.name}"
-    value = 1.0 if gain else every_number(bench.model.rig)[wrong.name]
-    called = f"the gain of {wrong.name}" if gain else wrong.name
+    called, value = (f"the gain of {wrong.name}", 1.0) if gain else (wrong.name, rig[wrong.name])
     words = f"{called} is {value * (1 + wrong.off):.4g} rather than {value:.4g} ({100 * wrong.off:+.3g} %)"
-    step = found.steps[-1]
-    names = [t for t in step.trials if t.names[-1] not in found.chosen.names]
-    control = min(names, key=lambda t: t.deviance, default=None)
-    fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
-    said = f"{abs(math.log1p(wrong.off)) / wrong.known:.1f} standard uncertainties from what is declared"
-    proof = Evidence(
-        wrong.gain, wrong.gain, None, fall, "" if control is None else control.names[-1],
-        step.gate.threshold, said,
-    )  # fmt: skip
-    rivals = tuple(
-        Alternative(
-            f"rig_{one.name}", math.exp(0.5 * (one.gain - wrong.gain)), wrong.gain - one.gain,
-            wrong.gain - one.gain < TIED, False, "another constant of the rig explains it as well",
-            {one.name: one.interval(every_number(bench.model.rig)[one.name])},
-        )
-        for one in wrong.rivals
-        if wrong.gain - one.gain < NEAR and one.name not in CHANNELS
-    )  # fmt: skip
+
+    def named(one: Freed) -> tuple[str, Mapping[str, Interval]] | None:
+        return None if one.name in CHANNELS else (f"rig_{one.name}", {one.name: one.interval(rig[one.name])})
+
     return FoundEffect(
-        name, where, on, {wrong.name: wrong.interval(value)}, proof, rivals, words, of_rig=True
+        "sensor_gain" if gain else f"rig_{wrong.name}",
+        where,
+        on,
+        {wrong.name: wrong.interval(value)},
+        evidence_of(found, wrong),
+        rivals_of(wrong, named),
+        words,
+        of_rig=True,
     )
 
 
