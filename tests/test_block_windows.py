@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 import stickslip as ss
+from differences import held_against_differences
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.block_windows import BlockSensors
@@ -82,24 +83,7 @@ def test_the_true_model_leaves_nothing(run: Data) -> None:
 @pytest.mark.parametrize("name", EFFECTS)
 def test_derivatives_are_those_of_differences(run: Data, name: str) -> None:
     windows = made(run, EFFECTS[name])
-    shared, own, step = start(windows), windows.first(), 1e-6
-    own[:, 1:] = 0.01 * np.random.default_rng(0).normal(size=own[:, 1:].shape)
-    here = windows.blocks(shared, own)[1]
-    assert here is not None
-    for j in range(len(shared) + own.shape[1]):
-        sides = []
-        for sign in (1, -1):
-            s, o = shared.copy(), own.copy()
-            if j < len(shared):
-                s[j] += sign * step
-            else:
-                o[:, j - len(shared)] += sign * step
-            block = windows.blocks(s, o, shared=(), local=False)[1]
-            assert block is not None
-            sides.append(block[:, :, -1])
-        found = -(sides[0] - sides[1]) / (2 * step)
-        scale = max(float(np.abs(found).max()), 1.0)
-        assert np.abs(found - here[:, :, j]).max() < 1e-4 * scale, (name, j)
+    held_against_differences(windows, start(windows), name)
 
 
 def test_a_force_is_that_of_the_true_spring(run: Data) -> None:

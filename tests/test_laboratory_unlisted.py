@@ -43,7 +43,7 @@ def test_a_name_that_only_stands_in_leaves_a_curve(
 
 
 def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> None:
-    """What of a wave's gain scatter may have too was taken off before a curve was held against it, and the curve won."""
+    """What scatter may have of a wave's gain was taken off before a curve was held against it, and the curve won."""
     read = ss.load_case(case(tmp_path, (CUBIC,), 0.015, 0.005, 7))
     bench = loop.bench_of(read, prepare(read.train))
     null, named = fit_of(bench, ()), fit_of(bench, (Term(CUBIC),))

@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 import stickslip as ss
+from differences import held_against_differences
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.rig_windows import RigSensors
@@ -94,21 +95,4 @@ def test_a_motion_is_what_the_blocks_are_of(windows: BeltWindows) -> None:
 @pytest.mark.parametrize("name", EFFECTS)
 def test_derivatives_are_those_of_differences(windows: BeltWindows, name: str) -> None:
     beside = made(windows.data, EFFECTS[name])
-    shared, own, step = start(beside), beside.first(), 1e-6
-    own[:, 3:] = 0.01 * np.random.default_rng(0).normal(size=own[:, 3:].shape)
-    here = beside.blocks(shared, own)[1]
-    assert here is not None
-    for j in range(len(shared) + own.shape[1]):
-        sides = []
-        for sign in (1, -1):
-            s, o = shared.copy(), own.copy()
-            if j < len(shared):
-                s[j] += sign * step
-            else:
-                o[:, j - len(shared)] += sign * step
-            block = beside.blocks(s, o, shared=(), local=False)[1]
-            assert block is not None
-            sides.append(block[:, :, -1])
-        found = -(sides[0] - sides[1]) / (2 * step)
-        scale = max(float(np.abs(found).max()), 1.0)
-        assert np.abs(found - here[:, :, j]).max() < 1e-4 * scale, (name, j)
+    held_against_differences(beside, start(beside), name)

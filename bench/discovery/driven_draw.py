@@ -37,21 +37,22 @@ class Slider:
     def moved(self, x: float, v: float, force: float, h: float, t: float) -> tuple[float, float]:
         """Position and velocity a sample later under a held force."""
         if not (self.force or self.share):
-            return _exact(x, v, force, h, self.mass, self.damping, self.minus, self.plus)
+            return exact(x, v, force, h, self.mass, self.damping, self.minus, self.plus)
         for i in range(FINE):
             at = x + 0.5 * v * h / FINE
             now = t + (i + 0.5) * h / FINE
             more = self.force(at, v, now) if self.force else 0.0
             share = self.share(at, v, now) if self.share else 1.0
-            x, v = _exact(
+            x, v = exact(
                 x, v, force + more, h / FINE, self.mass, self.damping, share * self.minus, share * self.plus
             )
         return x, v
 
 
-def _exact(
+def exact(
     x: float, v: float, force: float, h: float, m: float, c: float, minus: float, plus: float
 ) -> tuple[float, float]:
+    """Position and velocity after a time h under a constant force, turns and rests included."""
     left = h
     for _ in range(6):
         if v == 0:

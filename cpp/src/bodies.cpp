@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "stickslip/bodies/kernel.hpp"
+#include "stickslip/collector.hpp"
 #include "stickslip/kernel.hpp"
 
 namespace stickslip {
@@ -55,26 +56,10 @@ namespace {
 
 using namespace stickslip_abi;
 
-// Where one group of seeds writes: values the first time, derivatives into its columns.
-struct Collector {
-  BodiesRecord* out;
-  std::size_t first, count;
-  bool merge;  // rows at one time, as before and after a transition at the start, become one: the last
-  std::size_t row = 0, event_row = 0;
-  double last = 0;
-
-  void place(std::vector<double>& all, std::size_t at, std::size_t numbers, const double* derivatives) const {
-    if (out->seeds == 0) return;
-    const std::size_t stride = numbers * out->seeds;
-    if (all.size() < (at + 1) * stride) all.resize((at + 1) * stride);
-    for (std::size_t i = 0; i < numbers; ++i)
-      for (std::size_t k = 0; k < count; ++k)
-        all[at * stride + i * out->seeds + first + k] = derivatives[i * count + k];
-  }
-};
+using Rows = Collector<BodiesRecord>;
 
 void on_sample(void* context, double t, const double* state, const double* derivatives, const signed char* modes) {
-  Collector& c = *static_cast<Collector*>(context);
+  Rows& c = *static_cast<Rows*>(context);
   BodiesRecord& out = *c.out;
   if (c.merge && c.row > 0 && t == c.last) {
     --c.row;
@@ -94,7 +79,7 @@ void on_sample(void* context, double t, const double* state, const double* deriv
 }
 
 void on_transition(void* context, const BodiesTransition& event) {
-  Collector& c = *static_cast<Collector*>(context);
+  Rows& c = *static_cast<Rows*>(context);
   BodiesRecord& out = *c.out;
   if (event.kink) {
     if (c.first == 0) out.kink_t.push_back(event.t);
@@ -122,8 +107,7 @@ BodiesRecord record_bodies(const BodiesRequest& request, bool (*interrupted)(voi
     BodiesRequest part = request;
     part.n_seeds = count;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * at.size;
-    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count),
-                        request.t_eval == nullptr};
+    Rows collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count), request.t_eval == nullptr};
     const BodiesSink sink{&collector, on_sample, on_transition, interrupted};
     constexpr std::size_t line = 64;
     std::vector<std::byte> memory(dispatch::bodies_workspace(part) + line);

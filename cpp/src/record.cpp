@@ -1,5 +1,6 @@
 #include "stickslip/record.hpp"
 
+#include "stickslip/collector.hpp"
 #include "stickslip/kernel.hpp"
 
 namespace stickslip {
@@ -8,26 +9,10 @@ namespace {
 
 using namespace stickslip_abi;
 
-// Where one group of seeds writes: values the first time, derivatives into its columns.
-struct Collector {
-  Record* out;
-  std::size_t first, count;
-  bool merge;  // rows at one time, as before and after a transition at the start, become one: the last
-  std::size_t row = 0, event_row = 0;
-  double last = 0;
-
-  void place(std::vector<double>& all, std::size_t at, std::size_t numbers, const double* derivatives) const {
-    if (out->seeds == 0) return;
-    const std::size_t stride = numbers * out->seeds;
-    if (all.size() < (at + 1) * stride) all.resize((at + 1) * stride);
-    for (std::size_t i = 0; i < numbers; ++i)
-      for (std::size_t k = 0; k < count; ++k)
-        all[at * stride + i * out->seeds + first + k] = derivatives[i * count + k];
-  }
-};
+using Rows = Collector<Record>;
 
 void on_sample(void* context, double t, const double* state, const double* derivatives, int mode) {
-  Collector& c = *static_cast<Collector*>(context);
+  Rows& c = *static_cast<Rows*>(context);
   if (c.merge && c.row > 0 && t == c.last) {
     --c.row;
     if (c.first == 0) {
@@ -46,7 +31,7 @@ void on_sample(void* context, double t, const double* state, const double* deriv
 }
 
 void on_transition(void* context, const Transition& event) {
-  Collector& c = *static_cast<Collector*>(context);
+  Rows& c = *static_cast<Rows*>(context);
   if (event.kink) {
     if (c.first == 0) c.out->kink_t.push_back(event.t);
     return;
@@ -76,8 +61,7 @@ Record record(const Request& request, bool (*interrupted)(void*)) {
     Request part = request;
     part.n_seeds = count;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * row;
-    Collector collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count),
-                        request.t_eval == nullptr};
+    Rows collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count), request.t_eval == nullptr};
     const Sink sink{&collector, on_sample, on_transition, interrupted};
     dispatch::simulate(part, sink, out.summary);
     if (out.summary.outcome == Outcome::interrupted) break;

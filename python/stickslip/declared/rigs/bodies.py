@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -319,17 +318,6 @@ class BodiesRig(GeneralRig):
             sizes = {key: getattr(part, key) for key in part.sizes}
             out |= {f"{name}.{key}": float(size) for key, size in sizes.items() if size is not None}
         return out
-
-    def with_numbers(self, values: Mapping[str, float]) -> Self:
-        """Return the rig with some numbers changed, in SI."""
-        return replace(self, **self._changed(values))
-
-    def moved(self, values: Mapping[str, float]) -> Equations:
-        """Return the equations with some numbers a little off; what they may be is not asked."""
-        other = copy(self)
-        other.__dict__.pop("equations", None)
-        other.__dict__.update(self._changed(values))
-        return other.equations
 
     def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
         by: dict[str, dict[str, float]] = {}

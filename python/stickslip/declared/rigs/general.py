@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,11 +105,18 @@ class GeneralRig:
         raise NotImplementedError
 
     def with_numbers(self, values: Mapping[str, float]) -> Self:
-        """Return the rig with some numbers changed."""
-        raise NotImplementedError
+        """Return the rig with some numbers changed, in SI; a matrix stays symmetric only if both its entries are."""
+        return replace(self, **self._changed(values))  # type: ignore[type-var]
 
     def moved(self, values: Mapping[str, float]) -> Equations:
         """Return the equations with some numbers a little off; what they may be is not asked."""
+        other = copy(self)
+        other.__dict__.pop("equations", None)
+        other.__dict__.update(self._changed(values))
+        return other.equations
+
+    def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
+        """Fields that hold some numbers, those changed."""
         raise NotImplementedError
 
     def table(self) -> dict[str, object]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self, get_args
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 
@@ -143,17 +142,6 @@ class MatricesRig(GeneralRig):
         for name in ("rest", "drive_stiffness", "drive_damping"):
             out |= {f"{name}_{i + 1}": one for i, one in enumerate(getattr(self, name) or ())}
         return out
-
-    def with_numbers(self, values: Mapping[str, float]) -> Self:
-        """Return the rig with some numbers changed; M stays symmetric only if both its entries are given."""
-        return replace(self, **self._changed(values))
-
-    def moved(self, values: Mapping[str, float]) -> Equations:
-        """Return the equations with some numbers a little off; what they may be is not asked."""
-        other = copy(self)
-        other.__dict__.pop("equations", None)
-        other.__dict__.update(self._changed(values))
-        return other.equations
 
     def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
         changed: dict[str, Any] = {}
