@@ -19,8 +19,10 @@ _ELEMENTS = (14, 15)  # a variable, plain or compressed
 _NUMBERS = (8, 4, 4, 2, 2, 1)  # bytes of a number of version 4, by the type of its header
 
 
-def read(file: Path, names: Sequence[str] = ()) -> tuple[list[str], dict[str, Floats]]:
-    """Return the names of all variables and, if each is there just once, the real vectors that were asked for.
+def read(file: Path, names: Sequence[str] = ()) -> tuple[list[str], dict[str, str], dict[str, Floats]]:
+    """Return the names of all columns, short names for some and, if each is there just once, those asked for.
+
+    A column is a real vector, or a part of what holds one: `run.t`, `run(2).t`, `data{1}`, `data(:,1)`.
 
     Raises
     ------

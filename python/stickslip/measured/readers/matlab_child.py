@@ -17,24 +17,77 @@ from typing import Any
 
 import numpy as np
 from scipy.io import loadmat, whosmat
+from scipy.io.matlab import MatlabFunction, MatlabOpaque
+
+NESTED = ("struct", "cell")  # classes of variables that hold others
+DEEPEST = 16  # structs in structs
+WIDEST = 256  # columns of a matrix that are offered each
 
 
 def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray]]:
-    """Return what the file holds, and the columns asked for where each is there once."""
-    known = [name for name, _, _ in whosmat(file)]
-    head: dict[str, Any] = {"known": known, "columns": []}
-    columns: list[np.ndarray] = []
-    if any(known.count(name) != 1 for name in names):
-        return head, columns
-    found = loadmat(file, variable_names=names) if names else {}
-    for name in names:
-        array = np.asarray(found.pop(name))
-        if array.dtype.kind not in "iufb" or array.ndim > 2 or max(array.shape) != array.size:
+    """Return what the file holds, and the columns asked for where each is there once.
+
+    Parts are called as in MATLAB: `run.t` a field, `run(2).t` one of several structs, `data{1}` a cell, `data(:,1)` a
+    column.
+    """
+    listed = whosmat(file)
+    inside = {name for name, _, kind in listed if kind in NESTED}  # their parts are known by loading alone
+    asked = {*names, *(name.partition("(:,")[0] for name in names)}
+    load = inside | {name for name, _, _ in listed if name in asked}
+    loaded = loadmat(file, variable_names=sorted(load)) if load else {}
+    known: list[str] = []
+    held: dict[str, np.ndarray] = {}
+    for name, shape, _ in listed:
+        found = _parts(name, loaded[name]) if name in load else {}
+        known += found if name in load else _columns(name, shape)
+        held |= found
+    also = _also(known)
+    own = [name if name in known else also.get(name, name) for name in names]
+    if any(known.count(name) != 1 for name in own):
+        return {"known": known, "also": also, "columns": []}, []
+    for name in own:
+        array = held[name]
+        if array.dtype.kind not in "iufb" or not array.size or max(array.shape) != array.size:
             words = f"a {array.dtype.name} array of shape {array.shape}; a channel is a real vector"
             return {"known": known, "fault": words, "column": name}, []
-        columns.append(np.ascontiguousarray(array.ravel(), dtype=np.float64))
-        head["columns"].append([name, array.size])
-    return head, columns
+    columns = [np.ascontiguousarray(held[name].ravel(), dtype=np.float64) for name in own]
+    sizes = [[name, column.size] for name, column in zip(names, columns, strict=True)]
+    return {"known": known, "also": also, "columns": sizes}, columns
+
+
+def _parts(name: str, value: Any, depth: int = 0) -> dict[str, np.ndarray]:
+    """The arrays in a variable by the names that MATLAB has for them; words in structs and cells are left out."""
+    array = np.asarray(value)
+    inner: dict[str, Any] = {}
+    if isinstance(value, MatlabOpaque | MatlabFunction) or depth > DEEPEST:
+        return {}
+    if array.dtype.names is not None:
+        for k, one in enumerate(array.ravel(order="F"), 1):
+            of = name if array.size == 1 else f"{name}({k})"
+            inner |= {f"{of}.{field}": one[field] for field in array.dtype.names}
+    elif array.dtype == object and array.ndim:
+        inner = {f"{name}{{{k}}}": one for k, one in enumerate(array.ravel(order="F"), 1)}
+    elif depth and array.dtype.kind not in "iufbc":
+        return {}
+    else:
+        columns = _columns(name, array.shape)
+        return {name: array} if columns == [name] else dict(zip(columns, array.T, strict=True))
+    return {key: one for k, v in inner.items() for key, one in _parts(k, v, depth + 1).items()}
+
+
+def _columns(name: str, shape: tuple[int, ...]) -> list[str]:
+    """The names of the columns of a matrix; that of a vector is its own."""
+    if len(shape) != 2 or min(shape) < 2 or shape[1] > WIDEST:
+        return [name]
+    return [f"{name}(:,{j})" for j in range(1, shape[1] + 1)]
+
+
+def _also(known: list[str]) -> dict[str, str]:
+    """Fields by their last name where only one has it."""
+    bare = [name.rpartition(".")[2] for name in known]
+    return {
+        last: name for last, name in zip(bare, known, strict=True) if bare.count(last) == 1 and last != name
+    }
 
 
 def limit(kind: int, most: int) -> None:

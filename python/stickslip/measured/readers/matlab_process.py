@@ -43,8 +43,8 @@ class Parser:
         os.register_at_fork(after_in_child=self._forget)
         atexit.register(self.close)
 
-    def ask(self, file: Path, names: Sequence[str]) -> tuple[list[str], dict[str, Floats]]:
-        """Return the names of all variables, and the columns asked for if each is there once.
+    def ask(self, file: Path, names: Sequence[str]) -> tuple[list[str], dict[str, str], dict[str, Floats]]:
+        """Return all names, short names with what they stand for, and the columns asked for if each is there once.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Parser:
 
 def _answer(
     child: subprocess.Popen[bytes], request: dict[str, object]
-) -> tuple[list[str], dict[str, Floats]]:
+) -> tuple[list[str], dict[str, str], dict[str, Floats]]:
     assert child.stdin is not None
     assert child.stdout is not None
     child.stdin.write(json.dumps(request).encode() + b"\n")
@@ -122,7 +122,7 @@ def _answer(
         values[name] = np.empty(size)
         if size and child.stdout.readinto(values[name].data.cast("B")) != 8 * size:  # type: ignore[attr-defined]
             raise EOFError
-    return list(head["known"]), values
+    return list(head["known"]), dict(head["also"]), values
 
 
 PARSER = Parser()

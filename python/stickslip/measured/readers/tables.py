@@ -50,13 +50,16 @@ class Matlab:
     @property
     def contents(self) -> Contents:
         """Their names."""
-        return Contents("a MATLAB file", tuple(matlab.read(self.file)[0]))
+        known, also, _ = matlab.read(self.file)
+        return Contents("a MATLAB file", tuple(known), also=also)
 
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:  # noqa: ARG002
         """Return some of the variables."""
-        known, values = matlab.read(self.file, list(dict.fromkeys(names)))
+        known, also, values = matlab.read(self.file, list(dict.fromkeys(names)))
         for name in names:
-            require(name, known, Place(str(self.file), column=name))
+            require(
+                name if name in known else also.get(name, name), known, Place(str(self.file), column=name)
+            )
         return checked(self.file, values)
 
 

@@ -1,7 +1,8 @@
 """HDF5 files, those of MATLAB 7.3 among them: vectors, columns of matrices, fields of tables.
 
 A dataset is called by its path ("run/F", or "run.F" as MATLAB has it). Columns of a matrix are "data[:,0]", those of
-MATLAB "data(:,1)". Packed numbers are unpacked by `scale_factor` and `add_offset`, as the CF conventions say.
+MATLAB "data(:,1)", its cells "data{1}" and its many structs "run(2).F". Packed
+numbers are unpacked by `scale_factor` and `add_offset`, as the CF conventions say.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import h5py
 import numpy as np
 
 WIDEST = 256  # columns of a matrix that are offered each
+DEEPEST = 16  # references of references
 Read = Callable[[], np.ndarray]
 
 
@@ -53,21 +55,46 @@ class _OddError(Exception):
 
 
 def _datasets(opened: Any) -> list[tuple[str, Any]]:
-    """All datasets by path, those that MATLAB hides left out."""
+    """All datasets by path, those that MATLAB hides left out; cells and structs of MATLAB by what they refer to."""
     found: list[tuple[str, Any]] = []
 
-    def look(path: str, one: Any) -> None:
-        if isinstance(one, h5py.Dataset) and not path.startswith("#"):
-            found.append((path, one))
+    def look(into: Any, of: str, depth: int) -> None:
+        def one(path: str, what: Any) -> None:
+            if isinstance(what, h5py.Dataset) and not (not of and path.startswith("#")):
+                add(of + path, what, depth)
 
-    opened.visititems(look)
+        into.visititems(one)
+
+    def add(path: str, data: Any, depth: int) -> None:
+        if h5py.check_ref_dtype(data.dtype) is None or depth > DEEPEST:
+            found.append((path, data))
+            return
+        cell = _matlab_class(data) == "cell"
+        parent, _, field = path.rpartition("/")
+        for k, reference in enumerate(np.ravel(data[...]), 1):  # h5py sees MATLAB's order of columns as rows
+            if not reference:
+                continue
+            to = opened[reference]
+            name = f"{path}{{{k}}}" if cell else f"{parent}({k})/{field}"
+            if isinstance(to, h5py.Dataset):
+                add(name, to, depth + 1)
+            else:
+                look(to, f"{name}/", depth + 1)
+
+    look(opened, "", 0)
     return found
+
+
+def _matlab_class(data: Any) -> str:
+    said = data.attrs.get("MATLAB_class", b"")
+    return said.decode() if isinstance(said, bytes) else str(said)
 
 
 def _columns(path: str, data: Any) -> dict[str, Read]:
     """The columns of a dataset, each with what reads it."""
-    matlab = data.attrs.get("MATLAB_class", b"")
-    matlab = matlab.decode() if isinstance(matlab, bytes) else str(matlab)
+    matlab = _matlab_class(data)
+    if matlab and data.attrs.get("MATLAB_empty", 0):  # the dataset then holds the shape
+        raise _OddError(f"an empty {matlab} array; a channel is a real vector")
     kind, shape = data.dtype, data.shape
     if kind.names is not None and len(shape) == 1:
         fields = [one for one in kind.names if kind[one].kind in "iufb" and not kind[one].shape]
