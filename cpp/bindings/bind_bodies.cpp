@@ -63,11 +63,7 @@ py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>
                               seeds.data(),
                               max_transitions,
                               max_steps};
-  BodiesRecord r;
-  {
-    const py::gil_scoped_release release;
-    r = record_bodies(request, interrupted);
-  }
+  BodiesRecord r = released([&] { return record_bodies(request, interrupted); });
   if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
   return as_dict(std::move(r));
 }

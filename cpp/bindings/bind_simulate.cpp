@@ -58,11 +58,7 @@ py::dict simulate(const Structure& structure, const ConstVector& parameters, con
                         max_steps,
                         order,
                         fixed_step};
-  Record r;
-  {
-    const py::gil_scoped_release release;
-    r = record(request, interrupted);
-  }
+  Record r = released([&] { return record(request, interrupted); });
   if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
   return as_dict(std::move(r));
 }

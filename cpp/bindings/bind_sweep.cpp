@@ -37,11 +37,7 @@ py::tuple sweep_members(const Structure& structure, const ConstVector& base, con
   request.max_transitions = max_transitions;
   request.max_steps = max_steps;
   const auto n = static_cast<py::ssize_t>(values.rows());
-  SweepResult result;
-  {
-    const py::gil_scoped_release release;
-    result = sweep(request, static_cast<long>(n), interrupted);
-  }
+  SweepResult result = released([&] { return sweep(request, static_cast<long>(n), interrupted); });
   if (result.interrupted) throw py::error_already_set();
   return py::make_tuple(as_array(std::move(result.rows), {n, sweep_row_size}),
                         as_array(std::move(result.points), {n, points, 5}));

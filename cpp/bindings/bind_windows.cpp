@@ -65,11 +65,7 @@ py::dict simulate_windows(const Structure& structure, const ConstMatrix& paramet
                                order};
   const WindowsResult result{state.mutable_data(), slopes.mutable_data(), mode.mutable_data(),
                              reinterpret_cast<Outcome*>(outcome.mutable_data())};
-  bool done = true;
-  {
-    const py::gil_scoped_release release;
-    done = stickslip::simulate_windows(request, result, threads, interrupted);
-  }
+  const bool done = released([&] { return stickslip::simulate_windows(request, result, threads, interrupted); });
   if (!done) throw py::error_already_set();
   py::dict out;
   out["state"] = state;

@@ -23,4 +23,11 @@ inline bool interrupted() {
 }
 inline bool interrupted(void*) { return interrupted(); }
 
+// What `work` gives, done while other threads have the interpreter.
+template <class Work>
+auto released(const Work& work) {
+  const py::gil_scoped_release release;
+  return work();
+}
+
 }  // namespace stickslip::bindings

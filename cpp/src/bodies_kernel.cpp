@@ -1,26 +1,12 @@
 // One trajectory of a rig of bodies, compiled once per instruction set.
 #include "stickslip/bodies/kernel.hpp"
 
-#include <algorithm>
-
 #include "stickslip/bodies/machine.hpp"
+#include "stickslip/single_run.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
 namespace {
-
-// As of a trajectory alone on a named rig (kernel.cpp).
-constexpr double alone_share = 0.3;
-constexpr int alone_order = 4;
-
-template <class T>
-void unpack(const T* z, int n, int seeds, double* values, double* derivatives) {
-  for (int i = 0; i < n; ++i) {
-    values[i] = static_cast<double>(value(z[i]));
-    if constexpr (requires(T x) { x.d[0]; })
-      for (int k = 0; k < seeds; ++k) derivatives[i * seeds + k] = z[i].derivative(k);
-  }
-}
 
 template <class T>
 struct BodiesWriter {
@@ -70,10 +56,7 @@ std::size_t run_as(const BodiesRequest& q, const BodiesSink* sink, Summary* summ
   Arena arena{static_cast<std::byte*>(memory), 0};
   BodiesSystem<T> sys;
   sys.place(arena, *q.bodies, q.values);
-  const double tightest = q.rtol > 0 ? q.rtol : q.atol;
-  const int order = std::min(order_for(tolerance_share * alone_share * tightest) + alone_order, max_order);
-  const Options options{alone_share * q.rtol, alone_share * q.atol, q.t_end, q.locator == Locator::henon, order, 0.0,
-                        q.max_transitions,    q.max_steps};
+  const Options options = options_alone(q, 0, 0.0);
   BodiesMachine<T> machine(sys, options);
   machine.place(arena);
   static constexpr BodiesSink nowhere{};

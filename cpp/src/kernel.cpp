@@ -1,28 +1,12 @@
 // One trajectory, compiled once per instruction set (cmake/stickslip.cmake) in the namespace stickslip::STICKSLIP_ISA.
 #include "stickslip/kernel.hpp"
 
-#include <algorithm>
-
+#include "stickslip/single_run.hpp"
 #include "stickslip/table.hpp"
-#include "stickslip/trajectory.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
 namespace {
-
-// A trajectory alone is fastest with a higher order and a tighter tolerance than lanes are; measured by bench_p1.
-constexpr double alone_share = 0.3;
-constexpr int alone_order = 4;
-
-// Copies values and derivatives of `n` numbers for the caller; derivatives are laid out n x seeds.
-template <class T>
-void unpack(const T* z, int n, int seeds, double* values, double* derivatives) {
-  for (int i = 0; i < n; ++i) {
-    values[i] = static_cast<double>(value(z[i]));
-    if constexpr (requires(T x) { x.d[0]; })
-      for (int k = 0; k < seeds; ++k) derivatives[i * seeds + k] = z[i].derivative(k);
-  }
-}
 
 template <class T>
 struct Writer {
@@ -76,16 +60,7 @@ void run_as(const Request& q, const Sink& sink, Summary& summary, int first, int
   System<T> sys;
   State<T> s;
   prepare(q, sys, s, first, count);
-  const double tightest = q.rtol > 0 ? q.rtol : q.atol;
-  const int by_tolerance = std::min(order_for(tolerance_share * alone_share * tightest) + alone_order, max_order);
-  const Options options{alone_share * q.rtol,
-                        alone_share * q.atol,
-                        q.t_end,
-                        q.locator == Locator::henon,
-                        q.order > 0 ? q.order : by_tolerance,
-                        q.fixed_step,
-                        q.max_transitions,
-                        q.max_steps};
+  const Options options = options_alone(q, q.order, q.fixed_step);
   Machine<T> machine(sys, options);
   machine.start(s, q.contact);
   Writer<T> writer(q, sink, count);

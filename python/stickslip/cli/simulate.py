@@ -6,6 +6,7 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -13,7 +14,7 @@ from rich.console import Console
 
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_lines, say_written
-from stickslip.cli.simulate_rig import read_speed, simulate_rig
+from stickslip.cli.simulate_rig import Asked, read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
@@ -26,7 +27,6 @@ from stickslip.measured.fit_window import Array
 from stickslip.simulated.simulate import simulate as run_model
 from stickslip.simulated.trajectory import Trajectory
 
-MOST = 50_000_000  # samples
 FEW = 5  # rows a transition, below which the CSV does not show the motion
 DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
 LONGEST = 1000  # natural periods in the figure
@@ -53,16 +53,7 @@ LONGEST = 1000  # natural periods in the figure
 )
 @click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
-def simulate(
-    model: Path,
-    belt_speed: str | None,
-    drive_speed: str | None,
-    t_end: str,
-    dt: str | None,
-    initial: str | None,
-    out: Path,
-    figure: bool,
-) -> None:
+def simulate(model: Path, **given: Any) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
 
     Numbers without a unit are in the units of the readings, as the model file's [channels] say. A belt speed is in
@@ -77,20 +68,21 @@ def simulate(
       stickslip simulate model.toml --belt-speed 0.1 --t-end 1000 --out run.csv --figure
       stickslip simulate identified --belt-speed '14 mm/s' --t-end '60 s' --out run.csv
     """
-    apart(out, figure, {"MODEL": model_file(model)})
+    asked = Asked(**given)
+    apart(asked.out, asked.figure, {"MODEL": model_file(model)})
     loaded = load_model(model)
     if isinstance(loaded.rig, GeneralRig):
-        sys.exit(simulate_rig(loaded, belt_speed, drive_speed, t_end, dt, initial, out, figure))
+        sys.exit(simulate_rig(loaded, asked))
     units = scales(loaded.rig, loaded.channels)
-    if belt_speed is None:
+    if asked.belt_speed is None:
         raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")
-    if drive_speed is not None:
+    if asked.drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
-    v_b = read_speed(belt_speed, units["t"], units["belt"], loaded.rig)
-    times = _times(loaded, units["t"], t_end, dt)
-    start = None if initial is None else _start(loaded, units, initial)
+    v_b = read_speed(asked.belt_speed, units["t"], units["belt"], loaded.rig)
+    times = asked.times(lambda text, key: read_quantity(text, "t", units["t"], loaded.rig, key))
+    start = None if asked.initial is None else _start(loaded, units, asked.initial)
     _say_understood(loaded, units, v_b, times, start)
-    drawn = _drawn(loaded, times) if figure else times[:0]
+    drawn = _drawn(loaded, times) if asked.figure else times[:0]
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
         with Console(stderr=True).status("simulating"):  # on a terminal alone
@@ -103,42 +95,23 @@ def simulate(
             )
     said = [str(doubt.message) for doubt in doubts]
     say_lines([*said, *_sparse(run, times, units["t"])])
-    written = [out]
+    written = [asked.out]
     kept = _at(run, times)
-    _write(loaded, units, kept, out)
-    if figure:
+    _write(loaded, units, kept, asked.out)
+    if asked.figure:
         from stickslip.shown.plot import curves as plot
 
         seen = _at(run, drawn)
         seen = seen if len(seen.t) else kept  # it ended before the stretch to be drawn
         speed = v_b if isinstance(v_b, float) else float(v_b(0.0))
         shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=speed, units=units)
-        written += plot.save_figure(shown, out.with_suffix(""))
+        written += plot.save_figure(shown, asked.out.with_suffix(""))
     console.print(
         f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
     )
     say_written(written)
     if not run.status.ok:
         sys.exit(1)
-
-
-def _times(model: Model, unit: Scale, t_end: str, dt: str | None) -> Array:
-    """Times to sample at, from 0 to the end, which is there even off the step; in the model's unit."""
-    end = read_quantity(t_end, "t", unit, model.rig, "--t-end")
-    if end <= 0:
-        raise InputError("must be above 0", key="--t-end", value=t_end)
-    if dt is None:
-        return np.linspace(0.0, end, 2001)
-    step = read_quantity(dt, "t", unit, model.rig, "--dt")
-    if not 0 < step <= end:
-        raise InputError(f"must be above 0 and at most --t-end = {t_end}", key="--dt", value=dt)
-    count = int(end / step * (1 + 1e-12)) + 1
-    if count > MOST:
-        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
-    times = np.arange(count) * step
-    if end - times[-1] > 1e-9 * step:
-        times = np.append(times, end)
-    return np.asarray(times, dtype=np.float64)
 
 
 def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:

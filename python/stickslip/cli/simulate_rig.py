@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -89,35 +91,61 @@ def _measured(text: str, key: str) -> Speed:
     return Speed.measured(values["t"], values["belt"], key)
 
 
-def simulate_rig(
-    model: Model,
-    belt_speed: str | None,
-    drive_speed: str | None,
-    t_end: str,
-    dt: str | None,
-    initial: str | None,
-    out: Path,
-    figure: bool,
-) -> int:
+@dataclass(frozen=True)
+class Asked:
+    """What the command is asked for, as it was typed."""
+
+    belt_speed: str | None
+    drive_speed: str | None
+    t_end: str
+    dt: str | None
+    initial: str | None
+    out: Path
+    figure: bool
+
+    def times(self, read: Callable[[str, str], float]) -> Floats:
+        """Times to sample at, from 0 to the end, which is there even off the step.
+
+        Parameters
+        ----------
+        read
+            A time in the model's number, of its text and the option's name.
+        """
+        end = read(self.t_end, "--t-end")
+        if end <= 0:
+            raise InputError("must be above 0", key="--t-end", value=self.t_end)
+        if self.dt is None:
+            return np.linspace(0.0, end, ROWS)
+        step = read(self.dt, "--dt")
+        if not 0 < step <= end:
+            raise InputError(f"must be above 0 and at most --t-end = {self.t_end}", key="--dt", value=self.dt)
+        count = int(end / step * (1 + 1e-12)) + 1
+        if count > MOST:
+            raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=self.dt)
+        times: Floats = np.asarray(np.arange(count) * step, dtype=np.float64)
+        return np.append(times, end) if end - times[-1] > 1e-9 * step else times
+
+
+def simulate_rig(model: Model, asked: Asked) -> int:
     """Simulate and write, as the command does; return its exit status."""
     rig = model.rig
     assert isinstance(rig, GeneralRig)
     own = rig.equations
-    times = _times(t_end, dt)
+    times = asked.times(lambda text, key: _sized(text, "s", key))
     unit = _belt_unit(own)
     speeds = {
-        "belt_speed": _speed(belt_speed, unit, "--belt-speed"),
-        "drive_speed": _speed(drive_speed, _drive_unit(own), "--drive-speed"),
+        "belt_speed": _speed(asked.belt_speed, unit, "--belt-speed"),
+        "drive_speed": _speed(asked.drive_speed, _drive_unit(own), "--drive-speed"),
     }
-    start = None if initial is None else _start(rig, initial)
+    start = None if asked.initial is None else _start(rig, asked.initial)
     run = simulate(model, **speeds, initial=start, t_end=float(times[-1]), t_eval=times)  # type: ignore[arg-type]
-    _write(rig, run, out)
-    written = [out]
-    if figure:
+    _write(rig, run, asked.out)
+    written = [asked.out]
+    if asked.figure:
         from stickslip.shown.plot import bodies
         from stickslip.shown.plot.curves import save_figure
 
-        written += save_figure(bodies.coordinates(run, rig), out.with_suffix(""))
+        written += save_figure(bodies.coordinates(run, rig), asked.out.with_suffix(""))
     sticks = ", ".join(
         f"{name} {np.mean(mode == 0):.4g}" for name, mode in zip(run.contact_names, run.mode.T, strict=True)
     )
@@ -136,22 +164,6 @@ def _sized(text: str, unit: str, key: str) -> float:
             f"is {said(dimensions(own))}; it must be {said(dimensions(unit))}", key=key, value=text
         )
     return size
-
-
-def _times(t_end: str, dt: str | None) -> Floats:
-    end = _sized(t_end, "s", "--t-end")
-    if end <= 0:
-        raise InputError("must be above 0", key="--t-end", value=t_end)
-    if dt is None:
-        return np.linspace(0.0, end, ROWS)
-    step = _sized(dt, "s", "--dt")
-    if not 0 < step <= end:
-        raise InputError(f"must be above 0 and at most --t-end = {t_end}", key="--dt", value=dt)
-    count = int(end / step * (1 + 1e-12)) + 1
-    if count > MOST:
-        raise InputError(f"gives {count} samples; 50 million is the most", key="--dt", value=dt)
-    times: Floats = np.asarray(np.arange(count) * step, dtype=np.float64)
-    return np.append(times, end) if end - times[-1] > 1e-9 * step else times
 
 
 def _speed(text: str | None, unit: str, key: str) -> float | Speed | None:

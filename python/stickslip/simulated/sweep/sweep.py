@@ -6,6 +6,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -128,9 +129,7 @@ def sweep(
     """
     if client is not None:
         usable(client)
-    request = _request(
-        model,
-        over,
+    asked = _Asked(
         t_end,
         initial,
         (belt_speed, drive_speed),
@@ -141,6 +140,7 @@ def sweep(
         lanes,
         (max_transitions, max_steps),
     )
+    request = _request(model, over, asked)
     workers = _threads(threads)
     if model.effects:
         for said in _driving(request):
@@ -206,89 +206,68 @@ def _raise_if_kept(why: str, done: str, sink: Sink, computed: int) -> None:
         raise InputError(f"{why} before any member was computed", key="client") from None
 
 
-def _request(
-    model: Model,
-    over: Mapping[str, object],
-    t_end: float,
-    initial: ArrayLike | None,
-    speeds: tuple[float | str | Speed | None, float | str | Speed | None],
-    tolerances: tuple[float, float],
-    observe: str | Iterable[str],
-    after: float,
-    points: int,
-    lanes: bool,
-    most: tuple[int, int],
-) -> Request:
+@dataclass(frozen=True)
+class _Asked:
+    """What a call asks of every member, as it was given; `speeds` are the belt's and the drive's."""
+
+    t_end: float
+    initial: ArrayLike | None
+    speeds: tuple[float | str | Speed | None, float | str | Speed | None]
+    tolerances: tuple[float, float]
+    observe: str | Iterable[str]
+    after: float
+    points: int
+    lanes: bool
+    most: tuple[int, int]
+
+    def checked(self) -> dict[str, Any]:
+        """Return the settings of every sweep."""
+        end = number("t_end", self.t_end, above=0)
+        rtol, atol = checked_tolerances(*self.tolerances)
+        return {
+            "t_end": end,
+            "after": number("after", self.after, least=0, below=end, why="it must come before t_end"),
+            "rtol": rtol,
+            "atol": atol,
+            "observe": chosen(self.observe),
+            "points": whole_number("points", self.points, least=2, most=_core.MAX_SWEEP_POINTS),
+            "lanes": _yes_or_no("lanes", self.lanes),
+            "max_transitions": whole_number("max_transitions", self.most[0]),
+            "max_steps": whole_number("max_steps", self.most[1]),
+        }
+
+
+def _request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
-    belt_speed = speeds[0]
-    if needs_bodies(model, *speeds):
-        return _bodies_request(
-            model, over, t_end, initial, speeds, tolerances, observe, after, points, lanes, most
-        )
+    if needs_bodies(model, *asked.speeds):
+        return _bodies_request(model, over, asked)
+    belt_speed = asked.speeds[0]
     speed = 0.0 if belt_speed is None else constant_speed(belt_speed)
     lowered = lower(model, speed)
     grid = make_grid(over, model, lowered, TAKEN)
     _belt_speed_is_given_once(grid, belt_speed)
-    start = tuple(float(x) for x in checked_initial(model, lowered, initial))
-    shared = _shared(t_end, tolerances, observe, after, points, lanes, most)
-    return Request(model=model, grid=grid, belt_speed=speed, initial=start, **shared)
+    start = tuple(float(x) for x in checked_initial(model, lowered, asked.initial))
+    return Request(model=model, grid=grid, belt_speed=speed, initial=start, **asked.checked())
 
 
-def _bodies_request(
-    model: Model,
-    over: Mapping[str, object],
-    t_end: float,
-    initial: ArrayLike | None,
-    speeds: tuple[float | str | Speed | None, float | str | Speed | None],
-    tolerances: tuple[float, float],
-    observe: str | Iterable[str],
-    after: float,
-    points: int,
-    lanes: bool,
-    most: tuple[int, int],
-) -> Request:
+def _bodies_request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
     """Return the sweep of what only the core of general rigs simulates."""
-    asked: object = over
-    varied = asked if isinstance(asked, Mapping) else {}
-    nominal = [0.0 if key in varied else one for key, one in zip(SPEEDS, speeds, strict=True)]
-    for key, one in zip(SPEEDS, speeds, strict=True):
+    given: object = over
+    varied = given if isinstance(given, Mapping) else {}
+    speeds = dict(zip(SPEEDS, asked.speeds, strict=True))
+    for key, one in speeds.items():
         if key in varied and one is not None:
             raise InputError("varies in `over`; leave it out here", key=key, value=str(one))
-    own = general(model, *nominal)
+    own = general(model, *(0.0 if key in varied else one for key, one in speeds.items()))
     grid = make_grid(over, model, named(own, model.parameters), TAKEN)
-    shared = _shared(t_end, tolerances, observe, after, points, lanes, most)
-    check_observed(shared["observe"])
-    kept = tuple(None if one is None else Speed.of(one, key) for key, one in zip(SPEEDS, speeds, strict=True))
-    start = checked_start(own, initial)
+    settings = asked.checked()
+    check_observed(settings["observe"])
+    belt, drive = (None if one is None else Speed.of(one, key) for key, one in speeds.items())
+    start = checked_start(own, asked.initial)
     return BodiesRequest(
-        model=model, grid=grid, belt_speed=0.0, initial=start, speeds=(kept[0], kept[1]), **shared
+        model=model, grid=grid, belt_speed=0.0, initial=start, speeds=(belt, drive), **settings
     )
-
-
-def _shared(
-    t_end: float,
-    tolerances: tuple[float, float],
-    observe: str | Iterable[str],
-    after: float,
-    points: int,
-    lanes: bool,
-    most: tuple[int, int],
-) -> dict[str, Any]:
-    """Return the settings of every sweep, checked."""
-    end = number("t_end", t_end, above=0)
-    rtol, atol = checked_tolerances(*tolerances)
-    return {
-        "t_end": end,
-        "after": number("after", after, least=0, below=end, why="it must come before t_end"),
-        "rtol": rtol,
-        "atol": atol,
-        "observe": chosen(observe),
-        "points": whole_number("points", points, least=2, most=_core.MAX_SWEEP_POINTS),
-        "lanes": _yes_or_no("lanes", lanes),
-        "max_transitions": whole_number("max_transitions", most[0]),
-        "max_steps": whole_number("max_steps", most[1]),
-    }
 
 
 def _yes_or_no(key: str, value: object) -> bool:
