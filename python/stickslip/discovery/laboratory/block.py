@@ -16,7 +16,7 @@ from stickslip.declared.rig import LONG, BlockOnBelt
 from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.hypothesis import Bench, known
+from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.loop import Verdicts, searched
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
@@ -39,6 +39,7 @@ from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY

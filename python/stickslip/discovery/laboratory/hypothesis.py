@@ -11,16 +11,15 @@ import numpy as np
 from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
-from stickslip.fitted.unknowns import HELD
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch
-from stickslip.measured.case import Case
 
-STRIDE_LAW, STRIDE_CONSTANT, STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.5, 0.3, 0.3, 0.02, 0.6
+STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.3, 0.02, 0.6
 STRIDE_SIZE = 0.5  # of a size's own start
 
 
@@ -64,36 +63,11 @@ class Bench:
         model = Model(
             self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
         )
-        numbers = [*self.of_law(), *self.of_rig(), *(n for one in terms for n in of_term(one, self.policy))]
+        numbers = [*of_law(self.model, self.policy), *of_rig(self.model, self.declared, self.sensors)]
+        numbers += [n for one in terms for n in of_term(one, self.policy)]
         return BeltWindows(
             model, self.data, self.stretches, numbers, self.declared, self.sensors, self.policy
         )
-
-    def of_law(self) -> list[Number]:
-        """Return the numbers of the law, held loosely about what is declared."""
-        out = []
-        law = self.model.friction
-        for name in self.model.parameters:
-            if not hasattr(law, name) or name in HELD:
-                continue
-            value = self.model.parameters[name]
-            if value > 0:
-                at = math.log(value)
-                out.append(Number(name, at, at, self.policy.law_spread, True, stride=STRIDE_LAW))
-            else:
-                out.append(Number(name, value, value, self.policy.law_spread, low=0.0))
-        return out
-
-    def of_rig(self) -> list[Number]:
-        """Return the constants and gains that are not exact."""
-        out = []
-        for name in self.declared.names:
-            if name in self.sensors.gains:
-                out.append(Number(name, 0.0, 0.0, math.inf))
-            else:
-                at = math.log(self.model.parameters[name])
-                out.append(Number(name, at, at, math.inf, True, stride=STRIDE_CONSTANT))
-        return out
 
 
 def wobble(bench: Bench, scatter: Population) -> float:
@@ -108,20 +82,6 @@ def wobble(bench: Bench, scatter: Population) -> float:
     )
     kept = float(np.sqrt(np.mean(np.sinc(slow[:, None] * length / (2 * np.pi)) ** 2)))
     return min(scatter.belt / kept, bench.policy.wobble)
-
-
-def known(case: Case) -> Declared:
-    """Return what a case says of its constants and gains, less what is exact."""
-    gains = {f"gain.{channel}": channel for channel in case.uncertainty.gains}
-    names = [n for n in case.model().parameters if n in case.uncertainty.names and n not in gains.values()]
-    every = {**{n: n for n in names}, **gains}
-    covariance = case.uncertainty.on_time(list(every.values()))
-    kept = [
-        i
-        for i, n in enumerate(every)
-        if covariance[i, i] > 0 and (n in gains or case.model().parameters[n] > 0)
-    ]
-    return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[np.ix_(kept, kept)])
 
 
 def of_term(term: Term, policy: Policy) -> list[Number]:

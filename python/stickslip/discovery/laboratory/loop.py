@@ -15,7 +15,6 @@ from stickslip.discovery.errors import error_block
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import Learned, learned
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.laboratory.hypothesis import known as declared_of
 from stickslip.discovery.laboratory.search import Searched, Trial, search
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -23,15 +22,13 @@ from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.views import validate_view
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.declared_numbers import known as declared_of
 from stickslip.likelihoods.fit_state import unexplained
-from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.repeating import lost, repeats, swollen
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.stretches import stretches
-from stickslip.likelihoods.variances import MOST
 from stickslip.measured.case import Case
-
-ENOUGH = 3  # windows of a run that may differ
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ class Verdicts:
         fit = self.searched.chosen.fit
         if self.curve is not None or unexplained(fit) > self.bench.policy.noise_left:
             return True
-        return not self.searched.chosen.terms and _swollen(fit.population, self.bench.policy)
+        return not self.searched.chosen.terms and swollen(fit)
 
 
 def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int) -> Verdicts | None:
@@ -83,7 +80,7 @@ def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed
         found = search(bench, known, tell, seed)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
-    if _lost(bench, found.chosen) or repeats(bench, found.chosen):
+    if lost(found.chosen.fit) or repeats(found.chosen.fit):
         return None
     tell("looking for a curve that no name explains")
     alone = _curve(bench, found)
@@ -97,37 +94,6 @@ def bench_of(case: Case, data: Sequence[Data]) -> Bench:
     """Return the train runs of a rig of (2.1), cut into windows."""
     model = Model(case.rig, friction=case.friction)
     return Bench(model, data, stretches(data), declared_of(case), RigSensors(), POLICY)
-
-
-def _lost(bench: Bench, trial: Trial) -> bool:
-    """Whether the hypothesis is no model of these windows: many cannot be simulated, or scatter ends at its bound."""
-    p, blocks = trial.fit.population, trial.fit.blocks
-    if sum(b is None for b in blocks) > bench.policy.lost_windows * len(blocks):
-        return True
-    return max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
-
-
-def _swollen(p: Population, policy: Policy) -> bool:
-    """Whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
-    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
-    return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
-
-
-def repeats(bench: Bench, trial: Trial) -> bool:
-    """
-    Whether every event of a run is like every other, so that what is left is noise of the readings alone.
-
-    What no name explains also swells the population, but alike in all events of a run.
-    """
-    fit = trial.fit
-    apart = []
-    for members in fit.windows.by_run:
-        if len(members) < ENOUGH:
-            continue
-        u = fit.random[members]
-        whole = u[:, 1:-1].mean(axis=1)
-        apart.append((np.var(whole, ddof=1), np.var(whole + u[:, 0], ddof=1)))
-    return not apart or float(np.sqrt(np.mean(apart, axis=0)).max()) < bench.policy.repeats
 
 
 def _curve(bench: Bench, found: Searched) -> Learned | None:

@@ -35,7 +35,8 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.rig_numbers import PLACES
 from stickslip.fitted.data import Data
-from stickslip.fitted.unknowns import SLIPPING, of_law
+from stickslip.fitted.unknowns import of_law
+from stickslip.likelihoods.declared_numbers import fitted_model
 from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
@@ -123,12 +124,6 @@ def law(fit: Fit) -> dict[str, Interval]:
 def model(bench: Bench, trial: Trial, declared: Model) -> Model:
     """Return the model of a hypothesis: law, constants and effects as fitted, channels and noise as declared."""
     values = trial.fit.values()
-    numbers = {k: v for k, v in values.items() if k in bench.model.parameters}
-    for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
-        if low in numbers and limit in numbers:
-            numbers[low] = min(numbers[low], numbers[limit])
-    if "eta12" in numbers:  # two dampings, each known alone: their difference is one, too
-        numbers["eta12"] = max(numbers["eta12"], numbers["eta1"])
     effects = []
     for one in trial.terms:
         e = one.effect
@@ -137,7 +132,7 @@ def model(bench: Bench, trial: Trial, declared: Model) -> Model:
         if e.parameters.get("a", 0.0) < 0:
             e = e.replace(a=-e.parameters["a"], phi=float(np.mod(e.parameters["phi"] + math.pi, 2 * math.pi)))
         effects.append(e)
-    made = bench.model.replace(numbers)
+    made = fitted_model(bench.model, values)
     return Model(
         made.rig,
         friction=made.friction,

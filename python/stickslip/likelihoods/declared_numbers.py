@@ -1,0 +1,63 @@
+"""The numbers of a declared model that a fit of windows moves: those of its law, its constants, its sensors' gains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from stickslip.declared.model import Model
+from stickslip.fitted.unknowns import HELD, SLIPPING
+from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.sensors import Sensors
+from stickslip.likelihoods.shared import Declared, Number
+from stickslip.measured.case import Case
+
+STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
+
+
+def of_law(model: Model, policy: Policy) -> list[Number]:
+    """Return the numbers of the law, held loosely about what is declared."""
+    out = []
+    for name, value in model.parameters.items():
+        if not hasattr(model.friction, name) or name in HELD:
+            continue
+        if value > 0:
+            at = math.log(value)
+            out.append(Number(name, at, at, policy.law_spread, True, stride=STRIDE_LAW))
+        else:
+            out.append(Number(name, value, value, policy.law_spread, low=0.0))
+    return out
+
+
+def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[Number]:
+    """Return the constants and gains that are not exact."""
+    out = []
+    for name in declared.names:
+        if name in sensors.gains:
+            out.append(Number(name, 0.0, 0.0, math.inf))
+        else:
+            at = math.log(model.parameters[name])
+            out.append(Number(name, at, at, math.inf, True, stride=STRIDE_CONSTANT))
+    return out
+
+
+def known(case: Case) -> Declared:
+    """Return what a case says of its constants and gains, less what is exact."""
+    gains = {f"gain.{channel}": channel for channel in case.uncertainty.gains}
+    numbers = case.model().parameters
+    names = [n for n in numbers if n in case.uncertainty.names and n not in gains.values()]
+    every = {**{n: n for n in names}, **gains}
+    covariance = case.uncertainty.on_time(list(every.values()))
+    kept = [i for i, n in enumerate(every) if covariance[i, i] > 0 and (n in gains or numbers[n] > 0)]
+    return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[kept][:, kept])
+
+
+def fitted_model(model: Model, values: Mapping[str, float]) -> Model:
+    """Return the model with the values of a fit, inside the limits that rigs and laws have."""
+    numbers = {k: v for k, v in values.items() if k in model.parameters}
+    for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
+        if low in numbers and limit in numbers:
+            numbers[low] = min(numbers[low], numbers[limit])
+    if "eta12" in numbers:  # two dampings, each known alone: their difference is one, too
+        numbers["eta12"] = max(numbers["eta12"], numbers["eta1"])
+    return model.replace(numbers)

@@ -1,0 +1,43 @@
+"""Whether events differ at all, and whether a fit with events of their own is a model of the windows."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.variances import MOST
+
+ENOUGH = 3  # windows of a run that may differ
+
+
+def lost(fit: Fit) -> bool:
+    """Return whether a fit is no model of its windows: many cannot be simulated, or scatter ends at its bound."""
+    p, blocks = fit.population, fit.blocks
+    if sum(b is None for b in blocks) > fit.windows.policy.lost_windows * len(blocks):
+        return True
+    return max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
+
+
+def swollen(fit: Fit) -> bool:
+    """Return whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
+    p, policy = fit.population, fit.windows.policy
+    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
+    return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
+
+
+def repeats(fit: Fit) -> bool:
+    """
+    Return whether every event of a run is like every other, so that what is left is noise of the readings alone.
+
+    What no name explains also swells the population, but alike in all events of a run.
+    """
+    apart = []
+    for members in fit.windows.by_run:
+        if len(members) < ENOUGH:
+            continue
+        u = fit.random[members]
+        whole = u[:, 1:-1].mean(axis=1)
+        apart.append((np.var(whole, ddof=1), np.var(whole + u[:, 0], ddof=1)))
+    return not apart or float(np.sqrt(np.mean(apart, axis=0)).max()) < fit.windows.policy.repeats
