@@ -13,7 +13,7 @@ import pytest
 import scipy.io
 
 import stickslip as ss
-from stickslip.measured.readers import container
+from stickslip.measured.readers import process
 from stickslip.measured.readers.tables import Source, open_table, read_columns
 
 h5py = pytest.importorskip("h5py")
@@ -110,18 +110,19 @@ def test_a_column_that_is_not_there_has_its_neighbour_named(file: Path) -> None:
 
 def test_a_library_that_is_not_there_is_named(tmp_path: Path) -> None:
     hdf5(tmp_path / "run.h5")
-    lacking = container.Format("HDF5", "hdf5", "h5py")
-    program = tmp_path / "main.py"
-    hidden = "import numpy as np\nsys.modules['h5py'] = None"
-    program.write_text(container._MAIN.read_text().replace("import numpy as np", hidden))
-    for one in container._MAIN.parent.glob("hdf5.py"):
-        (tmp_path / one.name).write_text(one.read_text())
+    program = tmp_path / "parser.py"
+    program.write_text(
+        f"import sys; sys.modules['h5py'] = None; sys.path.insert(0, {str(process.PROGRAM.parent)!r})\n"
+        "import main; main.main()\n"
+    )
+    process.PROCESS.close()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(container, "_MAIN", program)
+        patch.setattr(process, "PROGRAM", program)
         with pytest.raises(
             ss.InputError, match=r"run.h5: a HDF5 file needs h5py: pip install 'stickslip\[files\]'"
         ):
-            container.Container(tmp_path / "run.h5", lacking).read(["F"], {})
+            read_columns(tmp_path / "run.h5", ["F"])
+    process.PROCESS.close()
 
 
 # what each format has of its own
@@ -254,7 +255,7 @@ def test_real_files_that_packages_ship(real: Path, column: str, size: int) -> No
 
 # damaged files
 
-DRAWN = 300
+DRAWN = 100
 DRIVER = """
 import json, os, sys, numpy as np
 sys.path.insert(0, sys.argv[1])
@@ -264,7 +265,7 @@ module = main.parser(name)
 good = open(file, "rb").read()
 rng = np.random.default_rng(7)
 whole = main.answered(module, file, [column])[0]["sizes"]
-report = {"fine": 0, "damaged": 0, "fault": 0, "signal": 0, "bad": [], "silent": []}
+report = {"fine": 0, "damaged": 0, "fault": 0, "memory": 0, "signal": 0, "bad": [], "silent": []}
 for i in range(int(drawn)):
     data = bytearray(good)
     how = i % 4
@@ -282,8 +283,7 @@ for i in range(int(drawn)):
     child = os.fork()
     if not child:
         os.dup2(os.open(out + ".json", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
-        main.limit(out)
-        head, columns = main.answered(module, out, [column])
+        head, columns = main.answered_within(dict(parser=name, file=out, names=[column], seconds=60, memory=2**32))
         os.write(1, json.dumps(head).encode())
         os._exit(0)
     status = os.waitpid(child, 0)[1]
@@ -293,7 +293,7 @@ for i in range(int(drawn)):
         report["bad"].append(i)
     else:
         head = json.load(open(out + ".json"))
-        kind = next((k for k in ("damaged", "fault") if k in head), "fine")
+        kind = next((k for k in ("damaged", "fault", "memory") if k in head), "fine")
         report[kind] += 1
         between = good[len(data):].startswith(b"TDSm")  # segments: nothing tells that there were more
         if how == 0 and kind == "fine" and not (head.get("doubts") or between or head["sizes"] == whole):
@@ -304,11 +304,11 @@ print(json.dumps(report))
 
 @pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="the driver forks")
 def test_a_damaged_file_always_gets_an_answer(file: Path) -> None:
-    """The parser's process ends by itself or by a signal, never by a traceback; hundreds drawn for each format."""
+    """The parser's process ends by itself or by a signal, never by a traceback; a hundred drawn for each format."""
     parser = {".mat": "hdf5"}.get(file.suffix, {".h5": "hdf5"}.get(file.suffix, file.suffix[1:]))
     column = {"hdf5": "run/F", "tdms": "run/F", "wav": "channel 1"}.get(parser, "F")
     arguments = [
-        str(container._MAIN.parent),
+        str(process.PROGRAM.parent),
         parser,
         str(file),
         column,
@@ -320,7 +320,7 @@ def test_a_damaged_file_always_gets_an_answer(file: Path) -> None:
     )
     report = json.loads(done.stdout.splitlines()[-1])
     assert report["bad"] == []
-    assert report["fine"] + report["damaged"] + report["fault"] + report["signal"] == DRAWN
+    assert report["fine"] + report["damaged"] + report["fault"] + report["memory"] + report["signal"] == DRAWN
     assert report["silent"] == []  # what is cut off is missed
     assert report["damaged"] > 0
 

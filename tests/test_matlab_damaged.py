@@ -4,14 +4,16 @@ import io
 import os
 import random
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 import scipy.io
 
 import stickslip as ss
-from stickslip.measured.readers import matlab_process
+from stickslip.measured.readers import process
 from stickslip.measured.readers.tables import column_names, read_columns
 
 T = np.arange(300) * 0.05
@@ -63,23 +65,23 @@ def parser_that(tmp_path, monkeypatch):
     """Let the parser do something else than parse, within 1 s and 200 MB; it gives the file to read."""
 
     def doing(words):
-        program = tmp_path / "child.py"
-        child = matlab_process.PROGRAM
+        program = tmp_path / "parser.py"
+        real = process.PROGRAM
         program.write_text(
-            f"import sys; sys.path.insert(0, {str(child.parent)!r})\n"
-            f"import matlab_child\ndef answer(file, names):\n    {words}\n"
-            "matlab_child.answer = answer\nmatlab_child.main()\n"
+            f"import sys; sys.path.insert(0, {str(real.parent)!r})\n"
+            f"import main\nclass Parser:\n    @staticmethod\n    def answer(file, names):\n        {words}\n"
+            "main.parser = lambda name: Parser\nmain.main()\n"
         )
-        monkeypatch.setattr(matlab_process, "PROGRAM", program)
-        monkeypatch.setattr(matlab_process, "SECONDS", 1)
-        monkeypatch.setattr(matlab_process, "MEMORY", 200 << 20)
-        matlab_process.PARSER.close()
+        monkeypatch.setattr(process, "PROGRAM", program)
+        monkeypatch.setattr(process, "SECONDS", 1)
+        monkeypatch.setattr(process, "MEMORY", 200 << 20)
+        process.PROCESS.close()
         file = tmp_path / "a.mat"
         file.write_bytes(written())
         return file
 
     yield doing
-    matlab_process.PARSER.close()
+    process.PROCESS.close()
 
 
 @pytest.mark.parametrize(
@@ -90,6 +92,7 @@ def parser_that(tmp_path, monkeypatch):
         ("while True: pass", "not parsed within 1 s"),
         ("import numpy; numpy.ones(10**9)", "it needs more than 0.195 GiB of memory"),
         ("raise RuntimeError('odd')", "a damaged one (odd)"),
+        ("import os; os.write(2, bytes(10**6)); raise RuntimeError('loud')", "a damaged one (loud)"),
         ("import os; os._exit(3)", "the process that parses MATLAB files failed"),
         ("import os; os.write(1, b'{'); os._exit(0)", "the process that parses MATLAB files failed"),
     ],
@@ -103,15 +106,19 @@ def test_a_parser_that_dies_hangs_or_eats_memory_is_one_line(parser_that, does, 
         assert len(str(caught.value).splitlines()) == 1
 
 
-def test_one_process_parses_all_files(tmp_path, monkeypatch):
+def test_one_process_parses_all_files_of_all_formats(tmp_path, monkeypatch):
     started = []
     real = subprocess.Popen
     monkeypatch.setattr(subprocess, "Popen", lambda *a, **k: started.append(a) or real(*a, **k))
-    matlab_process.PARSER.close()
+    process.PROCESS.close()
     for name in "abc":
         (tmp_path / f"{name}.mat").write_bytes(written(**KINDS["5"]))
         column_names(tmp_path / f"{name}.mat")
         read_columns(tmp_path / f"{name}.mat", ["t"])
+    scipy.io.wavfile.write(tmp_path / "a.wav", 20, SIGNALS["x1"])
+    np.testing.assert_array_equal(
+        read_columns(tmp_path / "a.wav", ["channel 1"]).values["channel 1"], SIGNALS["x1"]
+    )
     assert len(started) == 1
 
 
@@ -119,9 +126,10 @@ def test_a_parser_that_ended_between_two_files_is_replaced(tmp_path):
     file = tmp_path / "a.mat"
     file.write_bytes(written())
     read_columns(file, ["t"])
-    child = matlab_process.PARSER._child
+    (child,) = (p for p in psutil.Process().children() if str(process.PROGRAM) in p.cmdline())
     child.kill()
-    child.wait()
+    while child.status() != psutil.STATUS_ZOMBIE:
+        time.sleep(0.01)
     np.testing.assert_array_equal(read_columns(file, ["t"]).values["t"], T)
 
 
@@ -152,7 +160,7 @@ OUTLINES = {
 @pytest.mark.parametrize("kind", OUTLINES)
 def test_what_cannot_be_a_whole_file_starts_no_parser(tmp_path, monkeypatch, kind):
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("a parser was started"))
-    matlab_process.PARSER.close()
+    process.PROCESS.close()
     file = tmp_path / "a.mat"
     file.write_bytes(OUTLINES[kind])
     with pytest.raises(ss.InputError, match=r"MATLAB"):

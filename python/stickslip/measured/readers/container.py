@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stickslip.declared.units import same_dimension
 from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.heads import unit_in
+from stickslip.measured.readers import process
 from stickslip.measured.readers.columns import Columns, Contents, Floats, checked, require
 from stickslip.measured.readers.memory import ratio
-
-_MAIN = Path(__file__).with_name("parsers") / "main.py"
+from stickslip.measured.readers.process import PROCESS, EndedError
 
 
 @dataclass(frozen=True)
@@ -34,11 +29,14 @@ class Format:
         The module of `parsers` that reads it.
     library
         What it needs besides numpy and scipy; "" for nothing.
+    outline
+        Says what is wrong with a file whose headers and lengths show it, before anything is parsed.
     """
 
     name: str
     parser: str
     library: str = ""
+    outline: Callable[[Path], str | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -88,31 +86,24 @@ class Container:
 
     def _answer(self, names: Sequence[str]) -> tuple[dict[str, Any], list[Floats]]:
         """What the parser's process says of the file, and the columns."""
-        command = [sys.executable, "-P", str(_MAIN), self.format.parser, str(self.file.absolute()), *names]
-        pipe = subprocess.PIPE
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, check=False)
-        place = Place(str(self.file))
-        if done.returncode < 0:
-            words = f"a damaged {self.format.name} file (its parser was ended by signal {-done.returncode})"
-            raise InputError(words, place=place)
-        if done.returncode:
-            last = (done.stderr.decode(errors="replace").strip().splitlines() or ["no words"])[-1]
-            words = f"the process that parses {self.format.name} files failed: {quoted(last, 120)}"
-            raise InputError(words, place=place)
-        end = done.stdout.index(b"\n") + 1
-        head: dict[str, Any] = json.loads(done.stdout[:end])
+        name, place = self.format.name, Place(str(self.file))
+        if self.format.outline is not None and (wrong := self.format.outline(self.file)):
+            raise InputError(wrong, place=place)
+        try:
+            head, columns = PROCESS.ask(self.format.parser, name, self.file, names)
+        except EndedError as ended:
+            raise InputError(quoted(str(ended), 180), place=place) from None
         if "lacking" in head:
-            words = f"a {self.format.name} file needs {self.format.library}: pip install 'stickslip[files]'"
+            words = f"a {name} file needs {self.format.library}: pip install 'stickslip[files]'"
             raise InputError(words, place=place)
+        if "memory" in head:
+            words = f"it needs more than {process.MEMORY / 2**30:.3g} GiB of memory; a damaged {name} file, or too long"
+            raise InputError(f"{words} a record: save it in parts", place=place)
         if "damaged" in head:
-            words = f"not a {self.format.name} file, or a damaged one ({quoted(head['damaged'], 150)})"
+            words = f"not a {name} file, or a damaged one ({quoted(head['damaged'], 150)})"
             raise InputError(words, place=place)
         if "fault" in head:
             raise InputError(quoted(head["fault"], 180), place=Place(str(self.file), column=head["column"]))
-        columns = []
-        for size in head["sizes"]:
-            columns.append(np.frombuffer(done.stdout, np.float64, size, end).copy())
-            end += 8 * size
         return head, columns
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stickslip.errors import InputError, Place
+from stickslip.measured.readers import matlab
 from stickslip.measured.readers.container import Format
 from stickslip.measured.readers.lvm import MAGIC as LVM_MAGIC
 
@@ -12,7 +13,7 @@ HDF5 = Format("HDF5", "hdf5", "h5py")
 TDMS = Format("TDMS", "tdms", "npTDMS")
 PARQUET = Format("Parquet", "parquet", "pyarrow")
 WAV = Format("WAV", "wav")
-MATLAB = "MATLAB"
+MATLAB = Format("MATLAB", "matlab", outline=matlab.fault)
 LVM = "LVM"
 TEXT = "text"
 

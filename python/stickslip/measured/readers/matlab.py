@@ -1,49 +1,17 @@
-"""Variables of MATLAB files (version 4 to 7.2), parsed in a child process: a damaged file cannot end this one."""
+"""The outline of MATLAB files (version 4 to 7.2): what is no such file, or is cut, starts no parser."""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
-
-from stickslip.errors import InputError, Place, quoted
-from stickslip.measured.readers.matlab_process import PARSER, ParserError
-
-Floats = NDArray[np.float64]
 
 _HEADER = 128  # bytes of words and a version, before the variables of version 5 and later
 _ELEMENTS = (14, 15)  # a variable, plain or compressed
 _NUMBERS = (8, 4, 4, 2, 2, 1)  # bytes of a number of version 4, by the type of its header
 
 
-def read(file: Path, names: Sequence[str] = ()) -> tuple[list[str], dict[str, str], dict[str, Floats]]:
-    """Return the names of all columns, short names for some and, if each is there just once, those asked for.
-
-    A column is a real vector, or a part of what holds one: `run.t`, `run(2).t`, `data{1}`, `data(:,1)`.
-
-    Raises
-    ------
-    InputError
-        The file is damaged, of version 7.3 or not of MATLAB; it takes too long, or too much memory; a variable is no
-        real vector.
-    """
-    if wrong := _outside(file):
-        raise InputError(wrong, place=Place(str(file)))
-    try:
-        return PARSER.ask(file, names)
-    except ParserError as error:
-        words = quoted(error.words, 180)
-        raise InputError(words, place=Place(str(file), column=error.column)) from None
-
-
-def _outside(file: Path) -> str | None:
-    """What is wrong with a file as far as its outline shows; None if it may be sound.
-
-    Only headers and lengths are read: what is no MATLAB file, or is cut, starts no parser.
-    """
+def fault(file: Path) -> str | None:
+    """What is wrong with a file as far as its headers and lengths show; None if it may be sound."""
     try:
         with file.open("rb") as stream:
             head, size = stream.read(_HEADER), file.stat().st_size

@@ -10,10 +10,10 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError, Place, did_you_mean
-from stickslip.measured.readers import matlab, memory
-from stickslip.measured.readers.columns import Columns, Contents, Source, checked, require
+from stickslip.measured.readers import memory
+from stickslip.measured.readers.columns import Columns, Contents, Source
 from stickslip.measured.readers.container import Container, Format
-from stickslip.measured.readers.formats import LVM, MATLAB, kind_of
+from stickslip.measured.readers.formats import LVM, kind_of
 from stickslip.measured.readers.lvm import Lvm
 from stickslip.measured.readers.text import Text
 
@@ -41,28 +41,6 @@ class Held:
         return Columns(Path(self.called), memory.read(self.called, self.values, asked))
 
 
-@dataclass(frozen=True)
-class Matlab:
-    """The variables of a MATLAB file, version 4 to 7.2."""
-
-    file: Path
-
-    @property
-    def contents(self) -> Contents:
-        """Their names."""
-        known, also, _ = matlab.read(self.file)
-        return Contents("a MATLAB file", tuple(known), also=also)
-
-    def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:  # noqa: ARG002
-        """Return some of the variables."""
-        known, also, values = matlab.read(self.file, list(dict.fromkeys(names)))
-        for name in names:
-            require(
-                name if name in known else also.get(name, name), known, Place(str(self.file), column=name)
-            )
-        return checked(self.file, values)
-
-
 def open_table(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> Source:
     """Look into a file.
 
@@ -84,8 +62,6 @@ def open_table(path: str | os.PathLike[str], wanted: Sequence[str] = ()) -> Sour
     kind = kind_of(file)
     if isinstance(kind, Format):
         return Container(file, kind)
-    if kind == MATLAB:
-        return Matlab(file)
     return Lvm(file) if kind == LVM else Text(file, tuple(wanted))
 
 

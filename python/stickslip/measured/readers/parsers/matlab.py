@@ -1,18 +1,7 @@
-"""The program that parses MATLAB files in a process of its own; it imports nothing of the package, to start fast.
-
-A damaged file can end scipy's parser by a segmentation fault, which no `except` catches; it can also ask for endless
-memory or time. Requests come as lines of JSON: file, names, seconds, memory. An answer is a line of JSON, then the
-variables as float64.
-"""
+"""MATLAB files of version 4 to 7.2: vectors, columns of matrices, fields of structs and cells."""
 
 from __future__ import annotations
 
-import json
-import resource
-import signal
-import sys
-import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +19,10 @@ def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray
     Parts are called as in MATLAB: `run.t` a field, `run(2).t` one of several structs, `data{1}` a cell, `data(:,1)` a
     column.
     """
-    listed = whosmat(file)
+    try:
+        listed = whosmat(file)
+    except NotImplementedError:
+        return {"known": [], "fault": "a MATLAB 7.3 file; save it with -v7", "column": None}, []
     inside = {name for name, _, kind in listed if kind in NESTED}  # their parts are known by loading alone
     asked = {*names, *(name.partition("(:,")[0] for name in names)}
     load = inside | {name for name, _, _ in listed if name in asked}
@@ -44,15 +36,13 @@ def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray
     also = _also(known)
     own = [name if name in known else also.get(name, name) for name in names]
     if any(known.count(name) != 1 for name in own):
-        return {"known": known, "also": also, "columns": []}, []
+        return {"known": known, "also": also}, []
     for name in own:
         array = held[name]
         if array.dtype.kind not in "iufb" or not array.size or max(array.shape) != array.size:
             words = f"a {array.dtype.name} array of shape {array.shape}; a channel is a real vector"
             return {"known": known, "fault": words, "column": name}, []
-    columns = [np.ascontiguousarray(held[name].ravel(), dtype=np.float64) for name in own]
-    sizes = [[name, column.size] for name, column in zip(names, columns, strict=True)]
-    return {"known": known, "also": also, "columns": sizes}, columns
+    return {"known": known, "also": also}, [held[name] for name in own]
 
 
 def _parts(name: str, value: Any, depth: int = 0) -> dict[str, np.ndarray]:
@@ -88,51 +78,3 @@ def _also(known: list[str]) -> dict[str, str]:
     return {
         last: name for last, name in zip(bare, known, strict=True) if bare.count(last) == 1 and last != name
     }
-
-
-def limit(kind: int, most: int) -> None:
-    """Limit this process softly, so that the next file may have another limit."""
-    _, hard = resource.getrlimit(kind)
-    resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-
-
-def own_memory() -> int:
-    """Bytes of address space that this process has."""
-    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-
-
-def answer_within(request: dict[str, Any]) -> tuple[dict[str, Any], list[np.ndarray]]:
-    """The same, within so many seconds and bytes; any exception of the parser is the file's fault."""
-    limit(resource.RLIMIT_AS, own_memory() + request["memory"])
-    signal.alarm(request["seconds"])  # it ends this process, whatever the parser does
-    try:
-        return answer(request["file"], request["names"])
-    except MemoryError:
-        words = f"it needs more than {request['memory'] / 2**30:.3g} GiB of memory"
-        return {"fault": f"{words}; a damaged MATLAB file, or too long a record: save it in parts"}, []
-    except NotImplementedError:
-        return {"fault": "a MATLAB 7.3 file; save it with -v7"}, []
-    except Exception as error:  # a damaged file makes the parser raise nearly anything
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        return {"fault": f"not a MATLAB file, or a damaged one ({reason})"}, []
-    finally:
-        signal.alarm(0)
-
-
-def main() -> None:
-    """Answer requests until there are no more."""
-    limit(resource.RLIMIT_CORE, 0)
-    warnings.simplefilter("ignore")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever asks decides
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGALRM])
-    for line in sys.stdin:
-        head, columns = answer_within(json.loads(line))
-        sys.stdout.buffer.write(json.dumps(head).encode() + b"\n")
-        for column in columns:
-            sys.stdout.buffer.write(column.data)
-        sys.stdout.buffer.flush()
-
-
-if __name__ == "__main__":
-    main()
