@@ -10,7 +10,7 @@ import pytest
 import stickslip as ss
 from scattering import case
 from stickslip.declared.effect import Effect, Tabulated
-from stickslip.discovery.laboratory import loop
+from stickslip.discovery.laboratory import loop, search
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.fitted.data import prepare
@@ -51,3 +51,18 @@ def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> Non
     gain = null.fit.deviance - named.fit.deviance
     assert loop._curve(bench, Searched(null, null, [step])) is not None
     assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0), [step])) is None
+
+
+def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_it(tmp_path: Path) -> None:
+    """The sign of a pivot's speed may be rounded: from 0 no slope shows it, and what it left was called unlisted."""
+    rounded = ss.effect("pivot_dry_friction", f=0.1, v_c=0.01)
+    read = ss.load_case(case(tmp_path, (rounded,), 0.015, 0.005, 7))
+    bench = loop.bench_of(read, prepare(read.train))
+    sharp = fit_of(bench, (Term(ss.effect("pivot_dry_friction", f=0.1)),))
+    (more,) = search.optional_starts(sharp.terms[-1])
+    found = search.fuller(bench, Trial((), sharp.fit), sharp, more)
+    assert found.numbers() == sharp.numbers() + 1
+    assert found.worth() < sharp.worth() - GATE
+    numbers = found.fit.values()
+    assert numbers["pivot_dry_friction.v_c"] == pytest.approx(0.01, rel=0.1)
+    assert numbers["pivot_dry_friction.f"] == pytest.approx(0.1, rel=0.03)

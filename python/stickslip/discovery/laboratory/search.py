@@ -206,7 +206,29 @@ def _leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
             anew = fitted(start, bench.policy)
             if anew.deviance < leader.fit.deviance:
                 leader = _trial(bench, base, anew, term)
-    return [leader, *rest]
+    fuller = [fuller(bench, base, leader, one) for one in optional_starts(term)]
+    return [min([leader, *fuller], key=Trial.worth), *rest]
+
+
+def optional_starts(term: Term) -> Iterator[dict[str, float]]:
+    """Return where the catalogue begins numbers that an effect may do without."""
+    kind = CATALOGUE[term.effect.name]
+    optional = {i.name for i in kind.parameters if i.optional}
+    for start in kind.starts:
+        if more := {k: v for k, v in start.items() if k in optional and term.effect.parameters[k] == 0}:
+            yield more
+
+
+def fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
+    """Return the leader with numbers that its effect may do without; no score reaches them from 0."""
+    term = replace(leader.terms[-1], effect=leader.terms[-1].effect.replace(**more))
+    windows = bench.windows((*leader.terms[:-1], term))
+    found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
+    at = np.array([found.get((n.name, n.run), n.start) for n in windows.numbers])
+    fit = fitted(
+        replace(leader.fit, windows=windows, at=at), bench.policy, bench.policy.candidate_steps, held=2
+    )
+    return _trial(bench, base, fit, term)
 
 
 def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
