@@ -38,13 +38,21 @@ function(stickslip_settings target)
   endif()
 endfunction()
 
+# macOS may build for another processor than the one it runs on
+set(STICKSLIP_TARGET "${CMAKE_OSX_ARCHITECTURES}")
+if(NOT STICKSLIP_TARGET)
+  set(STICKSLIP_TARGET ${CMAKE_SYSTEM_PROCESSOR})
+endif()
+if(STICKSLIP_TARGET MATCHES "^(x86_64|AMD64)$")
+  set(STICKSLIP_X86 ON)
+endif()
 set(STICKSLIP_ISAS baseline avx2 avx512 CACHE STRING "instruction sets to compile the kernel for")
 
 # Compile `sources` into `library` for one instruction set, in the namespace stickslip::<isa>, for
 # vectors of `lanes` doubles. The other arguments are the compiler flags that select the set. The
 # namespace keeps the linker from merging an inline function of one set with another's.
 function(stickslip_kernel library isa lanes sources)
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+  if(STICKSLIP_X86)
     set(flags ${ARGN})
   elseif(NOT isa STREQUAL "baseline")
     return()
