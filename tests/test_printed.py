@@ -19,7 +19,8 @@ def test_a_cycle_is_one_line_with_its_period():
 
 
 def test_a_branch_is_its_span_and_a_line_for_each_bifurcation(leine):  # noqa: F811
-    first, *rest = repr(leine).splitlines()
+    first, *rest = str(leine).splitlines()
+    assert "\n" not in repr(leine)
     assert first.startswith(
         f"<Branch: {leine.parameter} {leine.values.min():.6g} to {leine.values.max():.6g}; "
     )

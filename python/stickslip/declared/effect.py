@@ -21,6 +21,7 @@ from stickslip.declared.catalogue import (
 )
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
+from stickslip.objects import Displayed, Drawn
 
 __all__ = [
     "CATALOGUE",
@@ -41,7 +42,7 @@ TabulatedVariable = Literal["x1", "x2", "y1", "y2", "v_w", "t"]
 
 
 @dataclass(frozen=True)
-class Effect:
+class Effect(Displayed):
     """One effect of the catalogue with its numbers; made by `effect`."""
 
     name: str
@@ -101,7 +102,7 @@ def effect(name: str, **parameters: float) -> Effect:
 
 
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(Drawn):
     """A smooth curve g of one variable, for what has no name; made by `tabulated`.
 
     On `block` and `angle_body` it adds the force +g in the bracket's units; at the `contact` friction, static

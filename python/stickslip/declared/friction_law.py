@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.declared.dimensions import Dimension
 from stickslip.errors import number
+from stickslip.objects import Drawn
 
 Floats = NDArray[np.float64]
 Value = Any  # a float or complex number, or an array of either
@@ -35,7 +36,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class FrictionLaw:
+class FrictionLaw(Drawn):
     """What the laws share: the branch is chosen by the sign of v_w.
 
     `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those

@@ -31,6 +31,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import read_toml, write_text
 from stickslip.declared.units import DIMENSIONS, Channel
 from stickslip.errors import InputError, Place, did_you_mean, number, unknown
+from stickslip.objects import Drawn
 
 NOT_IN_MODEL = ("belt_speed",)  # named like parameters in sweeps and sensitivities, but given to `simulate`
 
@@ -52,8 +53,8 @@ _GENERAL_HEADER = """\
 
 
 @explained
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False)
+class Model(Drawn):
     """A rig, its friction law and its effects.
 
     Parameters

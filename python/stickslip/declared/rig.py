@@ -19,6 +19,7 @@ from stickslip.declared.dimensions import (
 )
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
+from stickslip.objects import Displayed
 
 Coupling = Literal["reciprocal", "as_printed"]
 NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")  # the numbers of (2.1)
@@ -27,7 +28,7 @@ LONG = {"m": "mass", "k": "stiffness", "c": "damping"}  # of what a file may cal
 
 @explained
 @dataclass(frozen=True)
-class Scales:
+class Scales(Displayed):
     """What is 1 in (2.1), in SI: every reading and every number of a model is turned with these.
 
     Parameters
@@ -69,7 +70,7 @@ class Scales:
 
 @explained
 @dataclass(frozen=True, kw_only=True)
-class Rig:
+class Rig(Displayed):
     """Block on a belt, coupled to an angle body, nondimensional as in (2.1).
 
     State (x1, x2, y1, y2): block displacement and velocity, leg displacement and velocity.
@@ -215,7 +216,7 @@ class Rig:
 
 @explained
 @dataclass(frozen=True, kw_only=True)
-class BlockOnBelt:
+class BlockOnBelt(Displayed):
     """A block on a spring on a belt: mass x1'' = -stiffness x1 - damping x1' - T(v_w).
 
     State (x1, x2). A belt with positive speed drags the block towards positive x1, so x1 is the spring's
@@ -253,7 +254,7 @@ class BlockOnBelt:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DrivenSlider:
+class DrivenSlider(Displayed):
     """An inertia with friction and no spring, moved by a known force: mass x2' = drive - damping x2 - T(x2).
 
     State (x1, x2). There is no belt: the sliding velocity v_w is x2. Numbers in SI give results in SI.

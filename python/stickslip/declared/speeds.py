@@ -16,13 +16,14 @@ from stickslip.declared.formula.range import check_range
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted, switches
 from stickslip.declared.formula.value import Value, value
 from stickslip.errors import InputError, number
+from stickslip.objects import Drawn
 
 _T = Name("t")
 
 
 @explained
-@dataclass(frozen=True)
-class Speed:
+@dataclass(frozen=True, repr=False)
+class Speed(Drawn):
     """A speed over time, in pieces that are formulas of t; `of`, `steps` and `measured` make one.
 
     Attributes

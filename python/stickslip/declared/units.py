@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
 from stickslip.errors import InputError, number
+from stickslip.objects import Displayed
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -25,7 +26,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
 
 
 @dataclass(frozen=True)
-class Channel:
+class Channel(Displayed):
     """How a quantity was recorded: reading = scale * column, in `unit`.
 
     Parameters

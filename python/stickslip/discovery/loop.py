@@ -105,9 +105,9 @@ def discover(
     runs = (*case.train, *case.validate)  # a case without them is refused before anything is said
     tell("looking at the readings")
     copied = copied_words(runs) if isinstance(case.rig, Rig) else ()
-    case, less = thinned_case(case, MOST_SAMPLES)
-    found = _searched(case, copied, tell, threads, seed, budget)
-    return replace(found, thinned=less, messages=(*sentences(less), *found.messages))
+    thin, less = thinned_case(case, MOST_SAMPLES)
+    found = _searched(thin, copied, tell, threads, seed, budget)
+    return replace(found, case=case, thinned=less, messages=(*sentences(less), *found.messages))
 
 
 def _searched(

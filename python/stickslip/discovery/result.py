@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import Enum
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.errors import InputError
+from stickslip.measured.case import Case
 from stickslip.measured.thinning import Thinned
+from stickslip.objects import Drawn, reporter
 
 Floats = NDArray[np.float64]
 SEEN = 4  # samples in stick, at least, of a block that sticks
@@ -266,8 +271,8 @@ class Gate:
     draws: Floats
 
 
-@dataclass(frozen=True)
-class Found:
+@dataclass(frozen=True, eq=False, repr=False)
+class Found(Drawn):
     """What `stickslip.discover` returns.
 
     Attributes
@@ -293,6 +298,7 @@ class Found:
     scatter : relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the
         "belt"; empty where every event is like every other.
     thinned : what was done to runs too long to be fitted reading by reading.
+    case : what was searched; `write_report` needs it.
     """
 
     title: str
@@ -315,6 +321,7 @@ class Found:
     constants: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
     scatter: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
     thinned: tuple[Thinned, ...] = field(default=(), kw_only=True)
+    case: Case | None = field(default=None, kw_only=True)
 
     @property
     def model(self) -> Model:
@@ -338,10 +345,34 @@ class Found:
         )
         return "slips" if left < LEFT and np.mean(mode != 0) < SELDOM else None
 
+    def write_report(self, out: str | os.PathLike[str], *, force: bool = False) -> list[Path]:
+        """Write report.html, report.json, the models and the figures into a folder, made if absent.
+
+        Parameters
+        ----------
+        out
+            The folder. Files of an earlier result in it are replaced.
+        force
+            Replace files of these names that no earlier result put there, too.
+
+        Returns
+        -------
+        list of Path
+            What was written; report.html first.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be written to, or holds somebody's own files of these names.
+        """
+        if self.case is None:
+            raise InputError("holds no case, as one that `discover` returns does", key="found")
+        return reporter()(self, self.case, out, force=force)
+
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python: numbers, strings, lists and dicts only (no arrays of readings)."""
-        skipped = {"before", "after", "runs", "spectrum", "constants"}
+        skipped = {"before", "after", "runs", "spectrum", "constants", "case"}
         items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
         return {name: plain(value) for name, value in items.items()}
 

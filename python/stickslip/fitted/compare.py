@@ -27,12 +27,13 @@ from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import Array
 from stickslip.measured.prepared import Measured, Motion
+from stickslip.objects import Drawn
 
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, repr=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Drawn):
     """Result of `compare`.
 
     Attributes

@@ -20,6 +20,7 @@ from stickslip.files import folder
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
 from stickslip.measured.thinning import Thinned
+from stickslip.objects import Drawn
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -110,8 +111,8 @@ class Events:
     run: Array
 
 
-@dataclass(frozen=True, repr=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(Drawn):
     """Result of `stickslip.fitted.identify.identify`.
 
     Attributes

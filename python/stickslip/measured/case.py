@@ -26,6 +26,7 @@ from stickslip.errors import InputError, Place, did_you_mean, nearest, number
 from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
 from stickslip.measured.findings import Finding, FindingKind
 from stickslip.measured.recording import Recording, Role, load_recording
+from stickslip.objects import Drawn
 
 __all__ = ["Case", "Channel", "Finding", "FindingKind", "Recording", "Role", "load_case", "load_recording"]
 
@@ -62,7 +63,7 @@ LONGEST = 255  # bytes of a file's name on every usual file system
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Case:
+class Case(Drawn):
     """A rig and its runs.
 
     Attributes

@@ -36,6 +36,7 @@ from stickslip.measured.findings import (
 )
 from stickslip.measured.readers.tables import Columns, Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
+from stickslip.objects import Sampled
 
 Floats = NDArray[np.float64]
 Role = Literal["train", "validate"]
@@ -44,7 +45,7 @@ FEWEST = 8  # samples below which no derivative, let alone a law, can be had
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording:
+class Recording(Sampled):
     """One recorded run of a rig.
 
     Arrays are the model's numbers: nondimensional for a `Rig`, SI (m, s) for a `BlockOnBelt` declared in SI.

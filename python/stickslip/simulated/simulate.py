@@ -144,7 +144,7 @@ def simulate(
         fixed_step=0.0 if step is None else number("step", step, above=0),
         **shared,
     )
-    return _trajectory(raw, model, names)
+    return _trajectory(raw, model, names, speed)
 
 
 def _span(t_start: float, t_end: float) -> tuple[float, float]:
@@ -228,7 +228,7 @@ def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
     return clipped
 
 
-def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...]) -> Trajectory:
+def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...], speed: float) -> Trajectory:
     d = len(model.rig.state_names)
     state: Floats = raw["state"]
     sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
@@ -260,6 +260,8 @@ def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...]) -> Tr
         sensitivity_names=names,
         state_names=model.rig.state_names,
         hidden_names=_owned(model),
+        model=model,
+        belt_speed=speed,
     )
 
 

@@ -64,7 +64,7 @@ def simulate_any(
     raw = _core.simulate_bodies(
         **lowered.arguments, values=lowered.started(z), modes=modes, t_eval=times, seeds=seeds, **settings
     )
-    return _trajectory(raw, lowered, names)
+    return _trajectory(raw, lowered, names, belt_speed)
 
 
 def split_initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str, float]]:
@@ -98,7 +98,9 @@ def _modes(own: General, contact: str | Sequence[str]) -> list[int]:
     return [CONTACTS[one] for one in each]
 
 
-def _trajectory(raw: dict[str, Any], lowered: LoweredBodies, names: tuple[str, ...]) -> Trajectory:
+def _trajectory(
+    raw: dict[str, Any], lowered: LoweredBodies, names: tuple[str, ...], belt_speed: object
+) -> Trajectory:
     own = lowered.own
     n, order = len(own.equations.names), list(own.order)
     hidden = slice(2 * n, 2 * n + len(own.hidden))
@@ -131,6 +133,8 @@ def _trajectory(raw: dict[str, Any], lowered: LoweredBodies, names: tuple[str, .
         sensitivity_names=names,
         state_names=own.state_names,
         hidden_names=own.hidden,
+        model=lowered.model,
+        belt_speed=None if belt_speed is None else Speed.of(belt_speed),
         contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
     )
 

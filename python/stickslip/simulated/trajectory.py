@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    import pandas as pd
+from stickslip.declared.model import Model
+from stickslip.declared.speeds import Speed
+from stickslip.objects import Drawn, Sampled
 
 Floats = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -44,8 +44,8 @@ class Status(Enum):
 MODE_NAMES = {0: "stick", -1: "slip -", 1: "slip +"}
 
 
-@dataclass(frozen=True, repr=False)
-class Transitions:
+@dataclass(frozen=True, eq=False, repr=False)
+class Transitions(Drawn):
     """Changes of the contact mode, in time order; printed, one a line.
 
     Attributes
@@ -80,8 +80,8 @@ class Transitions:
         return f"<Transitions: {len(self)}{span}>"
 
 
-@dataclass(frozen=True, repr=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Sampled):
     """What `simulate` returns.
 
     Attributes
@@ -100,6 +100,9 @@ class Trajectory:
     sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
     hidden_names : hidden states that an effect or a law of the model has; of the others nothing hangs.
     contact_names : contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
+    model, belt_speed : what was simulated.
+
+    States and hidden states go by their names, too: `run.x1` is the column of `state`.
     """
 
     t: Floats
@@ -116,14 +119,25 @@ class Trajectory:
     state_names: tuple[str, ...]
     hidden_names: tuple[str, ...]
     contact_names: tuple[str, ...] = ()
+    model: Model | None = None
+    belt_speed: float | Speed | None = None
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """A row for each time: t, the states by their names, mode (or mode_<contact> each), and hidden states."""
-        import pandas as pd  # slow to import
+    def __getattr__(self, name: str) -> Floats:
+        """A state, a mode or a hidden state by its name, (n,)."""
+        own = self.__dict__
+        if not name.startswith("_") and "state_names" in own:  # it has none while it is unpickled
+            if name in self.state_names:
+                return self.state[:, self.state_names.index(name)]
+            if name in self.hidden_names:
+                return self.hidden[name]
+            if name in self.modes:
+                return np.asarray(self.modes[name])
+        names = [*own.get("state_names", ()), *own.get("hidden_names", ())]
+        said = f"; its states are {', '.join(names)}" if names else ""
+        raise AttributeError(f"a Trajectory has no '{name}'{said}", name=name, obj=self)
 
-        states = dict(zip(self.state_names, self.state.T, strict=True))
-        hidden = {name: self.hidden[name] for name in self.hidden_names}
-        return pd.DataFrame({"t": self.t, **states, **self.modes, **hidden})
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.state_names, *self.hidden_names, *self.modes]
 
     @property
     def modes(self) -> dict[str, Modes]:

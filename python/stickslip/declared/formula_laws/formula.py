@@ -15,12 +15,13 @@ from stickslip.declared.formula.value import value
 from stickslip.declared.formula_law import LawByFormula, quantity
 from stickslip.declared.law_form import READS, VARIABLES, BranchForm, LawForm, StateForm
 from stickslip.errors import InputError, did_you_mean
+from stickslip.objects import Displayed
 
 FORMULAS = ("kinetic", "static", "force", "kinetic_plus", "static_plus", "force_plus")
 
 
 @dataclass(frozen=True)
-class LawState:
+class LawState(Displayed):
     """A state of a law of one's own.
 
     Parameters

@@ -24,13 +24,14 @@ from stickslip.declared.rigs.general import (
     check_names,
 )
 from stickslip.errors import InputError, did_you_mean, number
+from stickslip.objects import Displayed
 
 P = TypeVar("P", bound="Part")
 Size = float | str
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class Part(Displayed):
     """A part of a rig: its numbers, given bare in SI or as text with a unit, become floats in SI."""
 
     sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {}  # its numbers, and their bounds

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.dimensions import Dimension
 from stickslip.errors import InputError, ModelWarning
+from stickslip.objects import Displayed
 
 Floats = NDArray[np.float64]
 Against = Literal["ground", "belt"]
@@ -88,7 +89,7 @@ class Equations:
         return any(one.against == "belt" for one in self.contacts)
 
 
-class GeneralRig:
+class GeneralRig(Displayed):
     """A rig that is declared by its parts or by its matrices."""
 
     kind: ClassVar[str]

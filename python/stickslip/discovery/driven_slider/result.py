@@ -32,7 +32,7 @@ class ForceView:
     after: Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DrivenFound(Found):
     """What `stickslip.discover` returns for a driven slider.
 
@@ -49,5 +49,5 @@ class DrivenFound(Found):
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python."""
-        skipped = {"before", "after", "runs", "spectrum", "constants", "views", "waves"}
+        skipped = {"before", "after", "runs", "spectrum", "constants", "views", "waves", "case"}
         return {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}

@@ -28,9 +28,18 @@ def plain(values: ArrayLike, unit: str, place: Place) -> Floats:
     """
     if (own := getattr(values, "units", None)) is not None and hasattr(values, "magnitude"):
         return plain(values.magnitude, unit, place) * ratio(str(own), unit, place)
-    if isinstance(said := getattr(values, "attrs", None), Mapping) and said.get("units"):
-        return _column(values, place, unit) * ratio(str(said["units"]), unit, place)
+    if own := _declared(values, place.column):
+        return _column(values, place, unit) * ratio(own, unit, place)
     return _column(values, place, unit)
+
+
+def _declared(values: object, column: str | None) -> str:
+    """The unit in a column's attributes; those of a data frame, by its columns' names, are attributes of each."""
+    said = getattr(values, "attrs", None)
+    own = said.get("units") if isinstance(said, Mapping) else None
+    if isinstance(own, Mapping):
+        own = own.get(column)
+    return "dimensionless" if own == "1" else str(own or "")
 
 
 def _column(values: ArrayLike, place: Place, unit: str) -> Floats:

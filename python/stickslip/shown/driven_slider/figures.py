@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.discovery.driven_slider.result import DrivenFound, ForceView
 from stickslip.shown.plot.curves import GREY, LIMIT, MEASURED, SIMULATED, STYLE
+from stickslip.shown.plot.drawing import Drawing
 from stickslip.simulated.driven_slider import Slider
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,7 @@ DOTS = 5000
 
 def friction(found: DrivenFound) -> Figure:
     """What drive and inertia leave, against velocity, and the friction of both models."""
-    figure = Figure(figsize=(7.6, 4.2), layout="constrained")
+    figure = Drawing(figsize=(7.6, 4.2), layout="constrained")
     ax = figure.subplots()
     v = np.concatenate([one.v for one in found.views])
     force = np.concatenate([one.friction for one in found.views])
@@ -67,7 +68,7 @@ def _models(found: DrivenFound) -> list[tuple[Model, str, str, str]]:
 def in_time(found: DrivenFound) -> Figure:
     """Force that either model leaves unexplained, on a validate run."""
     view = _shown(found)
-    figure = Figure(figsize=(7.6, 4.4), layout="constrained")
+    figure = Drawing(figsize=(7.6, 4.4), layout="constrained")
     axes = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.6))
     axes[0].plot(view.t, view.force, color=MEASURED, lw=0.8)
     axes[0].set_ylabel("drive [N]")
@@ -91,7 +92,7 @@ def _shown(found: DrivenFound) -> ForceView:
 
 def wavelengths(found: DrivenFound) -> Figure:
     """What a force periodic in position would explain, over its wavelength."""
-    figure = Figure(figsize=(7.6, 3.4), layout="constrained")
+    figure = Drawing(figsize=(7.6, 3.4), layout="constrained")
     ax = figure.subplots()
     length = 1e3 * found.waves["wavelength"]
     ax.plot(
@@ -116,7 +117,7 @@ def _gate(ax: Axes, found: DrivenFound) -> None:
 
 def spectrum(found: DrivenFound) -> Figure:
     """Power of the residual over that of the process noise, over frequency."""
-    figure = Figure(figsize=(7.6, 3.2), layout="constrained")
+    figure = Drawing(figsize=(7.6, 3.2), layout="constrained")
     ax = figure.subplots()
     f = found.spectrum["frequency"] / (2 * np.pi)
     ax.semilogy(f, found.spectrum["before"], color=BEFORE, lw=1.0, label="declared model")
@@ -132,7 +133,7 @@ def spectrum(found: DrivenFound) -> Figure:
 
 def weights(found: DrivenFound) -> Figure:
     """What each effect explains, the best wrong one in its place, and the gate."""
-    figure = Figure(figsize=(7.6, 0.36 * len(found.effects) + 1.2), layout="constrained")
+    figure = Drawing(figsize=(7.6, 0.36 * len(found.effects) + 1.2), layout="constrained")
     ax = figure.subplots()
     names = [one.name if one.curve is None else f"curve of {one.depends_on[0]}" for one in found.effects]
     for y, one in enumerate(found.effects):

@@ -18,11 +18,11 @@ WIDTH, HEIGHT = 8.0, 1.8  # inches, of the figure and of a row of it
 
 def coordinates(run: Trajectory, rig: GeneralRig) -> Figure:
     """Draw the coordinates (left) and velocities (right) of a run, a row each; grey where a contact of it sticks."""
-    from matplotlib.figure import Figure
+    from stickslip.shown.plot.drawing import Drawing
 
     own = rig.equations
     n = len(own.names)
-    figure = Figure(figsize=(WIDTH, HEIGHT * n + 0.6), layout="constrained")
+    figure = Drawing(figsize=(WIDTH, HEIGHT * n + 0.6), layout="constrained")
     axes = figure.subplots(n, 2, sharex=True, squeeze=False)
     for i, (name, unit) in enumerate(zip(own.names, own.units, strict=True)):
         for k, (label, scale) in enumerate(

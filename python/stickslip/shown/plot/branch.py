@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from stickslip.arguments import must_be
 from stickslip.errors import InputError, did_you_mean
 from stickslip.shown.plot.curves import BAND, GREY, LIMIT, MEASURED, SIMULATED, STYLE
+from stickslip.shown.plot.drawing import Drawing
 from stickslip.shown.plot.sweep import SYMBOLS
 from stickslip.simulated.orbits.branch import Branch, Kind
 from stickslip.simulated.orbits.flow import Floats
@@ -63,7 +64,7 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
         "stick_time": branch.stick_time,
     }
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 3.6), layout="constrained")
+        figure = Drawing(figsize=(5.6, 3.6), layout="constrained")
         ax = figure.subplots()
         _lines(ax, branch, columns[quantity])
         _marks(ax, branch, columns[quantity])

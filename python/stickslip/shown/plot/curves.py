@@ -24,6 +24,7 @@ from stickslip.fitted.identified import BRANCHES, Branch, Identified
 from stickslip.measured.fit_window import Array
 from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import Track
+from stickslip.shown.plot.drawing import Drawing
 from stickslip.simulated.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def _styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 
 def _figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Drawing(figsize=(width, height), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, sharex="col" if rows > 1 else "none")
     for ax in axes.ravel():
         ax.locator_params(nbins=6)
@@ -290,7 +291,7 @@ def trajectory(
     run: Trajectory,
     names: tuple[str, ...],
     *,
-    belt_speed: float,
+    belt_speed: float | None,
     units: Mapping[Quantity, Scale] | None = None,
 ) -> Figure:
     """A simulation: the block over time with its transitions, and its phase portrait.
@@ -300,7 +301,7 @@ def trajectory(
     Parameters
     ----------
     run, names, belt_speed
-        The run, the names of its states, and v_b; in the model's numbers.
+        The run, the names of its states, and v_b, None where that changes; in the model's numbers.
     units
         How they are drawn, from `stickslip.declared.scale.scales`; as they are if absent.
     """
@@ -333,7 +334,8 @@ def trajectory(
             x.size * state[~late, 0], v.size * state[~late, 1], color=GREY, lw=0.6, label="before these"
         )
     right.plot(x.size * state[late, 0], v.size * state[late, 1], color=SIMULATED, lw=1.0)
-    right.axhline(v.size * belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    if belt_speed is not None:
+        right.axhline(v.size * belt_speed, color=GREY, lw=0.8, ls=(0, (4, 3)), zorder=0)
     right.set_xlabel(label("$x_1$", x.unit))
     right.set_ylabel(label("$x_2$", v.unit))
     figure.legend(loc="outside upper center", ncols=5)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, did_you_mean, number
 from stickslip.shown.plot.curves import GREY, MEASURED, STYLE, label
+from stickslip.shown.plot.drawing import Drawing
 from stickslip.shown.plot.sweep_axes import coordinate, observed, second, starts, two
 from stickslip.simulated.sweep.observables import OBSERVABLES
 
@@ -80,7 +81,7 @@ def bifurcation_diagram(
     value = points.isel(state=states.index(state))
     x = ds[along].broadcast_like(value)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 4.2), layout="constrained")
+        figure = Drawing(figsize=(7.2, 4.2), layout="constrained")
         ax = figure.subplots()
         look: dict[str, Any] = {
             "s": 4.0 if value.size < 20000 else 1.0,
@@ -129,7 +130,7 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
     down, across = two(ds, [str(dim) for dim in values.dims])
     done = (observed(ds, "status") == 0).transpose(*values.dims).values
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 4.6), layout="constrained")
+        figure = Drawing(figsize=(6.0, 4.6), layout="constrained")
         ax = figure.subplots()
         whole = OBSERVABLES[variable].dtype.startswith("int") if variable in OBSERVABLES else False
         shown = np.where(done, values.values, np.nan) if variable != "status" else values.values.astype(float)
@@ -168,7 +169,7 @@ def basin(ds: xr.Dataset, *, tolerance: float = 1e-3) -> Figure:
     flat = np.where((status.values.ravel() == 0)[:, None], flat, np.nan)
     which, kinds, lumped = attractors(flat, tolerance)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 4.6), layout="constrained")
+        figure = Drawing(figsize=(6.0, 4.6), layout="constrained")
         ax = figure.subplots()
         colours = ListedColormap([COLOURS[i % len(COLOURS)] for i in range(max(1, len(kinds)))])
         limits: dict[str, Any] = {"vmin": -0.5, "vmax": max(1, len(kinds)) - 0.5}

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from stickslip.discovery.result import Found, FoundEffect, RunView, Verdict
 from stickslip.shown.plot.curves import GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
+from stickslip.shown.plot.drawing import Drawing
 from stickslip.shown.report.motion import Measured, broken, measured
 from stickslip.shown.report.units import Axes
 from stickslip.shown.report.words import guessed, joined
@@ -38,7 +39,7 @@ def styled(draw: Callable[[Found, Axes], Figure]) -> Callable[[Found, Axes], Fig
 
 def sheet(width: float, height: float) -> Figure:
     """An empty figure."""
-    return Figure(figsize=(width, height), layout="constrained")
+    return Drawing(figsize=(width, height), layout="constrained")
 
 
 def after_name(found: Found) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.objects import Displayed, Sampled
 from stickslip.simulated.orbits.flow import Floats
 from stickslip.simulated.orbits.limit_cycle import LimitCycle
 from stickslip.simulated.orbits.steady_sliding import Complexes
@@ -25,8 +26,8 @@ SAME_WAY = 0.9  # cosine of the angle to where it left
 FEWEST = 4  # points of a loop
 
 
-@dataclass(frozen=True, repr=False)
-class SpecialPoint:
+@dataclass(frozen=True, eq=False, repr=False)
+class SpecialPoint(Displayed):
     """A bifurcation on a branch; printed, one line.
 
     Attributes
@@ -60,8 +61,8 @@ class SpecialPoint:
         return f"<{self.kind} at {self.value:.9g}: period {self.cycle.period:.6g}{more}>"
 
 
-@dataclass(frozen=True, repr=False)
-class Branch:
+@dataclass(frozen=True, eq=False, repr=False)
+class Branch(Sampled):
     """Limit cycles along a branch, in the order in which it was traced from its lower start to its end; printed, its
     span and a line for each bifurcation.
 
@@ -111,8 +112,11 @@ class Branch:
             f"{self.parameter} {self.values.min():.6g} to {self.values.max():.6g}" if len(self) else "empty"
         )
         kept = f"{np.count_nonzero(self.stable)} of {len(self)} points stable"
-        lines = [f"<Branch: {span}; {kept}; ends: {', '.join(self.ends)}>", *map(repr, self.special)]
-        return "\n  ".join(lines)
+        special = f"; {len(self.special)} bifurcations" if self.special else ""
+        return f"<Branch: {span}; {kept}{special}; ends: {', '.join(self.ends)}>"
+
+    def __str__(self) -> str:
+        return "\n  ".join([repr(self), *map(repr, self.special)])
 
     def to_xarray(self) -> xr.Dataset:
         """Return the branch as a dataset over `point`; special points in the attributes."""

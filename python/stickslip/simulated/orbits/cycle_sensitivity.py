@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.arguments import explained, must_be, texts
+from stickslip.objects import Displayed
 from stickslip.simulated.orbits.branch_equations import Problem
 from stickslip.simulated.orbits.flow import Floats, Flow
 from stickslip.simulated.orbits.limit_cycle import LimitCycle
 
 
-@dataclass(frozen=True)
-class CycleSensitivity:
+@dataclass(frozen=True, eq=False, repr=False)
+class CycleSensitivity(Displayed):
     """Derivatives of a limit cycle.
 
     Attributes

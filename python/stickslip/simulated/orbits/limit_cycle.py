@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained, whole_number
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, StickslipError, number
+from stickslip.objects import Drawn
 from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow, wiped_out
 from stickslip.simulated.orbits.steady_sliding import Complexes, NoLimitCycleError, equilibrium
 from stickslip.simulated.trajectory import Trajectory, Transitions
@@ -28,8 +29,8 @@ LOOK_BACK = 40  # crossings of the section in which a repetition is looked for
 SAMPLES = 48  # a natural period, when looking for crossings
 
 
-@dataclass(frozen=True, repr=False)
-class LimitCycle:
+@dataclass(frozen=True, eq=False, repr=False)
+class LimitCycle(Drawn):
     """A periodic motion, stable or not.
 
     Attributes

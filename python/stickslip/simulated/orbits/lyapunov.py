@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, number
+from stickslip.objects import Sampled
 from stickslip.simulated.orbits.flow import Contact, Floats, Flow, wiped_out
 
 Flags = NDArray[np.bool_]
@@ -27,8 +28,8 @@ SHOWS = 1e3  # of the simulation's tolerance, that may show in what a stick has 
 MOST_HALVINGS = 12  # of an interval
 
 
-@dataclass(frozen=True)
-class LyapunovSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class LyapunovSpectrum(Sampled):
     """Mean growth rates of small disturbances.
 
     Attributes

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, StickslipError, number
+from stickslip.objects import Displayed
 from stickslip.simulated.orbits.flow import Contact, Floats, Flow
 
 Complexes = NDArray[np.complex128]
@@ -17,8 +18,8 @@ Complexes = NDArray[np.complex128]
 NEWTON_STEPS = 30
 
 
-@dataclass(frozen=True)
-class SteadySliding:
+@dataclass(frozen=True, eq=False, repr=False)
+class SteadySliding(Displayed):
     """The equilibrium in which the block rests and the belt slides under it.
 
     Attributes

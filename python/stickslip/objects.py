@@ -1,0 +1,99 @@
+"""What a person holds of this package: one line printed, a table in a notebook, a figure, a frame, equality by value.
+
+`stickslip.shown.objects` says of each kind what its title and its rows are. It stands below the rooms that make the
+objects, so it is named here as text and loaded when somebody looks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+DESCRIBED_BY = "stickslip.shown.objects"
+REPORTED_BY = "stickslip.shown.report.write"
+
+
+def _described(one: object) -> Any:
+    return import_module(DESCRIBED_BY).describe(one)
+
+
+def reporter() -> Callable[..., list[Path]]:
+    """What writes the report of a `Found`."""
+    write: Callable[..., list[Path]] = import_module(REPORTED_BY).write_report
+    return write
+
+
+class Displayed:
+    """An object that says what it is: printed in a line, as a table in a notebook, as a data frame."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {_described(self).title}>"
+
+    def _repr_html_(self) -> str:
+        return str(_described(self).html())
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The object's table, or its samples: a row each; units are in `attrs`."""
+        frame: pd.DataFrame = _described(self).frame()
+        return frame
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return self is other or same(self, other)
+
+    def __hash__(self) -> int:
+        assert is_dataclass(self)
+        plain = (getattr(self, one.name) for one in fields(self))
+        return hash((type(self).__name__, *(x for x in plain if isinstance(x, str | int | float | Enum))))
+
+
+class Drawn(Displayed):
+    """One that can be drawn."""
+
+    def plot(self) -> Figure:
+        """Draw it.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A notebook shows it; `figure.savefig(path)` writes it.
+        """
+        figure: Figure = _described(self).figure()
+        return figure
+
+
+class Sampled(Drawn):
+    """One that has samples over time, or over another variable."""
+
+    def to_xarray(self) -> xr.Dataset:
+        """The samples as a dataset over the first of them; each has its unit in its attribute `units`."""
+        dataset: xr.Dataset = _described(self).dataset()
+        return dataset
+
+
+def same(one: object, other: object) -> bool:
+    """Are two values equal, arrays element by element, NaN equal to NaN?"""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        a, b = np.asarray(one), np.asarray(other)
+        return a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+    if type(one) is not type(other):
+        return False
+    if is_dataclass(one) and not isinstance(one, type):
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one) if f.compare)
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other) or (isinstance(one, float) and one != one and other != other)

@@ -1,0 +1,91 @@
+"""Channels, recordings and cases."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from stickslip.declared.scale import scales
+from stickslip.declared.units import Channel
+from stickslip.measured.case import Case
+from stickslip.measured.recording import Recording
+from stickslip.shown.objects.description import Cell, Description, Samples, describe
+from stickslip.shown.plot.curves import DOTS, MEASURED, label
+
+Row = tuple[Cell, ...]
+
+
+@describe.register
+def _channel(one: Channel) -> Description:
+    rows: list[Row] = [("column", one.column), ("unit", one.unit), ("scale", one.scale)]
+    return Description(title=f"Channel from column '{one.column}'", heads=("what", "as declared"), rows=rows)
+
+
+@describe.register
+def _recording(one: Recording) -> Description:
+    units, t = scales(one.rig, one.channels), one.raw["t"]
+    rows: list[Row] = [
+        (
+            name,
+            channel.column,
+            float(one.raw[name].min()) if len(one) else None,
+            float(one.raw[name].max()) if len(one) else None,
+            _bare(channel.unit),
+            _noise(one, name),
+        )
+        for name, channel in one.channels.items()
+    ]
+    samples = Samples(
+        {name: one.raw[name] for name in ("t", *(key for key in one.channels if key != "t"))},
+        {name: channel.unit for name, channel in one.channels.items()},
+    )
+    apart = (
+        f", {float(np.median(np.diff(t))):.4g} {_bare(one.channels['t'].unit)} apart" if len(one) > 1 else ""
+    )
+    belt = "" if one.drive is not None else f"; belt speed {units['belt'].of(one.belt_speed)}"
+    return Description(
+        title=f"Recording '{one.name}' ({one.role}): {len(one)} samples{apart}{belt}",
+        heads=("channel", "column", "least", "greatest", "unit", "noise"),
+        rows=rows,
+        notes=[str(finding) for finding in one.findings],
+        samples=samples,
+        draw=lambda ax: _over_time(ax, one),
+    )
+
+
+def _bare(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+def _noise(one: Recording, name: str) -> float | None:
+    """Standard deviation in the column's numbers."""
+    known = one.noise.get("x1" if name == "spring_force" else name)
+    return None if known is None or name == "t" else float(known / abs(one.factors[name]))
+
+
+def _over_time(ax: Axes, one: Recording) -> None:
+    name = next(key for key in ("x1", "spring_force", *one.channels) if key in one.channels and key != "t")
+    step = max(1, len(one) // DOTS)
+    ax.plot(one.raw["t"][::step], one.raw[name][::step], color=MEASURED, lw=0.8)
+    ax.set_xlabel(label("t", one.unit("t")))
+    ax.set_ylabel(label(name.replace("_", " "), one.channels[name].unit))
+
+
+@describe.register
+def _case(one: Case) -> Description:
+    rows: list[Row] = []
+    for run in one.runs:
+        units = scales(run.rig, run.channels)
+        span = units["t"].of(float(run.t[-1] - run.t[0]), 4) if len(run) else "nothing"
+        rows.append(
+            (run.name, run.role, units["belt"].of(run.belt_speed), len(run), span, len(run.findings) or None)
+        )
+    law = one.declared_law
+    declared = "no law declared" if law is None else f"{law.kind} friction"
+    return Description(
+        title=f"Case '{one.title}': {type(one.rig).__name__}, {declared}, {len(one.runs)} runs",
+        heads=("run", "role", "belt speed", "samples", "over", "findings"),
+        rows=rows,
+        notes=one.findings,
+        draw=lambda ax: _over_time(ax, one.runs[0]),
+    )
