@@ -25,6 +25,10 @@ class Apart:
     V: Sequence[Callable[[float], tuple[float, float]]]  # speed and its rate
     force: Floats
 
+    def load(self, t: float, z: Floats) -> Floats:  # noqa: ARG002  # of a rig that is pulled it depends on both
+        """Force on the coordinates beside springs, dampers and friction."""
+        return self.force
+
     def holding(self, t: float, z: Floats, modes: Sequence[int]) -> Floats:
         """T of every contact: the law's where it slips, what holds it where it sticks."""
         n = len(self.M)
@@ -34,7 +38,7 @@ class Apart:
                 T[j] = s * self.kinetic[j](s * float(self.D[j] @ z[n:] - self.V[j](t)[0]))
         stuck = [j for j, s in enumerate(modes) if s == 0]
         if stuck:
-            free = np.linalg.solve(self.M, self.force - self.C @ z[n:] - self.K @ z[:n] - self.D.T @ T)
+            free = np.linalg.solve(self.M, self.load(t, z) - self.C @ z[n:] - self.K @ z[:n] - self.D.T @ T)
             D = self.D[stuck]
             G = D @ np.linalg.solve(self.M, D.T)
             T[stuck] = np.linalg.solve(G, D @ free - [self.V[j](t)[1] for j in stuck])
@@ -42,7 +46,7 @@ class Apart:
 
     def field(self, t: float, z: Floats, modes: Sequence[int]) -> Floats:
         n = len(self.M)
-        total = self.force - self.C @ z[n:] - self.K @ z[:n] - self.D.T @ self.holding(t, z, modes)
+        total = self.load(t, z) - self.C @ z[n:] - self.K @ z[:n] - self.D.T @ self.holding(t, z, modes)
         return np.concatenate([z[n:], np.linalg.solve(self.M, total)])
 
     def margins(self, t: float, z: Floats, modes: Sequence[int]) -> dict[tuple[int, int], float]:

@@ -24,6 +24,8 @@ def cases(tmp_path: Path) -> list[Case]:
         header = "time,block,angle,belt,s" if "block_on_belt" not in text else "ms,force,angle,belt,time"
         if "driven_slider" in text:
             header = "ms,position,command,belt,time"
+        if "bodies" in text:
+            header = "ms,angle,speed,top,time"
         for name in ("run_01.csv", "run_02.csv"):
             (folder / name).write_text("\n".join([header, *rows]))
         found.append(load_case(folder))
@@ -31,7 +33,7 @@ def cases(tmp_path: Path) -> list[Case]:
 
 
 def test_the_cases_of_the_page(cases: list[Case]) -> None:
-    two, one, driven = cases
+    two, one, driven, drill = cases
     assert isinstance(two.rig, Rig)
     assert two.rig.scales is not None
     assert two.friction.static_limits == (6.2, 3.63)
@@ -51,6 +53,12 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
     drive = driven.runs[0].drive
     assert drive is not None
     np.testing.assert_allclose(drive, 35.15 * np.cos(0.5 * np.arange(50)), atol=1e-12)
+
+    assert drill.rig.state_names == ("table", "bit", "v_table", "v_bit")
+    assert drill.uncertainty.relative("table.inertia") == 0.01
+    (run,) = drill.runs
+    np.testing.assert_allclose(run.coordinates["bit"], np.deg2rad(np.sin(0.5 * np.arange(50))), atol=1e-12)
+    assert run.speeds["drive_speed"].constant == pytest.approx(12 * 2 * np.pi / 60)
 
 
 def test_columns_in_memory_as_on_the_page(capsys: pytest.CaptureFixture[str]) -> None:

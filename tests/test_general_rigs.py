@@ -267,9 +267,9 @@ def test_what_is_not_possible_yet_with_such_a_model_is_refused_in_a_line(
         ask(model)
 
 
-@pytest.mark.parametrize("law", ["[friction]\nkind = 'stribeck'\nF_c = 1\nF_s = 2\nv_s = 0.1\n", ""])
-def test_a_case_of_such_a_rig_is_refused_in_a_line(tmp_path: Path, law: str) -> None:
-    rig = "[rig]\nkind='block_on_belt'\nm=1\nk=1\n" if law else "[rig]\nkind='bodies'\n[rig.body.a]\nmass=1\n"
+def test_a_case_of_a_named_rig_under_a_formula_is_refused_in_a_line(tmp_path: Path) -> None:
+    law = "[friction]\nkind = 'stribeck'\nF_c = 1\nF_s = 2\nv_s = 0.1\n"
+    rig = "[rig]\nkind='block_on_belt'\nm=1\nk=1\n"
     channels = "[channels]\nt={column='t',unit='s'}\nx1={column='x1',unit='m'}\n"
     (tmp_path / "rig.toml").write_text(
         f"{rig}{law}{channels}[[run]]\nfile='run.csv'\nbelt_speed=0.1\nrole='train'\n"

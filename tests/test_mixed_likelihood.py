@@ -77,11 +77,11 @@ def test_the_slopes_of_the_deviance_are_those_of_differences() -> None:
     windows = products(blocks, [0] * 12, SHARED, OWN, 2)
 
     def deviance(x: Floats) -> float:
-        scatter = Population.at(x[:5])
+        scatter = SCATTER.moved(x[:5])
         return solve(windows, factor(scatter, PLACES), np.exp(x[5:]), MEAN, PRECISION, at).deviance
 
     x = np.concatenate([SCATTER.coordinates() + 0.2, [0.1, -0.2]])
-    free = Deviance(windows, PLACES, (MEAN, PRECISION), at, x[:5], np.full(5, np.inf))
+    free = Deviance(windows, PLACES, (MEAN, PRECISION), at, SCATTER, x[:5], np.full(5, np.inf))
     value, slope = free(x)
     assert value == pytest.approx(deviance(x), rel=1e-12)
     for i in range(len(x)):

@@ -10,13 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cli.printed import console, say_written
-from stickslip.declared.formula.dimension import dimensions, said
-from stickslip.declared.formula.parse import parse
-from stickslip.declared.formula.tree import names
-from stickslip.declared.formula_law import quantity
 from stickslip.declared.model import Model
+from stickslip.declared.prescribed import formula_of_time, sized
 from stickslip.declared.rig import AnyRig
-from stickslip.declared.rigs.general import Equations, GeneralRig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale, read_quantity
 from stickslip.declared.speeds import Speed
 from stickslip.declared.toml_file import read_toml
@@ -57,15 +54,7 @@ def prescribed(text: str, key: str) -> Speed | None:
     """Return the speed that a formula of t or a file tells of; None for what should be a number with a unit."""
     if Path(text).suffix.lower() in (".toml", ".csv"):
         return _steps(text) if Path(text).suffix.lower() == ".toml" else _measured(text, key)
-    try:
-        tree = parse(text)
-    except InputError:
-        if not {"(", "*"} & set(text):  # nobody's formula
-            return None
-        return Speed.of(text, key)  # says what is wrong with it
-    if "t" in names(tree) or {"(", "*"} & set(text):
-        return Speed.of(text, key)
-    return None
+    return formula_of_time(text, key)
 
 
 def _steps(text: str) -> Speed:
@@ -131,11 +120,10 @@ def simulate_rig(model: Model, asked: Asked) -> int:
     rig = model.rig
     assert isinstance(rig, GeneralRig)
     own = rig.equations
-    times = asked.times(lambda text, key: _sized(text, "s", key))
-    unit = _belt_unit(own)
+    times = asked.times(lambda text, key: sized(text, "s", key))
     speeds = {
-        "belt_speed": _speed(asked.belt_speed, unit, "--belt-speed"),
-        "drive_speed": _speed(asked.drive_speed, _drive_unit(own), "--drive-speed"),
+        "belt_speed": _speed(asked.belt_speed, own.belt_unit, "--belt-speed"),
+        "drive_speed": _speed(asked.drive_speed, own.drive_unit, "--drive-speed"),
     }
     start = None if asked.initial is None else _start(rig, asked.initial)
     run = simulate(model, **speeds, initial=start, t_end=float(times[-1]), t_eval=times)  # type: ignore[arg-type]
@@ -156,32 +144,11 @@ def simulate_rig(model: Model, asked: Asked) -> int:
     return 0 if run.status.ok else 1
 
 
-def _sized(text: str, unit: str, key: str) -> float:
-    """Return a number in SI; one without a unit is in it already."""
-    size, own = quantity(key, text)
-    if own is not None and unit != "1" and dimensions(own) != dimensions(unit):
-        raise InputError(
-            f"is {said(dimensions(own))}; it must be {said(dimensions(unit))}", key=key, value=text
-        )
-    return size
-
-
 def _speed(text: str | None, unit: str, key: str) -> float | Speed | None:
     if text is None:
         return None
     given = prescribed(text, key)
-    return _sized(text, unit, key) if given is None else given
-
-
-def _belt_unit(own: Equations) -> str:
-    turns = {one.rotation for one in own.contacts if one.against == "belt"}
-    return {frozenset({True}): "rad/s", frozenset({False}): "m/s"}.get(frozenset(turns), "1")
-
-
-def _drive_unit(own: Equations) -> str:
-    pulled = np.flatnonzero((own.drive_stiffness != 0) | (own.drive_damping != 0))
-    units = {own.units[i] for i in pulled}
-    return f"{units.pop()}/s" if len(units) == 1 and "1" not in units else "1"
+    return sized(text, unit, key) if given is None else given
 
 
 def _start(rig: GeneralRig, text: str) -> list[float]:
@@ -196,7 +163,7 @@ def _start(rig: GeneralRig, text: str) -> list[float]:
         words = f"has {len(parts)} numbers; give {len(rig.state_names)}: {','.join(rig.state_names)}"
         raise InputError(words, key="--initial", value=text)
     return [
-        _sized(part.strip(), unit, f"--initial, {name}")
+        sized(part.strip(), unit, f"--initial, {name}")
         for part, name, unit in zip(parts, every, units, strict=True)
     ]
 

@@ -36,7 +36,9 @@ def law_of(friction: FrictionLaw, contact: ContactRow) -> FrictionLaw:
     return friction[contact.law]
 
 
-def check_general(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect], read: object) -> None:
+def check_general(
+    rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect], read: Collection[str]
+) -> None:
     """Refuse laws that no contact names, units that do not go with a contact, and effects, which act on named rigs.
 
     Raises
@@ -50,8 +52,10 @@ def check_general(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffec
     if effects:
         words = f"'{effects[0].name}' is for a named rig; on this one declare a body, a link, a contact or a formula"
         raise InputError(words, key="effects")
-    if read:
-        raise InputError(f"a rig of kind '{rig.kind}' has no channels or noise as yet", key="channels")
+    for channel in read:
+        if channel not in rig.channel_units:
+            hint = did_you_mean(channel, rig.channel_units)
+            raise InputError(f"unknown channel of this rig; {hint}", key=f"channels.{channel}")
     contacts = rig.equations.contacts
     if not contacts:
         raise InputError("has no contact; declare one, like [[rig.contact]] with its body", key="rig")

@@ -101,7 +101,8 @@ class Model(Drawn):
                 raise InputError(f"effect '{name}' is there twice; give it once")
         if why := idle(self.friction, names):
             raise InputError(why, key="effects")
-        check_general(self.rig, self.friction, self.effects, self.channels or self.noise)
+        self._check_readings()
+        check_general(self.rig, self.friction, self.effects, {**(self.channels or {}), **(self.noise or {})})
         if isinstance(self.rig, GeneralRig):
             return
         if not isinstance(self.rig, DrivenSlider):
@@ -116,6 +117,8 @@ class Model(Drawn):
             raise InputError(
                 f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
             )
+
+    def _check_readings(self) -> None:
         if self.channels is not None:
             for channel in must_be("channels", self.channels, Mapping).values():
                 must_be("channels", channel, Channel)
@@ -299,17 +302,20 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     listed = enumerate(_list(tables.get("effect")))
     effects = [read_effect(document, "effect", i, table=one) for i, one in listed]
     channels = None
+    rig = read_rig(document, "rig", table=_table(tables["rig"]))
+    known_channels = [*rig.channel_units] if isinstance(rig, GeneralRig) else [*DIMENSIONS]
     if "channels" in tables:
         channels = {}
         for name, table in _table(tables["channels"]).items():
-            if name not in DIMENSIONS:
-                raise document.error(f"unknown channel; {did_you_mean(name, DIMENSIONS)}", "channels", name)
+            if name not in known_channels:
+                raise document.error(
+                    f"unknown channel; {did_you_mean(name, known_channels)}", "channels", name
+                )
             channels[name] = read_channel(document, "channels", name, table=_table(table))
     noise = None
     if "noise" in tables:
         with document.at("noise"):
             noise = {name: number(name, value, above=0) for name, value in _table(tables["noise"]).items()}  # type: ignore[arg-type]
-    rig = read_rig(document, "rig", table=_table(tables["rig"]))
     law = read_laws(document, rig)
     with document.at():
         return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.units import with_unit
 from stickslip.errors import InputError, did_you_mean, number
 
@@ -28,7 +29,13 @@ USUAL: Mapping[str, float] = {
     "r": EXACT,
 }
 UNITS_OF_MEASURE = ("length",)  # what is 1: chosen, not measured
-GAINS = ("x1", "y1", "spring_force", "drive")  # channels whose sensor has a gain
+BY_TRAIT: Mapping[str, float] = {"inertia": MASS, "stiffness": STIFFNESS, "damping": DAMPING}
+GAINS = (
+    "x1",
+    "y1",
+    "spring_force",
+    "drive",
+)  # channels whose sensor has a gain; of a general rig, its states
 STEP = 1e-5  # relative, of central differences: their error is its square
 
 
@@ -69,6 +76,11 @@ class Uncertainty:
             What is recorded: each channel of `GAINS` has a gain.
         """
         known = numbers(rig)
+        if isinstance(rig, GeneralRig):
+            uncertain = rig.uncertain
+            usual = {name: BY_TRAIT[trait] for name, trait in uncertain.items()}
+            read = [name for name in rig.state_names if name in set(channels)]
+            return cls(rig, {name: known[name] for name in uncertain}, usual, dict.fromkeys(read, GAIN))
         names = _own_names(rig) if table is None else _declared_names(rig, table)
         values = {name: _value(table, name, known[name]) for name in names}
         constants = {name: USUAL[name] for name in names}
@@ -83,6 +95,8 @@ class Uncertainty:
             An unknown key (with the nearest known one), or what is no relative uncertainty from 0 to 1.
         """
         constants, gains = dict(self.constants), dict(self.gains)
+        if isinstance(self.rig, GeneralRig):
+            table = _flat(table)
         for name, given in table.items():
             if name in UNITS_OF_MEASURE:
                 raise InputError("a unit of measure, which is exact; leave it out", key=name)
@@ -198,8 +212,19 @@ class Uncertainty:
         return 0.0 if up == down else (up - down) / (STEP * (up + down))
 
 
+def _flat(table: Mapping[str, object]) -> dict[str, object]:
+    """Return `bit.inertia = 0.01`, which TOML reads as a table in a table, by its name with a dot."""
+    out: dict[str, object] = {}
+    for name, given in table.items():
+        inner = given if isinstance(given, Mapping) else None
+        out |= {name: given} if inner is None else {f"{name}.{key}": one for key, one in inner.items()}
+    return out
+
+
 def numbers(rig: AnyRig) -> dict[str, float]:
     """Every number of a rig by every name it may be declared by."""
+    if isinstance(rig, GeneralRig):
+        return rig.numbers
     if isinstance(rig, Rig):
         out = {name: float(getattr(rig, name)) for name in NONDIMENSIONAL}
         return out if rig.scales is None else out | {"omega": rig.scales.omega} | rig.to_si()

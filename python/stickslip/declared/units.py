@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, number
 from stickslip.objects import Displayed
 
@@ -127,7 +128,7 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
     Parameters
     ----------
     channel
-        "t", "x1", "y1", "belt", "spring_force" or "drive".
+        "t", "x1", "y1", "belt", "spring_force" or "drive"; of a rig of bodies or matrices one of `channel_units`.
     unit
         Unit of the reading; "1" is nondimensional and gives 1 (for a spring force: 1/stiffness). A drive in volts
         or amperes gives 1 too: its channel's `scale` is the gain in N per unit.
@@ -141,6 +142,8 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
     InputError
         Unknown unit, a unit of something else, or a unit where the rig has no scales.
     """
+    if isinstance(rig, GeneralRig):
+        return _of_coordinate(channel, unit, rig)
     si, what = DIMENSIONS[channel]
     if channel == "spring_force":
         stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else 1.0
@@ -160,6 +163,23 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
         return size
     scales = _scales(rig, unit)
     return size / {"t": scales.time, "belt": scales.velocity}.get(channel, scales.length)
+
+
+def _of_coordinate(channel: str, unit: str, rig: GeneralRig) -> float:
+    """What a reading of a rig of bodies or matrices is multiplied by; its numbers are in SI."""
+    si = rig.channel_units[channel]
+    if unit == "1":
+        return 1.0
+    if si == "1":
+        raise InputError("this coordinate has no unit; give '1'", key="unit", value=unit)
+    what = {
+        "s": "a time",
+        "m": "a position",
+        "rad": "an angle",
+        "m/s": "a speed",
+        "rad/s": "an angular speed",
+    }
+    return in_si(unit, si, what=what[si])
 
 
 def is_angle(unit: str) -> bool:
@@ -243,4 +263,6 @@ def speed(given: float | str, unit: str, rig: AnyRig) -> float:
 
 def default_speed_unit(rig: AnyRig) -> str:
     """Return the unit of a set-point without a belt channel: m/s for an SI rig, nondimensional otherwise."""
+    if isinstance(rig, GeneralRig):
+        return rig.equations.belt_unit
     return "m/s" if not isinstance(rig, Rig) or rig.scales is not None else "1"

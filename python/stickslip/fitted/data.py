@@ -129,11 +129,31 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     columns = [run.x1, run.y1, run.belt][: len(noise)]
     readings = np.column_stack([np.asarray(column, dtype=np.float64) for column in columns])
     noise = np.hypot(noise, rounding(readings))
+    t = run.t - run.t[0]
+    readings, weight, same = cleaned(t, readings, noise)
+    v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
+    slips, cycle = _slips(t, v, run.belt_speed)
+    told = tuple(channel in run.noise for channel in CHANNELS[: len(noise)])
+    half = half_apart(t, run.averaged)
+    return Data(
+        run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same, told, half
+    )
+
+
+def cleaned(t: Floats, readings: Floats, noise: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """
+    Return readings (n, c) with what is no reading bridged, their weights, and which only repeat the one before.
+
+    Parameters
+    ----------
+    t : (n,) times
+    readings : (n, c), NaN where there is none
+    noise : (c,) standard deviations
+    """
     weight = np.where(np.isfinite(readings), 1.0 / noise, 0.0)
     readings = np.where(np.isfinite(readings), readings, 0.0)
     for c in range(readings.shape[1]):  # a reading at the end of its range says only that it is beyond
         weight[signals.find_clipping(readings[:, c]).mask, c] = 0.0
-    t = run.t - run.t[0]
     same = np.column_stack([held(one, size) for one, size in zip(readings.T, noise, strict=True)]) & (
         weight > 0
     )
@@ -146,13 +166,7 @@ def _prepare(run: Recording, noise: Floats) -> Data:
             _bridge(t, readings[:, c], weight[:, c])
             if not found.any():
                 break
-    v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
-    slips, cycle = _slips(t, v, run.belt_speed)
-    told = tuple(channel in run.noise for channel in CHANNELS[: len(noise)])
-    half = half_apart(t, run.averaged)
-    return Data(
-        run.name, run.role, run.belt_speed, t, readings, weight, noise, v, slips, cycle, same, told, half
-    )
+    return readings, weight, same
 
 
 def held_words(data: Sequence[Data]) -> tuple[str, ...]:

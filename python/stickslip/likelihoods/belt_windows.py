@@ -20,6 +20,7 @@ from stickslip.fitted.readings import Chain, Slopes, no_slopes
 from stickslip.fitted.window import STICK
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Samples, Sensors
 from stickslip.likelihoods.shared import Declared, Number, Prior
 from stickslip.likelihoods.stretches import Stretch, knots
@@ -49,6 +50,8 @@ class BeltWindows:
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
     relative friction curve at `policy.knots` places of x1, and the belt's relative speed.
     """
+
+    statics = (STATIC,)  # which random effects are a static limit's own
 
     def __init__(
         self,
@@ -91,9 +94,8 @@ class BeltWindows:
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
         self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
         self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
-        known = set(model.parameters)
         self.fixed = dict(model.parameters)
-        self.kept = np.array(sensors.kept(known, self.channels), dtype=np.int32)
+        self.kept = np.array(sensors.kept(self.fixed, self.channels), dtype=np.int32)
         self.by_run = [
             np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
             for r in range(len(data))
@@ -104,6 +106,10 @@ class BeltWindows:
     def runs(self) -> list[int]:
         """Run of each window."""
         return [w.run for w in self.stretches]
+
+    def scatter(self) -> Population:
+        """Return what differs from window to window, where an estimate of it starts."""
+        return start(self.policy)
 
     def first(self) -> Floats:
         """Return the windows' own numbers from the readings around their starts, (w, own)."""
@@ -192,9 +198,8 @@ class _Run:
 
     def blocks(self) -> list[Floats | None]:
         """Simulate, read, weigh."""
-        derived = self._derived(self.values, self.own)
         seeds, owner = self._seeds()
-        raw = self._simulated(derived, seeds)
+        raw = self._simulated(self._derived(self.values, self.own), seeds)
         p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
         slopes = {}
         for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
@@ -217,13 +222,12 @@ class _Run:
         """Simulate and read."""
         raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + COUNT)))
         state, mode = np.asarray(raw["state"]), np.asarray(raw["mode"])
-        t = self.data.t[self.samples]
         chain = self._read(state, no_slopes(len(self.samples)), ())
         self._own_belt(chain)
         self._gains(chain)
         done = np.asarray(raw["outcome"]) == _core.Outcome.finished
         return [
-            Motion(t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
+            Motion(self.data.t[self.samples[a:b]], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
             for a, b, ok in zip(self.offset[:-1], self.offset[1:], done, strict=True)
         ]
 
@@ -389,8 +393,8 @@ class _Run:
                     chain.slopes[:, c, i] = plain
 
     def _weighed(self, chain: Chain, done: NDArray[np.bool_]) -> list[Floats | None]:
-        residual = self.data.readings[self.samples] - chain.values
-        block = np.concatenate([chain.slopes, residual[:, :, None]], axis=2)
+        residual = (self.data.readings[self.samples] - chain.values)[:, :, None]
+        block = np.concatenate([chain.slopes, residual], axis=2)
         block *= self.data.weight[self.samples][:, :, None]
         parts = [block[a:b] for a, b in zip(self.offset[:-1], self.offset[1:], strict=True)]
         return [

@@ -136,6 +136,7 @@ class _Members:
     """Members of an ensemble, simulated from stick to stick."""
 
     def __init__(self, fit: Fit, run: Data, rng: np.random.Generator, rest: float) -> None:
+        assert isinstance(fit.windows, BeltWindows)
         self.run_, self.rng, self.rest, self.windows = run, rng, rest, fit.windows
         self.root = factor(fit.population, fit.windows.places)[0]
         found, error = memory(fit, KINETIC)

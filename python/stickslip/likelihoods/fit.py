@@ -7,12 +7,13 @@ anew from several starts; one that still does not fit counts by the logarithm of
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit_state import Cost, Fit, begin, misfits, unexplained
+from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits, unexplained
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor, start
@@ -30,19 +31,23 @@ ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
 
 
-def null(windows: BeltWindows, policy: Policy) -> Fit:
+def null(windows: Windowed, policy: Policy) -> Fit:
     """
     Return the fit from the declared numbers.
 
-    One that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
+    Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Of a rig on a belt
+    one that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
     with scatter to take it.
     """
-    fit = fitted(begin(windows), policy)
+    first = begin(windows)
+    if isinstance(windows, BodiesWindows):
+        return fitted(replace(first, own=settled(first, ALONE)[0]), policy)
+    fit = fitted(first, policy)
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit
     p = start(policy)
     wide = replace(p, level=WIDE * p.level, curve=WIDE * p.curve, static=WIDE * p.static)
-    again = replace(begin(windows), population=wide, own=shown)
+    again = replace(first, population=wide, own=shown)
     again = fitted(replace(again, own=settled(again, ALONE)[0]), policy)
     return min(fit, again, key=lambda one: one.deviance)
 
@@ -89,12 +94,16 @@ def closed(fit: Fit, policy: Policy) -> Fit:
     of a further step is no likelihood; that step is taken if it holds.
     """
     here = _linearised(fit, policy)
-    moved = _moved(here, _estimate(here, policy, LAST_TURNS), policy)
+    found = _estimate(here, policy, LAST_TURNS)
+    moved = _moved(here, found, policy)
     stayed = _valued(here, _estimate(here, policy, 0))
-    return min(moved, stayed, key=lambda one: one.deviance)
+    # a step that does not hold leaves what the windows say of their scatter where they stand
+    known = replace(here, population=found.population, noise=found.noise)
+    scattered = _valued(known, _estimate(known, policy, 0))
+    return min(moved, scattered, stayed, key=lambda one: one.deviance)
 
 
-def _moved(fit: Fit, found: Estimate, policy: Policy) -> Fit:
+def _moved(fit: Fit, found: Estimate[Any], policy: Policy) -> Fit:
     """The fit a whole step on, under another population."""
     assert fit.linear is not None
     solution = found.solution
@@ -112,7 +121,7 @@ def _moved(fit: Fit, found: Estimate, policy: Policy) -> Fit:
     return _valued(there, _estimate(there, policy, 0))
 
 
-def _valued(fit: Fit, found: Estimate) -> Fit:
+def _valued(fit: Fit, found: Estimate[Any]) -> Fit:
     """The fit with its deviance: the cost of the windows as simulated, their own numbers integrated."""
     cost = Cost(fit, fit.population, fit.noise)
     _, total = cost.total(fit.blocks, fit.own, fit.at)
@@ -136,7 +145,7 @@ def _linearised(fit: Fit, policy: Policy) -> Fit:
     return replace(fit, linear=replace(linear, weight=weight), knee=knee)
 
 
-def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate:
+def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
     return estimate(
@@ -179,7 +188,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     return None, 0.0
 
 
-def _freed_noise(fit: Fit, found: Estimate) -> Floats:
+def _freed_noise(fit: Fit, found: Estimate[Any]) -> Floats:
     """The noise's factors from what is left and what the windows' own numbers take of it."""
     assert fit.linear is not None
     count = (fit.linear.count * fit.linear.weight[:, None]).sum(0)

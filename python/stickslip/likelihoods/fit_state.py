@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.mixed import Solution, Windows, taken
-from stickslip.likelihoods.population import Population, factor, start
+from stickslip.likelihoods.population import Scatter, factor
 
 Floats = NDArray[np.float64]
 LOST = 100.0  # chi-squared per reading of a window that cannot be simulated
 BLANK = 1e-9
+Windowed = BeltWindows | BodiesWindows
 
 
 @dataclass
@@ -33,10 +36,10 @@ class Fit:
     steps : taken
     """
 
-    windows: BeltWindows
+    windows: Windowed
     at: Floats
     own: Floats
-    population: Population
+    population: Any  # a `Scatter`, that of its windows
     noise: Floats
     knee: Floats
     linear: Windows | None = None
@@ -62,11 +65,13 @@ class Fit:
         return self.windows.values(self.at, run)
 
 
-def begin(windows: BeltWindows) -> Fit:
+def begin(windows: Windowed) -> Fit:
     """Return a fit at the declared numbers."""
-    policy, count = windows.policy, len(windows.stretches)
+    count = len(windows.stretches)
     at = np.array([one.start for one in windows.numbers])
-    return Fit(windows, at, windows.first(), start(policy), np.ones(windows.channels), np.full(count, np.inf))
+    return Fit(
+        windows, at, windows.first(), windows.scatter(), np.ones(windows.channels), np.full(count, np.inf)
+    )
 
 
 def misfits(fit: Fit) -> Floats:
@@ -91,7 +96,7 @@ def soft(chi: Floats, knee: Floats) -> Floats:
 class Cost:
     """Penalised cost of windows at a population."""
 
-    def __init__(self, fit: Fit, population: Population, noise: Floats) -> None:
+    def __init__(self, fit: Fit, population: Scatter, noise: Floats) -> None:
         self.fit, self.noise = fit, noise
         roots = factor(population, fit.windows.places)
         covariance = roots @ roots.transpose(0, 2, 1)

@@ -6,8 +6,9 @@ point like any other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,33 @@ from numpy.typing import NDArray
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
-LENGTH = 2  # place of the correlation length among the coordinates
 STATIC = 0  # place of a window's own static friction among its effects; the curve follows, then the belt
+
+
+LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
+SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slipped
+
+
+class Scatter(Protocol):
+    """What differs from window to window on some rig: numbers whose logarithms are estimated."""
+
+    def coordinates(self) -> Floats:
+        """Return the logarithms, (k,)."""
+
+    def moved(self, coordinates: Floats, /) -> Self:
+        """Return the same with other numbers."""
+
+    def factor(self, places: Sequence[Floats], /) -> Floats:
+        """Return the factor of the random effects' covariance in each run, (runs, effects, white)."""
+
+    def parts(self, places: Sequence[Floats], /) -> Mapping[int, slice | list[int]]:
+        """Return the white columns of each coordinate that scales some; the others are correlation lengths."""
+
+    def usual(self, policy: Policy, /) -> tuple[Floats, Floats]:
+        """Return centre and width of the prior of the coordinates, (k,) each."""
+
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Return the least and the largest coordinates sought, (k,) each."""
 
 
 @dataclass(frozen=True)
@@ -42,19 +68,32 @@ class Population:
         """Return the logarithms, (5,)."""
         return np.log([self.level, self.curve, self.length, self.static, self.belt])
 
-    @staticmethod
-    def at(coordinates: Floats) -> Population:
+    def moved(self, coordinates: Floats) -> Population:
         """Return the population at logarithms."""
         return Population(*(float(x) for x in np.exp(coordinates)))
+
+    def factor(self, places: Sequence[Floats]) -> Floats:
+        """Return the factor of each run, (runs, effects, white)."""
+        return np.stack([_factor(self, one) for one in places])
+
+    def parts(self, places: Sequence[Floats]) -> dict[int, slice | list[int]]:
+        """Return the white columns of each coordinate that scales some."""
+        k = len(places[0])
+        return {3: slice(0, 1), 0: slice(1, 2), 1: slice(2, k + 2), 4: slice(k + 2, k + 3)}
+
+    def usual(self, policy: Policy) -> tuple[Floats, Floats]:
+        """Return centre and width of the prior of the coordinates, (5,) each."""
+        s = policy.scatter_spread
+        return start(policy).coordinates(), np.array([s, s, policy.length_spread, s, s])
+
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Return the least and the largest coordinates sought, (5,) each."""
+        low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
+        return low, np.log([MOST, MOST, LONGEST, MOST, MOST])
 
     def without(self) -> Population:
         """Return the population in which nothing differs."""
         return replace(self, level=0.0, curve=0.0, static=0.0, belt=0.0)
-
-
-def parts(knots: int) -> dict[int, slice]:
-    """Return the white columns of each coordinate that scales some."""
-    return {3: slice(0, 1), 0: slice(1, 2), 1: slice(2, knots + 2), 4: slice(knots + 2, knots + 3)}
 
 
 def start(policy: Policy) -> Population:
@@ -62,13 +101,7 @@ def start(policy: Policy) -> Population:
     return Population(policy.level_sd, policy.curve_sd, policy.curve_length, policy.static_sd, policy.belt_sd)
 
 
-def spreads(policy: Policy) -> Floats:
-    """Return the widths of the priors of the coordinates, (5,)."""
-    s = policy.scatter_spread
-    return np.array([s, s, policy.length_spread, s, s])
-
-
-def factor(population: Population, places: Sequence[Floats]) -> Floats:
+def factor(population: Scatter, places: Sequence[Floats]) -> Floats:
     """
     Return the factor of each run, (runs, effects, white).
 
@@ -77,7 +110,7 @@ def factor(population: Population, places: Sequence[Floats]) -> Floats:
     population : its standard deviations
     places : for each run the (k,) places of the curve over the way slipped, 0 to 1
     """
-    return np.stack([_factor(population, one) for one in places])
+    return population.factor(places)
 
 
 def whole(population: Population, places: Floats) -> float:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.variances import MOST
+from stickslip.likelihoods.population import MOST
 
 ENOUGH = 3  # windows of a run that may differ
 
@@ -17,7 +17,7 @@ def lost(fit: Fit) -> bool:
     p, blocks = fit.population, fit.blocks
     if sum(b is None for b in blocks) > fit.windows.policy.lost_windows * len(blocks):
         return True
-    return max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST
+    return bool(max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST)
 
 
 def swollen(fit: Fit) -> bool:

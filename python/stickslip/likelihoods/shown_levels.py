@@ -6,16 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.fit_state import Windowed
 
 Floats = NDArray[np.float64]
 
 
-def shown_levels(windows: BeltWindows) -> Floats | None:
+def shown_levels(windows: Windowed) -> Floats | None:
     """
     Return the windows' own numbers with the friction that each shows by itself, (w, own).
 
     None where the readings of a rig do not show it.
     """
+    if not isinstance(windows, BeltWindows):
+        return None
     own, q = windows.first(), windows.begins
     stiffness = windows.fixed.get("stiffness", 0.0)
     for row, w in zip(own, windows.stretches, strict=True):

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit_state import BLANK, Cost, Fit, misfits
+from stickslip.likelihoods.fit_state import BLANK, Cost, Fit, Windowed, misfits
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
@@ -70,7 +69,7 @@ def rescued(fit: Fit) -> Fit:
         trial[lost, :q] = fresh[lost, :q]
         for i in np.flatnonzero(lost).tolist():
             trial[i, q:] = 0.0 if number == 0 or not near[i] else fit.own[near[i], q:].mean(0)
-            trial[i, q] += shift
+            trial[i, [q + one for one in windows.statics]] += shift
         trial = polished(fit, cost, trial, lost, 8)
         found = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
         better = lost & (found < least)
@@ -78,7 +77,7 @@ def rescued(fit: Fit) -> Fit:
     return replace(fit, own=best)
 
 
-def _neighbours(windows: BeltWindows, lost: Mask) -> dict[int, list[int]]:
+def _neighbours(windows: Windowed, lost: Mask) -> dict[int, list[int]]:
     """The three nearest windows of the same run that are not lost, for each that is."""
     out = {}
     for i in np.flatnonzero(lost):

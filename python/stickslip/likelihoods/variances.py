@@ -1,22 +1,24 @@
 """Scatter and noise by the largest marginal likelihood; each scatter may be as good as 0."""
 
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 from scipy.optimize import minimize
 
 from stickslip.likelihoods.mixed import Floats, Solution, Windows, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import LENGTH, Population, factor, parts, spreads, start
+from stickslip.likelihoods.population import Scatter
 
-LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
-SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slipped
 NEARBY = 1e-4  # step of the length's logarithm
 NOISE = (0.3, 1e4)  # factors of the noise's variance sought
 
 
+P = TypeVar("P", bound=Scatter)
+
+
 @dataclass(frozen=True)
-class Estimate:
+class Estimate(Generic[P]):
     """
     The population that makes the readings most likely.
 
@@ -28,7 +30,7 @@ class Estimate:
     held : the prior's part of it
     """
 
-    population: Population
+    population: P
     noise: Floats
     solution: Solution
     deviance: float
@@ -38,13 +40,13 @@ class Estimate:
 def estimate(
     windows: Windows,
     places: list[Floats],
-    population: Population,
+    population: P,
     noise: Floats,
     prior: tuple[Floats, Floats],
     at: Floats,
     policy: Policy,
     turns: int,
-) -> Estimate:
+) -> Estimate[P]:
     """
     Estimate scatter and noise from where they are.
 
@@ -58,10 +60,9 @@ def estimate(
     policy : what steers the estimate
     turns : steps of the optimiser, at most
     """
-    centre, spread = start(policy).coordinates(), spreads(policy)
-    low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
-    high = np.log([MOST, MOST, LONGEST, MOST, MOST])
-    free = Deviance(windows, places, prior, at, centre, spread)
+    k = len(population.coordinates())
+    low, high = population.bounds()
+    free = Deviance(windows, places, prior, at, population, *population.usual(policy))
     first = np.concatenate([np.clip(population.coordinates(), low, high), np.log(noise)])
     bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]
     x = first
@@ -70,7 +71,7 @@ def estimate(
         x = np.asarray(best.x)
     solved = free.solved(x)
     held = free.held(x)
-    return Estimate(Population.at(x[:5]), np.exp(x[5:]), solved, solved.deviance + held, held)
+    return Estimate(population.moved(x[:k]), np.exp(x[k:]), solved, solved.deviance + held, held)
 
 
 @dataclass
@@ -81,37 +82,46 @@ class Deviance:
     places: list[Floats]
     prior: tuple[Floats, Floats]
     at: Floats
+    like: Scatter
     centre: Floats
     spread: Floats
 
     def solved(self, x: Floats) -> Solution:
         """Return the windows solved at a population and a noise."""
-        return solve(
-            self.windows, factor(Population.at(x[:5]), self.places), np.exp(x[5:]), *self.prior, self.at
-        )
+        population, noise = self._split(x)
+        return solve(self.windows, population.factor(self.places), noise, *self.prior, self.at)
+
+    def _split(self, x: Floats) -> tuple[Scatter, Floats]:
+        k = len(self.centre)
+        return self.like.moved(x[:k]), np.exp(x[k:])
 
     def __call__(self, x: Floats) -> tuple[float, Floats]:
         """Return the deviance and its slopes."""
-        roots, noise = factor(Population.at(x[:5]), self.places), np.exp(x[5:])
+        k = len(self.centre)
+        population, noise = self._split(x)
+        roots = population.factor(self.places)
         found = solve(self.windows, roots, noise, *self.prior, self.at)
-        away = (x[:5] - self.centre) / self.spread
+        away = (x[:k] - self.centre) / self.spread
         slope = np.zeros(len(x))
         white = np.diagonal(found.inverse, axis1=1, axis2=2)[:, self.windows.own :]
         # a factor's columns scale with their standard deviation, and the white numbers are at their best
         each = 2 * (1 - white - found.white**2).sum(axis=0)
-        for part, columns in parts(len(self.places[0])).items():
+        parts = population.parts(self.places)
+        for part, columns in parts.items():
             slope[part] = each[columns].sum()
-        slope[LENGTH] = self._of_length(x, found.deviance)
-        slope[:5] += 2 * away / self.spread
+        for one in set(range(k)) - parts.keys():
+            slope[one] = self._of_length(x, found.deviance, one)
+        slope[:k] += 2 * away / self.spread
         count = (self.windows.count * self.windows.weight[:, None]).sum(axis=0)
-        slope[5:] = count - found.misfit.sum(axis=0) / noise - taken(self.windows, roots, found, noise)
+        slope[k:] = count - found.misfit.sum(axis=0) / noise - taken(self.windows, roots, found, noise)
         return found.deviance + float(away @ away), slope
 
     def held(self, x: Floats) -> float:
         """Return -2 log prior of a population."""
-        return float((((x[:5] - self.centre) / self.spread) ** 2).sum())
+        k = len(self.centre)
+        return float((((x[:k] - self.centre) / self.spread) ** 2).sum())
 
-    def _of_length(self, x: Floats, here: float) -> float:
+    def _of_length(self, x: Floats, here: float, one: int) -> float:
         moved = x.copy()
-        moved[LENGTH] += NEARBY
+        moved[one] += NEARBY
         return (self.solved(moved).deviance - here) / NEARBY

@@ -13,18 +13,20 @@ from pydantic import BaseModel, ConfigDict, Field
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.bodies_model import check_closed_form
-from stickslip.declared.declaration import read_channel, read_friction, read_rig
+from stickslip.declared.declaration import read_channel, read_friction, read_laws, read_rig
 from stickslip.declared.effect import AnyEffect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import Document, read_toml
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.declared.units import Channel, default_speed_unit, speed
 from stickslip.errors import InputError, Place, did_you_mean, nearest, number
 from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
 from stickslip.measured.findings import Finding, FindingKind
+from stickslip.measured.prescribed import prescribed
 from stickslip.measured.recording import Recording, Role, load_recording
 from stickslip.objects import Drawn
 
@@ -41,6 +43,7 @@ class _Run(_Strict):
     file: str
     role: Literal["train", "validate"]
     belt_speed: float | str | None = None
+    drive_speed: float | str | None = None
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     rig: dict[str, float] = {}
@@ -53,6 +56,7 @@ class _Case(_Strict):
     title: str = ""
     rig: dict[str, object]
     friction: dict[str, object] = {}
+    law: dict[str, object] = {}
     noise: dict[str, object] = {}
     uncertainty: dict[str, object] = {}
     run: Annotated[list[_Run], Field(min_length=1)]
@@ -195,9 +199,14 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     declared = document.validated(_Case)
     rig = read_rig(document, "rig", table=declared.rig)
     law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
-    friction = read_friction(document, "friction", table=law)
-    with document.at():
-        check_closed_form(rig, friction)
+    if isinstance(rig, GeneralRig):
+        friction = read_laws(document, rig)
+        with document.at():
+            Model(rig, friction=friction)  # which checks one against the other
+    else:
+        friction = read_friction(document, "friction", table=law)
+        with document.at():
+            check_closed_form(rig, friction)
     channels = {
         name: read_channel(document, "channels", name, table=table)
         for name, table in declared.channels.items()
@@ -216,10 +225,13 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
     _check_runs(document, declared.run, allowed)
     runs = tuple(
-        _read_run(document, i, run, declared, channels, noise, friction) for i, run in enumerate(declared.run)
+        _read_run(document, i, run, declared, channels, noise, friction, rig)
+        for i, run in enumerate(declared.run)
     )
     title = declared.title or document.path.resolve().parent.name
     undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
+    if isinstance(rig, GeneralRig):  # whose laws have no numbers that stand for nobody's word
+        undeclared = ()
     return Case(title, rig, friction, noise, runs, channels, document.path, undeclared, known)
 
 
@@ -278,7 +290,14 @@ def _read_run(
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
     friction: FrictionLaw,
+    rig: AnyRig,
 ) -> Recording:
+    if isinstance(rig, GeneralRig):
+        return _read_general(document, i, run, rig, channels, noise)
+    if run.drive_speed is not None:
+        raise document.error(
+            "nothing is pulled by a drive in this rig; leave it out", "run", i, "drive_speed"
+        )
     with document.at("run", i, "rig"):
         for key in run.rig:
             if key not in declared.rig:
@@ -288,10 +307,6 @@ def _read_run(
     with document.at("run", i):
         unit = channels["belt"].unit if "belt" in channels else default_speed_unit(own)
         speed(given, unit, own)
-    name = run.name or Path(run.file).stem
-    if run.name is None:
-        name += "" if run.start is None else f"_from_{run.start:g}"
-        name += "" if run.end is None else f"_to_{run.end:g}"
     return load_recording(
         document.path.parent / run.file,
         own,
@@ -300,10 +315,46 @@ def _read_run(
         role=run.role,
         noise=noise,
         window=(run.start, run.end),
-        name=name,
+        name=_name_of(run),
         # Table 1 is no guess in N, and neither are the defaults of a law of which only the kind is given
         friction=friction if isinstance(own, Rig) or set(declared.friction) - {"kind"} else None,
     )
+
+
+def _read_general(
+    document: Document,
+    i: int,
+    run: _Run,
+    rig: GeneralRig,
+    channels: Mapping[str, Channel],
+    noise: Mapping[str, float],
+) -> Recording:
+    """A run of a rig of bodies or matrices."""
+    if run.rig:
+        words = "one rig is taken for all runs of a case of bodies or matrices; put its numbers into [rig]"
+        raise document.error(words, "run", i, "rig")
+    with document.at("run", i):
+        prescribed(rig, channels, run.belt_speed, run.drive_speed)
+    return load_recording(
+        document.path.parent / run.file,
+        rig,
+        channels=channels,
+        belt_speed=run.belt_speed if run.belt_speed is not None else 0.0,
+        drive_speed=run.drive_speed,
+        role=run.role,
+        noise=noise,
+        window=(run.start, run.end),
+        name=_name_of(run),
+    )
+
+
+def _name_of(run: _Run) -> str:
+    """Its own, or that of its file and its window."""
+    if run.name is not None:
+        return run.name
+    name = Path(run.file).stem
+    name += "" if run.start is None else f"_from_{run.start:g}"
+    return name + ("" if run.end is None else f"_to_{run.end:g}")
 
 
 def _belt_speed(document: Document, i: int, run: _Run, rig: AnyRig) -> float | str:

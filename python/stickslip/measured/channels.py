@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.units import Channel, factor, is_electric, same_unit
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.readers.columns import Contents, Source
@@ -22,6 +23,9 @@ def needed_channels(rig: AnyRig) -> tuple[str, ...]:
 
 def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
     """Raise `InputError` if channels are unknown, missing, or contradict each other or the rig."""
+    if isinstance(rig, GeneralRig):
+        _check_coordinates(channels, rig)
+        return
     one_degree = isinstance(rig, BlockOnBelt)
     driven = isinstance(rig, DrivenSlider)
     known = [*needed_channels(rig), *(["spring_force"] if one_degree else []), *([] if driven else ["belt"])]
@@ -42,6 +46,19 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
     if driven and channels["drive"].scale == 1 and is_electric(channels["drive"].unit):
         words = "a command in volts or amperes needs `scale`, the drive's gain in N for 1 of its unit"
         raise InputError(words, key="drive")
+
+
+def _check_coordinates(channels: Mapping[str, Channel], rig: GeneralRig) -> None:
+    """The same for a rig of bodies or matrices: channels bear the names of coordinates, velocities `v_NAME`."""
+    known = [*rig.channel_units]
+    for name in channels:
+        if name not in known:
+            raise InputError(f"unknown channel of this rig; {did_you_mean(name, known)}", key=name)
+    if "t" not in channels:
+        raise InputError(f"no channel t; this rig needs t and one of {', '.join(rig.state_names)}")
+    if not channels.keys() & set(rig.state_names):
+        raise InputError(f"no coordinate is recorded; give one of {', '.join(rig.state_names)}")
+    _check_columns(channels)
 
 
 def _check_columns(channels: Mapping[str, Channel]) -> None:
@@ -120,6 +137,9 @@ def head_of(column: str, there: Contents) -> str | None:
 
 def bare_channels(path: str | os.PathLike[str], rig: AnyRig) -> dict[str, Channel]:
     """Channels of a file whose columns bear the channels' names."""
+    if isinstance(rig, GeneralRig):
+        there = column_names(path, ("t",))
+        return {name: Channel(name) for name in rig.channel_units if name in there}
     needed = needed_channels(rig)
     names = [*needed, *(["belt"] if "belt" in column_names(path, needed) else [])]
     return {name: Channel(name) for name in names}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,7 +16,9 @@ from stickslip.arguments import explained, must_be
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import scales
+from stickslip.declared.speeds import Speed
 from stickslip.declared.units import Channel, default_speed_unit, factor, is_electric, speed
 from stickslip.errors import InputError, Place, did_you_mean
 from stickslip.measured.channels import (
@@ -34,6 +37,7 @@ from stickslip.measured.findings import (
     size_findings,
     time_findings,
 )
+from stickslip.measured.prescribed import prescribed
 from stickslip.measured.readers.tables import Columns, Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
 from stickslip.objects import Sampled
@@ -82,6 +86,11 @@ class Recording(Sampled):
         Force of the drive on a `DrivenSlider` (n,), held from each sample to the next; None on other rigs.
     averaged
         How many readings each sample is the mean of, at the mean of their times (`stickslip.measured.thinning`).
+    coordinates
+        Of a rig of bodies or matrices, every coordinate, velocity and prescribed speed recorded (n,), in SI; `x1` is
+        the first of them.
+    speeds
+        Of such a rig, what is prescribed: "belt_speed", "drive_speed". `belt_speed` is NaN where it is no number.
     """
 
     name: str
@@ -100,11 +109,19 @@ class Recording(Sampled):
     findings: tuple[Finding, ...] = ()
     drive: Floats | None = None
     averaged: int = 1
+    coordinates: Mapping[str, Floats] = field(default_factory=dict, repr=False)
+    speeds: Mapping[str, Speed] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return self.t.size
 
     def __repr__(self) -> str:
+        if isinstance(self.rig, GeneralRig):
+            told = ", ".join(f"{name} {one.text}" for name, one in self.speeds.items())
+            read = ", ".join(self.coordinates)
+            return (
+                f"<Recording '{self.name}' ({self.role}): {read}, {len(self)} samples{told and f'; {told}'}>"
+            )
         units = scales(self.rig, self.channels)
         names = ", ".join(
             f"{n} [{c.unit}]" if c.unit != "1" else n for n, c in self.channels.items() if n != "t"
@@ -166,6 +183,7 @@ class Recording(Sampled):
             belt=None if self.belt is None else self.belt[kept],
             drive=None if self.drive is None else self.drive[kept],
             raw={name: column[kept] for name, column in self.raw.items()},
+            coordinates={name: column[kept] for name, column in self.coordinates.items()},
         )
 
 
@@ -176,6 +194,7 @@ def load_recording(
     *,
     channels: Mapping[str, Channel] | None = None,
     belt_speed: float | str = 0.0,
+    drive_speed: float | str | None = None,
     role: Role = "train",
     noise: Mapping[str, float] | None = None,
     window: tuple[float | None, float | None] = (None, None),
@@ -189,13 +208,16 @@ def load_recording(
     source
         The file; or the columns (n,) by name, as a dict of arrays or a data frame has them.
     rig
-        `Rig` or `BlockOnBelt`.
+        On which it was recorded.
     channels
         Column, unit and scale for t, x1, y1 and, if recorded, belt; a `BlockOnBelt` has t and x1 or
-        spring_force. None: columns of these names, nondimensional.
+        spring_force; a rig of bodies or matrices coordinates by their names, and velocities, `v_NAME`. None: columns
+        of these names, nondimensional.
     belt_speed
         Set-point in the unit of the belt channel; without one, m/s for an SI rig and nondimensional
-        otherwise. Text may carry a unit ("1100 um/s").
+        otherwise. Text may carry a unit ("1100 um/s"); for a rig of bodies or matrices it may be a formula of t.
+    drive_speed
+        The same of the drive of such a rig.
     role
         "train" or "validate".
     noise
@@ -213,7 +235,7 @@ def load_recording(
         The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
         do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
     """
-    must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider))
+    must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
     table: Held | Path
     if hasattr(source, "keys"):
         table = Held(name or "recording", dict(source))  # type: ignore[arg-type]  # a data frame is no Mapping
@@ -229,31 +251,54 @@ def load_recording(
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     _check_times(columns, declared, raw)
     raw = _cut(columns, declared, raw, window)
-    unit = declared["belt"].unit if "belt" in declared else default_speed_unit(rig)
-    set_point = speed(belt_speed, unit, rig)
-    position = "spring_force" if "spring_force" in declared else "x1"
+    speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
+    belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
+    position = _position(rig, declared)
     model = {one: column * factors[one] for one, column in raw.items()}
-    _check_belt(columns, declared, raw, set_point)
+    _check_belt(columns, declared, raw, belt)
     sizes = noise_in_model(noise or {}, declared, rig)
     recording = Recording(
         name=name or columns.path.stem,
         role=role,
         rig=rig,
-        belt_speed=set_point,
+        belt_speed=belt,
         t=model["t"],
         x1=model[position],
         y1=model.get("y1"),
         belt=model.get("belt"),
-        drive=model.get("drive"),
+        drive=model.get("drive") if isinstance(rig, DrivenSlider) else None,
         raw=raw,
         channels=declared,
         factors=factors,
         noise=sizes,
         source=columns.path,
+        coordinates={k: x for k, x in model.items() if k != "t"} if isinstance(rig, GeneralRig) else {},
+        speeds=speeds,
     )
     said = [*opened.contents.doubts, *columns.doubts, *doubts]
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
     return replace(recording, findings=(*guessed, *_findings(recording, friction)))
+
+
+def _set_point(rig: AnyRig, channels: Mapping[str, Channel], given: float | str) -> float:
+    """The belt's speed of a named rig, in the model's numbers."""
+    unit = channels["belt"].unit if "belt" in channels else default_speed_unit(rig)
+    return speed(given, unit, rig)
+
+
+def _constant(speeds: Mapping[str, Speed]) -> float:
+    """The belt's speed of a general rig where it is a number; 0 where nothing rubs on a belt."""
+    belt = speeds.get("belt_speed")
+    if belt is None:
+        return 0.0
+    return math.nan if belt.constant is None else belt.constant
+
+
+def _position(rig: AnyRig, channels: Mapping[str, Channel]) -> str:
+    """The channel that is x1."""
+    if isinstance(rig, GeneralRig):
+        return next(name for name in rig.state_names if name in channels)
+    return "spring_force" if "spring_force" in channels else "x1"
 
 
 def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:
@@ -321,14 +366,14 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
         found += channel_findings(name, readings, unit, own, jumps)
         if name == "drive" and isinstance(recording.rig, DrivenSlider):
             found += drive_findings(recording.t, recording.x1, readings * per_unit, recording.rig.mass)
-        elif name == "belt":
+        elif name == "belt" and math.isfinite(recording.belt_speed):
             found += belt_findings(readings, recording.belt_speed / per_unit, _word(channel.unit))
         elif friction is not None and name != "y1" and isinstance(recording.rig, Rig | BlockOnBelt):
             rig = recording.rig
             stiffness = rig.stiffness if isinstance(rig, BlockOnBelt) else rig.alpha1
             reach = max(friction.static_limits) / stiffness
             found += size_findings(name, recording.x1, reach, _word(channel.unit), per_unit)
-    wrong = wrong_set_point(recording)
+    wrong = None if isinstance(recording.rig, GeneralRig) else wrong_set_point(recording)
     if wrong and not any(one.kind is FindingKind.BELT for one in found):
         found.append(Finding(FindingKind.BELT, "belt", f"belt: {wrong}"))
     return found

@@ -158,6 +158,13 @@ class LoweredBodies:
         low, high = (_matrices(one, self.own, self.layout) for one in ends)
         return (high - low) / (2 * step)
 
+    def moves(self, names: Iterable[str]) -> Floats:
+        """Return what the values move by as numbers of the rig grow together, relative to what they are, (size,)."""
+        row = np.zeros(len(self.values))
+        for name in names:
+            row[: self.layout["parameters"]] += self.model.parameters[name] * self._rig_moves(name)
+        return row
+
     def _start_moves(self, row: Floats, name: str, z: Floats, given: frozenset[str]) -> None:
         """Add how the start of a law's state moves with a number, or with the sliding speed at the start."""
         own, n = self.own, len(self.own.equations.names)

@@ -19,6 +19,7 @@ from stickslip.declared.rigs.general import (
     Equations,
     GeneralRig,
     RigError,
+    Trait,
     Unit,
     check_equations,
     check_names,
@@ -319,6 +320,18 @@ class BodiesRig(GeneralRig):
             sizes = {key: getattr(part, key) for key in part.sizes}
             out |= {f"{name}.{key}": float(size) for key, size in sizes.items() if size is not None}
         return out
+
+    @property
+    def uncertain(self) -> Mapping[str, Trait]:
+        """Masses, inertias, stiffnesses and dampings; gears, lever arms and rests are lengths."""
+        what: dict[str, Trait] = {
+            "mass": "inertia",
+            "inertia": "inertia",
+            "stiffness": "stiffness",
+            "damping": "damping",
+        }
+        kinds = {name: what.get(name.rpartition(".")[2]) for name, size in self.numbers.items() if size != 0}
+        return {name: kind for name, kind in kinds.items() if kind is not None}
 
     def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
         by: dict[str, dict[str, float]] = {}

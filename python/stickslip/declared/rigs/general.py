@@ -19,6 +19,7 @@ from stickslip.objects import Displayed
 Floats = NDArray[np.float64]
 Against = Literal["ground", "belt"]
 Unit = Literal["m", "rad", "1"]
+Trait = Literal["inertia", "stiffness", "damping"]
 PLACES = ("ground", "belt", "drive")  # no bodies: rest, what contacts rub on, and what links are pulled by
 RESERVED = (*PLACES, "t", "mode")
 
@@ -88,6 +89,19 @@ class Equations:
         """A contact rubs on the belt."""
         return any(one.against == "belt" for one in self.contacts)
 
+    @property
+    def belt_unit(self) -> str:
+        """Unit of the belt's speed; "1" where contacts that turn and contacts that slide rub on it."""
+        turns = {one.rotation for one in self.contacts if one.against == "belt"}
+        return {frozenset({True}): "rad/s", frozenset({False}): "m/s"}.get(frozenset(turns), "1")
+
+    @property
+    def drive_unit(self) -> str:
+        """Unit of the drive's speed; "1" where it pulls at coordinates of several kinds."""
+        pulled = np.flatnonzero((self.drive_stiffness != 0) | (self.drive_damping != 0))
+        units = {self.units[i] for i in pulled}
+        return f"{units.pop()}/s" if len(units) == 1 and "1" not in units else "1"
+
 
 class GeneralRig(Displayed):
     """A rig that is declared by its parts or by its matrices."""
@@ -123,6 +137,25 @@ class GeneralRig(Displayed):
     def table(self) -> dict[str, object]:
         """Return a file's table [rig]."""
         raise NotImplementedError
+
+    @property
+    def uncertain(self) -> Mapping[str, Trait]:
+        """What each number is, of those that are measured and no lengths or choices, by name."""
+        raise NotImplementedError
+
+    def tied(self, name: str) -> tuple[str, ...]:
+        """Return the numbers that are one with a number of `uncertain`: itself, and its mirror in a matrix."""
+        return (name,)
+
+    @property
+    def channel_units(self) -> dict[str, str]:
+        """What may be recorded, with its unit in the model: time, coordinates, velocities, prescribed speeds."""
+        own = self.equations
+        rates = ["1" if one == "1" else f"{one}/s" for one in own.units]
+        out = {"t": "s", **dict(zip(self.state_names, [*own.units, *rates], strict=True))}
+        out |= {"belt": own.belt_unit} if own.on_belt else {}
+        way = own.drive_unit.removesuffix("/s")
+        return out | ({"drive": own.drive_unit, "x_drive": way} if own.driven else {})
 
     @property
     def state_names(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from stickslip.declared.rigs.general import (
     Equations,
     GeneralRig,
     RigError,
+    Trait,
     Unit,
     check_equations,
     check_names,
@@ -142,6 +143,26 @@ class MatricesRig(GeneralRig):
         for name in ("rest", "drive_stiffness", "drive_damping"):
             out |= {f"{name}_{i + 1}": one for i, one in enumerate(getattr(self, name) or ())}
         return out
+
+    @property
+    def uncertain(self) -> Mapping[str, Trait]:
+        """Entries of M, K and C that are not 0; of two that mirror each other the upper one."""
+        groups: tuple[tuple[str, Trait], ...] = (("M", "inertia"), ("K", "stiffness"), ("C", "damping"))
+        out: dict[str, Trait] = {}
+        for name, trait in groups:
+            rows = getattr(self, name) or ()
+            for i, row in enumerate(rows):
+                for k, size in enumerate(row):
+                    if size != 0 and (k >= i or rows[k][i] != size):
+                        out[f"{name}_{i + 1}{_gap(len(row))}{k + 1}"] = trait
+        return out
+
+    def tied(self, name: str) -> tuple[str, ...]:
+        """Return an entry and its mirror, where the two are equal."""
+        group, _, place = name.partition("_")
+        rows, gap = getattr(self, group), _gap(len(self.M))
+        i, k = (int(one) - 1 for one in (place.split(gap) if gap else place))
+        return (name,) if i == k or rows[i][k] != rows[k][i] else (name, f"{group}_{k + 1}{gap}{i + 1}")
 
     def _changed(self, values: Mapping[str, float]) -> dict[str, Any]:
         changed: dict[str, Any] = {}

@@ -15,6 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.score import Columns, score
@@ -122,6 +123,7 @@ def _of_slip(
     """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
     p, k = len(fit.at), bench.policy.knots
     first = p + fit.windows.begins + 1
+    assert isinstance(fit.windows, BeltWindows)
     out: list[Floats | None] = []
     for i, (block, motion) in enumerate(zip(fit.blocks, motions, strict=True)):
         if block is None or motion is None:

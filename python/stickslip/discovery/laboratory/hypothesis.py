@@ -13,6 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
+from stickslip.likelihoods.fit_state import Windowed
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.sensors import Sensors
@@ -120,7 +121,7 @@ def of_term(term: Term, policy: Policy) -> list[Number]:
     return out
 
 
-def terms_at(terms: Sequence[Term], windows: BeltWindows, at: np.ndarray) -> tuple[Term, ...]:
+def terms_at(terms: Sequence[Term], windows: Windowed, at: np.ndarray) -> tuple[Term, ...]:
     """Return the terms with the numbers of a fit."""
     out = []
     for one in terms:

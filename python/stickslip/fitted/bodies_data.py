@@ -1,0 +1,222 @@
+"""Runs of a rig of bodies or matrices as the fit takes them: readings, their motion, and where contacts stick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from stickslip.declared.rigs.general import Equations, GeneralRig
+from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError
+from stickslip.fitted.data import cleaned, rounding
+from stickslip.measured import signals
+from stickslip.measured.recording import Recording
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+FEWEST = 60  # samples of a run
+NARROW = 7  # samples of the narrowest polynomial that a velocity is taken from
+SHARE = 6  # parts of the shortest natural period that the widest one spans at most
+QUIET = 4.0  # standard deviations of a velocity's noise that count as rest
+AT_REST = 0.03  # share of the fastest slip within which a contact on the ground rests
+RIDING = 0.25  # share of a belt's speed within which a contact on it rides
+FASTEST = 0.98  # quantile of the slip speeds that counts as the fastest
+PLACES = 200  # samples at which a recorded drive is held against its set-point
+
+
+@dataclass(frozen=True)
+class BodiesData:
+    """
+    One run, in SI.
+
+    Parameters
+    ----------
+    name, role : of the recording
+    t : (n,) times from the run's first sample
+    channels : names of the readings: coordinates, velocities, and the belt's speed
+    readings, weight, noise : (n, c), (n, c) 1/noise, (c,)
+    q, v : (n, coordinates) position and velocity, smoothed; of what is not read, as if in balance with the rest
+    stuck : (n, contacts) where a contact sticks, as far as the readings show it
+    seen : (contacts,) whether they do
+    belt, drive : what is prescribed
+    drawn : where the drive is at the first sample
+    periods : the longest and the shortest natural period
+    """
+
+    name: str
+    role: str
+    t: Floats
+    channels: tuple[str, ...]
+    readings: Floats
+    weight: Floats
+    noise: Floats
+    q: Floats
+    v: Floats
+    stuck: Mask
+    seen: Mask
+    belt: Speed
+    drive: Speed
+    drawn: float
+    periods: tuple[float, float]
+
+
+def way(drive: Speed, t: float) -> float:
+    """Return how far a drive goes from the time 0 to `t`."""
+    if drive.constant is not None:
+        return drive.constant * t
+    edges = [one for one in drive.begins if 0 < one < t]
+    found, _ = scipy.integrate.quad(lambda s: float(drive(s)), 0.0, t, points=edges or None)
+    return float(found)
+
+
+def natural_periods(own: Equations) -> tuple[float, float]:
+    """Return the longest and the shortest period of the rig without friction and damping.
+
+    Raises
+    ------
+    InputError
+        No spring acts.
+    """
+    squares = scipy.linalg.eigh(0.5 * (own.K + own.K.T), own.M, eigvals_only=True)
+    squares = squares[squares > 1e-9 * max(float(squares[-1]), 1e-300)]
+    if not len(squares):
+        raise InputError("no spring acts, so that nothing sets a time by which runs are cut", key="rig")
+    return 2 * math.pi / math.sqrt(squares[0]), 2 * math.pi / math.sqrt(squares[-1])
+
+
+def prepare_bodies(rig: GeneralRig, runs: Sequence[Recording]) -> list[BodiesData]:
+    """
+    Return the runs with their noise, from [noise] where it is given and from the readings where not.
+
+    Raises
+    ------
+    InputError
+        A run is too short, or no spring acts.
+    """
+    channels = tuple(name for name in (*rig.state_names, "belt") if all(name in r.coordinates for r in runs))
+    usual = np.median([[_noise(run.coordinates[name], run.t) for name in channels] for run in runs], axis=0)
+    out = []
+    for run in runs:
+        if len(run.t) < FEWEST:
+            raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least {FEWEST} are needed")
+        noise = np.array([run.noise.get(name, size) for name, size in zip(channels, usual, strict=True)])
+        out.append(_prepared(rig.equations, run, channels, noise))
+    return out
+
+
+def _noise(x: Floats, t: Floats) -> float:
+    good = np.isfinite(x)
+    # what was simulated has none: it is known to nine digits at least
+    return max(float(signals.noise_std(x[good], t=t[good])), 1e-9 * float(np.ptp(x[good])), 1e-300)
+
+
+def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: Floats) -> BodiesData:
+    t = run.t - run.t[0]
+    readings = np.column_stack([run.coordinates[name] for name in channels])
+    noise = np.hypot(noise, rounding(readings))
+    readings, weight, _ = cleaned(t, readings, noise)
+    belt, drive = (run.speeds.get(key, Speed.of(0.0)) for key in ("belt_speed", "drive_speed"))
+    periods, drawn = natural_periods(own), 0.0
+    if "x_drive" in run.coordinates:
+        at = np.unique(np.linspace(0, len(t) - 1, PLACES).astype(int))
+        off = [run.coordinates["x_drive"][i] - way(drive, float(t[i])) for i in at]
+        drawn = float(np.nanmedian(off))
+    read = dict(zip(channels, readings.T, strict=True))
+    sizes = dict(zip(channels, noise.tolist(), strict=True))
+    q, v, doubt = _motion(own, t, read, sizes, periods[1] / SHARE)
+    if not all(name in read for name in own.names):
+        _balance(own, q, v, t, drive, drawn)
+    stuck, seen = _stuck(own, t, v, doubt, belt)
+    return BodiesData(
+        run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods
+    )  # fmt: skip
+
+
+def _motion(
+    own: Equations, t: Floats, read: Mapping[str, Floats], noise: Mapping[str, float], longest: float
+) -> tuple[Floats, Floats, Floats]:
+    """Positions, velocities, and the noise of these; NaN where they are not read."""
+    shape = (len(t), len(own.names))
+    q, v, doubt = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[1], np.nan)
+    dt = float(np.median(np.diff(t)))
+    for i, name in enumerate(own.names):
+        rate = f"v_{name}"
+        if name in read:
+            q[:, i], v[:, i], doubt[i] = smoothed(t, read[name], noise[name], longest)
+        if rate in read:
+            v[:, i], _, _ = smoothed(t, read[rate], noise[rate], NARROW * dt)
+            doubt[i] = noise[rate] / math.sqrt(NARROW)
+    return q, v, doubt
+
+
+def smoothed(t: Floats, x: Floats, noise: float, longest: float) -> tuple[Floats, Floats, float]:
+    """
+    Return a reading and its rate by local quadratics (n,), and the noise of the rate.
+
+    Parameters
+    ----------
+    t, x : (n,) times and readings
+    noise : of a reading
+    longest : time that a quadratic spans at most, if that is more than seven samples
+    """
+    dt = float(np.median(np.diff(t)))
+    grid = np.arange(0.0, t[-1] + 0.5 * dt, dt)
+    even = np.interp(grid, t, x)
+    most = (len(grid) - 1) // 2 * 2 - 1
+
+    def rates(width: int) -> tuple[Floats, float]:
+        found = scipy.signal.savgol_filter(even, width, 2, deriv=1, delta=dt)
+        return found, noise * math.sqrt(12 / width**3) / dt
+
+    width = min(NARROW, most)
+    v, doubt = rates(width)
+    while (
+        width + 2 <= most
+        and width * dt < longest
+        and QUIET * doubt > AT_REST * np.quantile(np.abs(v), FASTEST)
+    ):
+        width += 2
+        v, doubt = rates(width)
+    places = scipy.signal.savgol_filter(even, width, 2)
+    return np.interp(t, grid, places), np.interp(t, grid, v), doubt
+
+
+def _balance(own: Equations, q: Floats, v: Floats, t: Floats, drive: Speed, drawn: float) -> None:
+    """Put what is not read where its springs would hold it, as long as all goes slowly."""
+    every = np.arange(len(own.names))
+    speed = np.asarray(drive(t))
+    go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
+    for states, constant, pulled in ((q, own.force, go), (v, 0 * own.force, speed)):
+        lost = every[np.isnan(states[0])]
+        known = every[~np.isnan(states[0])]
+        if not len(lost):
+            continue
+        right = constant[lost] + np.outer(pulled, own.drive_stiffness[lost])
+        right -= states[:, known] @ own.K[np.ix_(lost, known)].T
+        inverse = np.linalg.pinv(own.K[np.ix_(lost, lost)])
+        states[:, lost] = right @ inverse.T
+
+
+def _stuck(own: Equations, t: Floats, v: Floats, doubt: Floats, belt: Speed) -> tuple[Mask, Mask]:
+    """Where each contact rests against what it rubs on, and whether its motion is read at all."""
+    stuck = np.zeros((len(t), len(own.contacts)), dtype=bool)
+    seen = np.zeros(len(own.contacts), dtype=bool)
+    speed = np.asarray(belt(t))
+    for j, one in enumerate(own.contacts):
+        over = one.direction != 0
+        noise = math.sqrt(float(one.direction[over] ** 2 @ doubt[over] ** 2))
+        if math.isnan(noise):
+            continue
+        seen[j] = True
+        slip = v @ one.direction - (speed if one.against == "belt" else 0.0)
+        fastest = float(np.quantile(np.abs(slip), FASTEST))
+        band = AT_REST * fastest
+        if one.against == "belt":
+            band = max(band, min(RIDING * float(np.median(np.abs(speed))), 0.5 * fastest))
+        stuck[:, j] = np.abs(slip) < max(band, QUIET * noise)
+    return stuck, seen

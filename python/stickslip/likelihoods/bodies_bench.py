@@ -1,0 +1,144 @@
+"""What stays the same over all hypotheses of a case of a rig of bodies or matrices, and the numbers of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.declared.bodies_model import law_of
+from stickslip.declared.contact_laws import ContactLaws
+from stickslip.declared.formula.tree import Apply, names, nodes
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.errors import InputError
+from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
+from stickslip.fitted.unknowns import HELD
+from stickslip.likelihoods.bodies_cuts import Cut, cuts
+from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.shared import Declared, Number
+from stickslip.measured.case import Case
+from stickslip.measured.recording import Recording
+from stickslip.simulated.general import form_of
+
+STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
+BESIDE = 1e-5  # in the logarithm
+WIDE = 2.3  # width of the prior of a number of a law that is identified, in the logarithm: a factor of ten
+
+
+@dataclass(frozen=True)
+class BodiesBench:
+    """
+    A case.
+
+    Parameters
+    ----------
+    model : the declared model
+    data : the runs
+    stretches : their windows
+    declared : how well the rig's numbers and the gains are known; what is exact is not among them
+    policy : what steers
+    law_spread : width of the prior of a law's numbers about the declared ones, in the logarithm
+    """
+
+    model: Model
+    data: Sequence[BodiesData]
+    stretches: Sequence[Cut]
+    declared: Declared
+    policy: Policy = POLICY
+    law_spread: float = WIDE
+
+    def windows(self, model: Model | None = None, more: Sequence[Number] = ()) -> BodiesWindows:
+        """Return the windows of a hypothesis: the declared model, or another with further numbers."""
+        numbers = [*self.of_law(), *self.of_rig(), *more]
+        return BodiesWindows(
+            model or self.model, self.data, self.stretches, numbers, self.declared, self.policy
+        )
+
+    def of_law(self) -> list[Number]:
+        """Return the numbers of the laws, held loosely about what is declared."""
+        out, powers = [], exponents(self.model)
+        for name, value in self.model.friction.numbers.items():
+            if name.rpartition(".")[2] in HELD:
+                continue
+            if value > 0:
+                at = math.log(value)
+                # the core has no derivative by a whole exponent of what is 0 at the start of a slip
+                at += BESIDE if name in powers and value == round(value) else 0.0
+                out.append(Number(name, at, at, self.law_spread, True, stride=STRIDE_LAW))
+            else:
+                out.append(Number(name, value, value, self.law_spread, low=0.0))
+        return out
+
+    def of_rig(self) -> list[Number]:
+        """Return the constants, over what is declared of them, and the gains that are not exact."""
+        out = []
+        for name in self.declared.names:
+            if name.startswith("gain."):
+                out.append(Number(name, 0.0, 0.0, math.inf))
+            else:
+                out.append(Number(name, 0.0, 0.0, math.inf, True, stride=STRIDE_CONSTANT))
+        return out
+
+
+def exponents(model: Model) -> set[str]:
+    """Return the numbers of a model's laws that formulas have as exponents."""
+    out = set[str]()
+    assert isinstance(model.rig, GeneralRig)
+    for contact in model.rig.equations.contacts:
+        law = law_of(model.friction, contact)
+        prefix = ""
+        if isinstance(model.friction, ContactLaws):
+            prefix = f"{contact.law or model.friction.laws[0][0]}."
+        form = form_of(law)
+        for tree in (*form.minus.trees(), *form.plus.trees()):
+            for node in nodes(tree):
+                if isinstance(node, Apply) and node.operation == "power":
+                    out |= {prefix + one for one in names(node.operands[1])}
+    return out
+
+
+def bench_of(
+    model: Model, runs: Sequence[Recording], known: Uncertainty, policy: Policy = POLICY
+) -> BodiesBench:
+    """
+    Return runs cut into windows.
+
+    Parameters
+    ----------
+    model : the declared one
+    runs : recorded on its rig
+    known : how well its constants and gains are known
+
+    Raises
+    ------
+    InputError
+        A run is too short, or none can be cut into windows.
+    """
+    assert isinstance(model.rig, GeneralRig)
+    data = prepare_bodies(model.rig, runs)
+    stretches = cuts(data, policy)
+    if not stretches:
+        raise InputError("the runs are shorter than a natural period; nothing can be fitted to them")
+    return BodiesBench(model, data, stretches, declared_of(model.rig, known, data[0].channels), policy)
+
+
+def declared_of(rig: GeneralRig, known: Uncertainty, channels: Sequence[str]) -> Declared:
+    """Return what is known of the constants and the gains of what is read, less what is exact."""
+    every = {name: name for name in rig.uncertain} | {
+        f"gain.{name}": name for name in channels if name in known.gains
+    }
+    covariance = known.covariance(list(every.values()))
+    kept = [i for i in range(len(every)) if covariance[i, i] > 0]
+    names = list(every)
+    return Declared(tuple(names[i] for i in kept), covariance[np.ix_(kept, kept)])
+
+
+def bench_of_case(case: Case, role: str = "train") -> BodiesBench:
+    """Return the runs of a case that have a role, cut into windows."""
+    runs = case.train if role == "train" else case.validate
+    return bench_of(case.model(), runs, case.uncertainty)

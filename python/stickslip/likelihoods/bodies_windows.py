@@ -1,0 +1,380 @@
+"""Windows of a rig of bodies or matrices linearised, each with friction and a belt speed of its own.
+
+Where a window begins, a contact that sticks moves with what it rubs on; all else of the state there is free. Friction
+of each contact differs from window to window, the static limit beside the kinetic force, and so does the belt's speed
+where it is a number. Derivatives are the core's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.errors import InputError
+from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.likelihoods.bodies_cuts import Cut
+from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
+from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
+from stickslip.simulated.general import general
+
+Floats = NDArray[np.float64]
+BELT = "belt_speed"
+
+
+class BodiesWindows:
+    """
+    The windows of the runs under a model whose friction and belt differ from window to window.
+
+    Parameters
+    ----------
+    model : the model; its numbers not in `numbers` are exact
+    data : the runs
+    stretches : where the windows are
+    numbers : what all windows share: numbers of the laws, of the rig over what is declared of them, gains
+    declared : what is known of the constants among them
+    policy : what steers the windows
+
+    A window's own numbers are the state that it begins with, (q, v) in units of how far the run moves, of v what no
+    contact in stick takes; then its random effects: of each contact relative kinetic and static friction, and the
+    belt's relative speed.
+
+    Raises
+    ------
+    InputError
+        A law has states of its own, which no reading shows at the start of a window.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        data: Sequence[BodiesData],
+        stretches: Sequence[Cut],
+        numbers: Sequence[Number],
+        declared: Declared,
+        policy: Policy = POLICY,
+    ) -> None:
+        assert isinstance(model.rig, GeneralRig)
+        self.model, self.rig, self.policy = model, model.rig, policy
+        self.data, self.stretches, self.numbers = list(data), list(stretches), tuple(numbers)
+        self.prior = Prior(numbers, declared, policy.tail)
+        self.channels = data[0].readings.shape[1]
+        self.gains = tuple(f"gain.{name}" for name in data[0].channels)
+        self.lowered = [_lowered(model, run) for run in data]
+        own = self.lowered[0].own
+        self.dimension = len(own.equations.names)
+        self.begins = 2 * self.dimension
+        belted = own.equations.on_belt and all(run.belt.constant for run in data)
+        self.differs = differing(self.lowered[0].own, belted)
+        self.effects = len(self.differs.of)
+        self.own = self.begins + self.effects
+        self.statics = tuple(
+            k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".static")
+        )
+        self.places = [np.zeros(0)] * len(self.data)
+        self.by_run = [
+            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
+            for r in range(len(data))
+        ]
+        self.sizes = np.array([w.stop - w.start for w in stretches])
+        self.fixed = dict(model.parameters)
+        self.scales = [_scales(run) for run in data]
+        self.reads = _reads(data[0].channels, own.equations.names)
+
+    @property
+    def runs(self) -> list[int]:
+        """Run of each window."""
+        return [w.run for w in self.stretches]
+
+    def scatter(self) -> ContactScatter:
+        """Return what differs from window to window, where an estimate of it starts."""
+        return self.differs.moved(self.differs.usual(self.policy)[0])
+
+    @cached_property
+    def starts(self) -> list[_Start]:
+        """How each window's state at its start follows from its own numbers."""
+        out = []
+        for w in self.stretches:
+            run, own = self.data[w.run], self.lowered[w.run].own.equations
+            rows = [j for j, mode in enumerate(w.modes) if mode == 0]
+            D = own.directions[rows]
+            belted = np.array([own.contacts[j].against == "belt" for j in rows], dtype=float)
+            out.append(_start(D, belted * float(run.belt(run.t[w.start])), self.scales[w.run]))
+        return out
+
+    def first(self) -> Floats:
+        """Return the windows' own numbers from the motion that the readings show at their starts, (w, own)."""
+        out = np.zeros((len(self.stretches), self.own))
+        n = self.dimension
+        for row, w, start in zip(out, self.stretches, self.starts, strict=True):
+            run = self.data[w.run]
+            row[:n] = run.q[w.start] / start.scale_q
+            row[n : 2 * n] = start.free.T @ ((run.v[w.start] - start.held) / start.scale_v)
+        return out
+
+    def values(self, at: Floats, run: int = 0) -> dict[str, float]:
+        """Return all numbers of a run by name."""
+        out = dict(self.fixed)
+        for one, x in zip(self.numbers, at, strict=True):
+            if one.run not in (None, run):
+                continue
+            size = one.value(float(x))
+            for name in self._tied(one.name):
+                out[name] = self.fixed[name] * size
+            if one.name not in self.of_rig:
+                out[one.name] = size
+        return out
+
+    @cached_property
+    def of_rig(self) -> dict[str, Floats]:
+        """What the core's values move by with each constant of the rig over what is declared; they are linear in it."""
+        return {
+            one.name: self.lowered[0].moves(self._tied(one.name))
+            for one in self.numbers
+            if one.name in self.rig.uncertain
+        }
+
+    def _tied(self, name: str) -> tuple[str, ...]:
+        return self.rig.tied(name) if name in self.rig.uncertain else ()
+
+    def blocks(
+        self,
+        at: Floats,
+        own: Floats,
+        select: NDArray[np.bool_] | None = None,
+        shared: Sequence[int] | None = None,
+        local: bool = True,
+    ) -> list[Floats | None]:
+        """
+        Return [J, S, K, r] of each window over the noise, (readings, channels, columns + 1); None where it fails.
+
+        Parameters
+        ----------
+        at : (p,) coordinates of the shared numbers
+        own : (w, own) the windows' own numbers
+        select : windows asked for; all by default
+        shared : which shared numbers have columns; all by default
+        local : whether the windows' own numbers have columns
+        """
+        columns = list(range(len(self.numbers)) if shared is None else shared)
+        points = [_Point(self, run, at, columns) for run in range(len(self.data))]
+        return [
+            points[w.run].block(i, own[i], local) if select is None or select[i] else None
+            for i, w in enumerate(self.stretches)
+        ]
+
+    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+        """Return each window as simulated; None where it fails."""
+        points = [_Point(self, run, at, []) for run in range(len(self.data))]
+        return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
+
+
+@dataclass(frozen=True)
+class _Start:
+    """v = held + scale_v * (free @ numbers): what sticks moves with what it rubs on."""
+
+    scale_q: Floats
+    scale_v: Floats
+    free: Floats  # (n, n); a column of zeros for what sticks
+    held: Floats  # (n,)
+
+
+def _start(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> _Start:
+    scale_q, scale_v = scales
+    n = len(scale_q)
+    if not len(D):
+        return _Start(scale_q, scale_v, np.eye(n), np.zeros(n))
+    scaled = D * scale_v
+    _, _, turned = np.linalg.svd(scaled)
+    free = np.zeros((n, n))
+    free[:, : n - len(D)] = turned[len(D) :].T
+    return _Start(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
+
+
+def _scales(run: BodiesData) -> tuple[Floats, Floats]:
+    """How far each coordinate moves in a radian of the natural period, and how fast."""
+    v = np.std(run.v, axis=0)
+    v = np.maximum(v, 1e-3 * max(float(v.max()), 1e-300))
+    return v * run.periods[0] / (2 * np.pi), v
+
+
+def _reads(channels: Sequence[str], names: Sequence[str]) -> list[int]:
+    """Place of each channel among (q, v); -1 of the belt's speed."""
+    states = [*names, *(f"v_{name}" for name in names)]
+    return [states.index(name) if name in states else -1 for name in channels]
+
+
+def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
+    own = general(
+        model,
+        run.belt if model.rig.equations.on_belt else None,  # type: ignore[union-attr]
+        run.drive if model.rig.equations.driven else None,  # type: ignore[union-attr]
+    )
+    laws = tuple(scattering(law, j) for j, law in enumerate(own.laws))
+    for law in laws:
+        if law.states:
+            words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
+            raise InputError(words, key="friction")
+    return lower_bodies(replace(own, laws=laws), model)
+
+
+class _Point:
+    """The windows of one run at one point of the shared numbers."""
+
+    def __init__(self, windows: BodiesWindows, run: int, at: Floats, shared: list[int]) -> None:
+        self.of, self.run, self.at, self.shared = windows, run, at, shared
+        self.data, self.lowered = windows.data[run], windows.lowered[run]
+        self.base = self._values()
+        self.rows = [self._row(j) for j in shared]
+
+    def _values(self) -> Floats:
+        """The core's numbers, the windows' own apart."""
+        of, out = self.of, self.lowered.values.copy()
+        for one, x in zip(of.numbers, self.at, strict=True):
+            if one.run not in (None, self.run):
+                continue
+            size = one.value(float(x))
+            if one.name in of.of_rig:
+                out += (size - 1.0) * of.of_rig[one.name]
+            elif one.name in self.lowered.places:
+                out[self._place(one.name)] = size
+        return out
+
+    def _place(self, name: str) -> int:
+        return self.lowered.layout["parameters"] + self.lowered.places[name]
+
+    def _row(self, j: int) -> Floats | None:
+        """Seed of a shared number; None where the motion does not depend on it."""
+        one = self.of.numbers[j]
+        if one.run not in (None, self.run):
+            return None
+        if one.name in self.of.of_rig:
+            return self.of.of_rig[one.name]
+        if one.name not in self.lowered.places:
+            return None
+        row = np.zeros(len(self.base))
+        row[self._place(one.name)] = 1.0
+        return row
+
+    def _own_rows(self, start: _Start) -> tuple[Floats, Floats]:
+        """Seeds of a window's own numbers, (own, size); what of the start they do not move is in the values."""
+        of, n = self.of, self.of.dimension
+        rows = np.zeros((of.own, len(self.base)))
+        begin = self.lowered.layout["initial"]
+        rows[range(n), range(begin, begin + n)] = start.scale_q
+        rows[n : 2 * n, begin + n : begin + 2 * n] = (start.scale_v[:, None] * start.free).T
+        offset = np.zeros(len(self.base))
+        for k, place in enumerate(self._effect_places):
+            row = rows[of.begins + k]
+            if place is None:
+                speed = float(self.data.belt.constant or 0.0)
+                row[self._place(BELT)] = speed
+                row[begin + n : begin + 2 * n] = start.held  # linear in the belt's speed
+            else:
+                row[place] = 1.0
+        offset[begin + n : begin + 2 * n] = start.held
+        return rows, offset
+
+    @cached_property
+    def _effect_places(self) -> list[int | None]:
+        """Where each random effect is among the values; None of the belt."""
+        out: list[int | None] = []
+        names = self.lowered.places
+        for j, law in enumerate(self.lowered.own.laws):
+            kinds = (KINETIC,) if law.compliant else (KINETIC, STATIC)
+            ours = [next(full for full in names if full.endswith(f"{kind}{j}")) for kind in kinds]
+            out += [self._place(name) for name in ours]
+        return out + [None] * (self.of.effects - len(out))
+
+    def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
+        """Run the core from the start of a window; whether it came to the end."""
+        of, w = self.of, self.of.stretches[i]
+        rows, offset = self._own_rows(of.starts[i])
+        values = self.base + offset + own @ rows
+        layout, n = self.lowered.layout, of.dimension
+        if len(self.data.t) and self.lowered.own.equations.driven:
+            place = layout["initial"] + 2 * n + int(self.lowered.own.equations.on_belt)
+            values[place] = self.data.drawn + way(self.data.drive, float(self.data.t[w.start]))
+        values[layout["dwell"] : layout["dwell"] + len(w.dwell)] = w.dwell
+        moved = [row for row in self.rows if row is not None]
+        t = self.data.t[w.start : w.stop]
+        raw: Mapping[str, Any] = _core.simulate_bodies(
+            **self.lowered.arguments,
+            values=np.nan_to_num(values),
+            modes=list(w.modes),
+            t_start=float(t[0]),
+            t_end=float(t[-1]),
+            t_eval=t,
+            rtol=of.policy.relative_tolerance,
+            atol=of.policy.absolute_tolerance * float(min(of.scales[self.run][0].min(), 1.0)),
+            locator=_core.Locator.henon,
+            seeds=np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
+            if seeds
+            else np.array(moved).reshape(-1, len(values)),
+            max_transitions=of.policy.most_transitions,
+            max_steps=of.policy.most_integration_steps,
+        )
+        return raw, raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
+
+    def _read(self, raw: Mapping[str, Any], own: Floats, local: bool) -> tuple[Floats, Floats]:
+        """Readings (n, channels) and their slopes (n, channels, columns)."""
+        of = self.of
+        state, slopes = raw["state"], raw["sensitivity"]
+        n, count = len(state), len(self.shared) + (of.own if local else 0)
+        read, by = np.zeros((n, of.channels)), np.zeros((n, of.channels, count))
+        active = [i for i, row in enumerate(self.rows) if row is not None]
+        active += range(len(self.shared), count)
+        for c, place in enumerate(of.reads):
+            if place >= 0:
+                read[:, c] = state[:, place]
+                by[:, c, active] = slopes[:, place]
+                continue
+            speed = self.data.belt(raw["t"])
+            wobbles = of.differs.names[-1] == "belt"
+            read[:, c] = speed * (1.0 + (own[-1] if wobbles else 0.0))
+            if local and wobbles:
+                by[:, c, -1] = speed
+        self._gains(read, by)
+        for i, j in enumerate(self.shared):
+            by[:, :, i] *= of.numbers[j].slope(float(self.at[j]))
+        return read, by
+
+    def _gains(self, read: Floats, by: Floats) -> None:
+        for j, one in enumerate(self.of.numbers):
+            if one.name not in self.of.gains:
+                continue
+            c = self.of.gains.index(one.name)
+            plain = read[:, c].copy()
+            read[:, c] *= 1.0 + one.value(float(self.at[j]))
+            by[:, c] *= 1.0 + one.value(float(self.at[j]))
+            if j in self.shared:
+                by[:, c, self.shared.index(j)] = plain
+
+    def block(self, i: int, own: Floats, local: bool) -> Floats | None:
+        """Simulate, read, weigh."""
+        w = self.of.stretches[i]
+        raw, done = self._simulated(i, own, local)
+        if not done:
+            return None
+        read, by = self._read(raw, own, local)
+        part = slice(w.start, w.stop)
+        out = np.concatenate([by, (self.data.readings[part] - read)[:, :, None]], axis=2)
+        out *= self.data.weight[part][:, :, None]
+        return out if np.isfinite(out).all() else None
+
+    def motion(self, i: int, own: Floats) -> Motion | None:
+        """Simulate and read."""
+        raw, done = self._simulated(i, own, False)
+        if not done:
+            return None
+        return Motion(raw["t"], raw["state"], raw["mode"].astype(np.int8), self._read(raw, own, False)[0])

@@ -1,0 +1,119 @@
+"""What differs from window to window on a rig of several contacts: friction of each law, and the belt's speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.formula.tree import Apply, Name, Tree, substituted
+from stickslip.declared.formula.tree import Number as Constant
+from stickslip.declared.formula.value import value
+from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.population import LEAST, MOST
+from stickslip.simulated.general import General
+
+Floats = NDArray[np.float64]
+KINETIC, STATIC = "own_kinetic_", "own_static_"  # of a contact by its place: numbers that no law has
+AT_REST = {"u": 0.0, "t": 0.0, "dwell": 0.0}
+
+
+@dataclass(frozen=True)
+class ContactScatter:
+    """
+    Relative standard deviations of what differs from window to window.
+
+    Parameters
+    ----------
+    names : of what differs: "<law>.static" beside what it shares with "<law>.kinetic", and "belt"
+    sizes : a standard deviation each
+    of : (effects,) which of them each random effect of a window has
+    """
+
+    names: tuple[str, ...]
+    sizes: tuple[float, ...]
+    of: tuple[int, ...]
+
+    def coordinates(self) -> Floats:
+        """Return the logarithms, (k,)."""
+        return np.log(np.maximum(self.sizes, LEAST))
+
+    def moved(self, coordinates: Floats) -> ContactScatter:
+        """Return the same effects with other standard deviations."""
+        return ContactScatter(self.names, tuple(float(x) for x in np.exp(coordinates)), self.of)
+
+    def without(self) -> ContactScatter:
+        """Return the scatter in which nothing differs."""
+        return ContactScatter(self.names, (0.0,) * len(self.sizes), self.of)
+
+    def factor(self, places: Sequence[Floats]) -> Floats:
+        """Return the factor of each run, (runs, effects, effects)."""
+        one = np.diag([self.sizes[k] for k in self.of])
+        return np.tile(one, (len(places), 1, 1))
+
+    def parts(self, places: Sequence[Floats]) -> dict[int, slice | list[int]]:  # noqa: ARG002  # as every scatter's
+        """Return the white columns that each coordinate scales."""
+        return {k: [i for i, own in enumerate(self.of) if own == k] for k in range(len(self.names))}
+
+    def usual(self, policy: Policy) -> tuple[Floats, Floats]:
+        """Return centre and width of the prior of the coordinates, (k,) each."""
+        sizes = {"static": policy.static_sd, "kinetic": policy.level_sd, "belt": policy.belt_sd}
+        centre = np.log([sizes[name.rpartition(".")[2]] for name in self.names])
+        return centre, np.full(len(self.names), policy.scatter_spread)
+
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Return the least and the largest coordinates sought, (k,) each."""
+        count = len(self.names)
+        return np.full(count, np.log(LEAST)), np.full(count, np.log(MOST))
+
+
+def scattering(law: LawForm, place: int) -> LawForm:
+    """
+    Return a law that each window has its own of: 1 + own_kinetic times as large, the limit 1 + own_static times more.
+
+    Where sliding begins at the static limit (`stribeck`), both have one number, and that is what differs.
+
+    Parameters
+    ----------
+    law : of a contact
+    place : of the contact
+    """
+    kinetic, static = f"{KINETIC}{place}", f"{STATIC}{place}"
+    level: Tree = Apply("add", (Constant(1.0), Name(kinetic)))
+    more: Tree = Apply("add", (Constant(1.0), Name(static)))
+
+    def times(by: Tree, tree: Tree) -> Tree:
+        return Apply("multiply", (by, tree))
+
+    def branch(one: BranchForm) -> BranchForm:
+        if one.force is not None:
+            return BranchForm(force=times(level, one.force), rates=one.rates)
+        assert one.kinetic is not None
+        limit, slides = one.static or one.kinetic, one.kinetic
+        if (
+            isinstance(limit, Name)
+            and float(value(slides, {**law.numbers, **AT_REST})) == law.numbers[limit.name]
+        ):
+            slides = substituted(slides, {limit.name: times(more, limit)})
+        return BranchForm(times(level, slides), times(level, times(more, limit)), rates=one.rates)
+
+    numbers = {**law.numbers, kinetic: 0.0, static: 0.0}
+    return LawForm(branch(law.minus), branch(law.plus), numbers, law.states)
+
+
+def differing(own: General, belted: bool) -> ContactScatter:
+    """Return what differs: contacts of one law differ alike, each by itself; without stick there is no static limit."""
+    names, of = list[str](), list[int]()
+    for contact, law in zip(own.equations.contacts, own.laws, strict=True):
+        for kind in ("kinetic",) if law.compliant else ("kinetic", "static"):
+            name = f"{contact.law or 'friction'}.{kind}"
+            if name not in names:
+                names.append(name)
+            of.append(names.index(name))
+    if belted:
+        of.append(len(names))
+        names.append("belt")
+    return ContactScatter(tuple(names), (0.0,) * len(names), tuple(of))

@@ -1,0 +1,137 @@
+"""Windows of rigs of bodies and matrices: cut, linearised, and fitted to records of a simulator written apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import stickslip as ss
+from bodies_cases import CASES, Case, recorded, recording
+from differences import held_against_differences
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.errors import InputError
+from stickslip.fitted.bodies_data import way
+from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
+from stickslip.likelihoods.bodies_cuts import STATE
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.policy import POLICY
+
+Floats = NDArray[np.float64]
+
+
+def bench(case: Case, t: Floats, readings: Floats, **other: object) -> BodiesBench:
+    """The record cut into windows, constants and gains as well known as usual."""
+    known = Uncertainty.usual(case.model.rig, channels=case.channels)
+    return bench_of(case.model, [recording(case, t, readings, **other)], known)
+
+
+def simulated(case: Case, lasts: float) -> tuple[Floats, Floats]:
+    """Times and readings without noise, by the package: quick, and of the same numbers."""
+    t = np.arange(0.0, case.settling + lasts, case.dt)
+    run = ss.simulate(case.model, **case.speeds, initial=case.initial, t_end=t[-1], t_eval=t)  # type: ignore[arg-type]
+    kept = t >= case.settling
+    places = [run.state_names.index(one) for one in case.channels]
+    return t[kept] - case.settling * (not case.speeds.get("drive_speed")), run.state[kept][:, places]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_derivatives_are_those_of_differences(name: str) -> None:
+    case = CASES[name]()
+    tight = replace(POLICY, relative_tolerance=1e-11, absolute_tolerance=1e-12)
+    windows = replace(bench(case, *simulated(case, case.lasts / 8)), policy=tight).windows()
+    at = np.array([one.start for one in windows.numbers])
+    at[[one.name.startswith("gain") for one in windows.numbers]] = 0.003
+    held_against_differences(windows, at, name)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_no_contact_lets_go_twice_in_a_window(name: str) -> None:
+    """By the modes of the simulation itself; the shortest sticks, of a few samples, may be missed."""
+    case = CASES[name]()
+    t = np.arange(0.0, case.settling + case.lasts / 4, case.dt)
+    run = ss.simulate(case.model, **case.speeds, initial=case.initial, t_end=t[-1], t_eval=t)  # type: ignore[arg-type]
+    places = [run.state_names.index(one) for one in case.channels]
+    cut = bench(case, t, run.state[:, places]).stretches
+    assert len(cut) > 5
+    twice = 0
+    for one in cut:
+        before, after = run.mode[one.start : one.stop - 1], run.mode[one.start + 1 : one.stop]
+        twice += int((((before == 0) & (after != 0)).sum(axis=0) > 1).any())
+        for j, mode in enumerate(one.modes):
+            assert mode == STATE or run.mode[one.start, j] == 0
+    assert twice <= 0.1 * len(cut)
+
+
+def fitted(case: Case, seed: int, lasts: float, **scatter: float) -> Fit:
+    """A record of the simulator apart, fitted."""
+    return null(bench(case, *recorded(case, seed, lasts=lasts, **scatter)).windows(), POLICY)
+
+
+@pytest.mark.parametrize(("name", "lasts"), [("drill", 20.0), ("pin", 6.0), ("chain", 15.0)])
+def test_true_numbers_and_scatter_are_found(name: str, lasts: float) -> None:
+    case = CASES[name]()
+    fit = fitted(case, 3, lasts, level=0.02, static=0.02)
+    assert fit.solution is not None
+    sd = np.sqrt(np.diag(fit.solution.covariance))
+    for number, at, doubt in zip(fit.windows.numbers, fit.at, sd, strict=True):
+        true = case.model.parameters.get(number.name, 0.0)
+        where = np.log(true) if number.name in case.model.friction.numbers and true > 0 else 0.0
+        assert abs(at - where) < 4 * doubt + 1e-3, number.name
+    assert fit.noise == pytest.approx(1.0, abs=0.25)
+    sizes = dict(zip(fit.population.names, fit.population.sizes, strict=True))
+    for law in {one.law or "friction" for one in case.model.rig.equations.contacts}:  # type: ignore[union-attr]
+        assert 0.01 < sizes[f"{law}.kinetic"] < 0.035
+        assert 0.006 < sizes[f"{law}.static"] < 0.04
+    assert sizes.get("belt", 0.0) < 0.003
+
+
+def test_friction_that_repeats_has_no_scatter() -> None:
+    fit = fitted(CASES["pin"](), 4, 6.0)
+    assert max(fit.population.sizes) < 2e-3
+    assert fit.noise == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_coordinate_that_is_not_read_is_found_from_the_others() -> None:
+    """The table alone: where the bit is, and that it sticks, its shaft tells."""
+    case = CASES["drill"]()
+    t, readings = recorded(case, 5, lasts=20.0)
+    columns = {"t": t, "table": readings[:, 0]}
+    run = ss.load_recording(columns, case.model.rig, drive_speed=case.speeds["drive_speed"])
+    known = Uncertainty.usual(case.model.rig, channels=["table"])
+    found = bench_of(case.model, [run], known)
+    assert not found.data[0].seen.any()
+    fit = null(found.windows(), POLICY)
+    assert fit.noise == pytest.approx(1.0, abs=0.3)
+    found_numbers = fit.values()
+    assert found_numbers["bit_law.F_s"] == pytest.approx(2.0, rel=0.05)
+    assert found_numbers["bit_law.F_c"] == pytest.approx(1.2, rel=0.3)
+
+
+def test_a_velocity_is_a_reading() -> None:
+    case = CASES["pin"]()
+    t = np.arange(0.0, 3.0, case.dt)
+    run = ss.simulate(case.model, belt_speed=0.05, initial=case.initial, t_end=t[-1], t_eval=t)
+    columns = {"t": t, "along": run.state[:, 0], "v_across": run.state[:, 3]}
+    own = ss.load_recording(columns, case.model.rig, belt_speed=0.05)
+    windows = bench_of(case.model, [own], Uncertainty.usual(case.model.rig, channels=columns)).windows()
+    assert windows.data[0].channels == ("along", "v_across")
+    at = np.array([one.start for one in windows.numbers])
+    held_against_differences(windows, at, "velocity")
+
+
+def test_a_law_with_states_is_refused() -> None:
+    case = CASES["pin"]()
+    law = ss.LuGreFriction(sigma0=1e5, sigma1=300, sigma2=0.4, F_c=2, F_s=4, v_s=1e-3)
+    t, readings = simulated(case, 1.0)
+    model = ss.Model(case.model.rig, friction=law)
+    own = bench_of(model, [recording(case, t, readings)], Uncertainty.usual(model.rig))
+    with pytest.raises(InputError, match="a law with states of its own can be simulated, and no more as yet"):
+        own.windows()
+
+
+def test_a_drive_goes_as_far_as_its_speed_says() -> None:
+    assert way(ss.Speed.of(2.0), 3.0) == 6.0
+    assert way(ss.Speed.of("2*t"), 3.0) == pytest.approx(9.0, rel=1e-12)
+    assert way(ss.Speed.steps([0.0, 1.0], [1.0, 3.0]), 2.0) == pytest.approx(4.0, rel=1e-9)
