@@ -59,8 +59,7 @@ def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_
     read = ss.load_case(case(tmp_path, (rounded,), 0.015, 0.005, 7))
     bench = loop.bench_of(read, prepare(read.train))
     sharp = fit_of(bench, (Term(ss.effect("pivot_dry_friction", f=0.1)),))
-    (more,) = search.optional_starts(sharp.terms[-1])
-    found = search.fuller(bench, Trial((), sharp.fit), sharp, more)
+    (found,) = search.leader_anew(bench, Trial((), sharp.fit), [sharp])
     assert found.numbers() == sharp.numbers() + 1
     assert found.worth() < sharp.worth() - GATE
     numbers = found.fit.values()

@@ -296,7 +296,13 @@ def _found(
         residual_after=now,
         error=error,
         ranking=outcome.ranking(search, choice),
-        experiments=next_experiments(search, choice.trial, effects),
+        experiments=next_experiments(
+            {frozenset(names): one.hypothesis.model for names, one in search.tried.items()}
+            | {frozenset(choice.trial.names): choice.trial.hypothesis.model},
+            frozenset(choice.trial.names),
+            search.data,
+            effects,
+        ),
         gate=passed,
         runs=_views(case, before, after, validate, forecasts),
         spectrum=spectrum(before.fit, after.fit),

@@ -154,7 +154,7 @@ def discovered(
         residual_after=outcome.described(now),
         error=error,
         ranking=outcome.ranking(found),
-        experiments=(),
+        experiments=outcome.experiments(bench, found, effects, declared),
         gate=outcome.gate(found),
         runs=tuple(views),
         spectrum=spectrum(was, now),

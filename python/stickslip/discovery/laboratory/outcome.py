@@ -21,12 +21,14 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
+from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
     Alternative,
     Curve,
     ErrorBlock,
     Evidence,
+    Experiment,
     FoundEffect,
     Gate,
     Interval,
@@ -38,6 +40,7 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import of_law
 from stickslip.likelihoods.declared_numbers import fitted_model
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.held_out import held_out
 
 Floats = NDArray[np.float64]
 UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
@@ -223,7 +226,11 @@ def _evidence(found: Searched, name: str) -> Evidence:
     words = f"lowers -2 log marginal likelihood by {gain:.4g} (scatter alone: {step.gate.threshold:.3g})"
     if fall is not None:
         words += f"; the best wrong effect, {label}, by {fall:.4g}"
-    return Evidence(gain, base.worth() - found.chosen.worth(), None, fall, label, step.gate.threshold, words)
+    best = found.chosen.fit
+    unseen, without = (held_out(one, best.population, best.noise) for one in (best, base.fit))
+    ratio = math.sqrt(unseen / without)
+    words += f"; error on windows held out falls to {ratio:.3g} of what it was"
+    return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, step.gate.threshold, words)
 
 
 def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
@@ -294,6 +301,15 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
         f"{term}: a curve in {curve.variable}{standing}",
         shape,
     )
+
+
+def experiments(
+    bench: Bench, found: Searched, effects: Sequence[FoundEffect], declared: Model
+) -> tuple[Experiment, ...]:
+    """Return runs that would tell tied rivals apart, friction's numbers free in each as they scatter."""
+    fitted = {frozenset(t.names): model(bench, t, declared) for t in (*found.trials, found.chosen)}
+    free = [n.name for n in found.chosen.fit.windows.numbers if of_law(n.name)]
+    return next_experiments(fitted, frozenset(found.chosen.names), bench.data, effects, free)
 
 
 def ranking(found: Searched) -> tuple[Rival, ...]:

@@ -141,7 +141,7 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
             reached = min((t.fit.deviance for t in trials), default=np.inf)
             with suppress(FloatingPointError):  # one that no window can be simulated with is no rival
                 trials.append(full(bench, base, one, reached))
-        trials = _leader_anew(bench, base, trials)
+        trials = leader_anew(bench, base, trials)
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
@@ -195,8 +195,13 @@ def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     )
 
 
-def _leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
-    """The trials, the best of them fitted anew from the readings too: a null that is far off leads astray."""
+def leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
+    """
+    Return the trials, the best of them fitted anew and with all its numbers.
+
+    It begins from the readings too, as a null that is far off leads astray; and with the numbers that its effect may
+    do without, as no score reaches them.
+    """
     if not trials:
         return trials
     leader = min(trials, key=Trial.worth)
@@ -206,12 +211,12 @@ def _leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
             anew = fitted(start, bench.policy)
             if anew.deviance < leader.fit.deviance:
                 leader = _trial(bench, base, anew, term)
-    fuller = [fuller(bench, base, leader, one) for one in optional_starts(term)]
-    return [min([leader, *fuller], key=Trial.worth), *rest]
+    rivals = [leader, *(_fuller(bench, base, leader, one) for one in _optional_starts(term))]
+    return [min(rivals, key=Trial.worth), *rest]
 
 
-def optional_starts(term: Term) -> Iterator[dict[str, float]]:
-    """Return where the catalogue begins numbers that an effect may do without."""
+def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
+    """Where the catalogue begins numbers that an effect may do without."""
     kind = CATALOGUE[term.effect.name]
     optional = {i.name for i in kind.parameters if i.optional}
     for start in kind.starts:
@@ -219,8 +224,8 @@ def optional_starts(term: Term) -> Iterator[dict[str, float]]:
             yield more
 
 
-def fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
-    """Return the leader with numbers that its effect may do without; no score reaches them from 0."""
+def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
+    """The leader with numbers that its effect may do without; no score reaches them from 0."""
     term = replace(leader.terms[-1], effect=leader.terms[-1].effect.replace(**more))
     windows = bench.windows((*leader.terms[:-1], term))
     found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
