@@ -1,9 +1,11 @@
-"""Rebuild the figures of the documents: `python tools/figures.py`, or with names: story branch sweep derivatives.
+"""Rebuild the figures of the documents: `python tools/figures.py`, or with names:
+story tutorial branch sweep derivatives.
 
 The story is the search of the demonstration's second half and takes a minute or two.
 """
 
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -32,6 +34,20 @@ def story() -> None:
         )
 
 
+def tutorial() -> None:
+    """What the tutorial's commands draw."""
+    page = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^stickslip (?:inspect|init|identify|compare) .*$", page, re.MULTILINE)
+    drawn = {"columns": "columns", "identified/friction_characteristic": "friction"}
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(ROOT / "examples" / "paper_slider" / "k168Nm_v1100.mat", folder)
+        for line in lines:
+            program = [sys.executable, "-c", "from stickslip.cli.commands import main; main()"]
+            subprocess.run([*program, *shlex.split(line)[1:]], cwd=folder, check=True)
+        for name, short in (drawn | {"compared/phase_portrait": "portrait"}).items():
+            shutil.copyfile(Path(folder) / f"{name}.png", FIGURES / f"tutorial_{short}.png")
+
+
 def branch() -> None:
     """Leine's damped oscillator over the belt speed."""
     leine = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
@@ -53,7 +69,7 @@ def derivatives() -> None:
     subprocess.run([sys.executable, program, "--figure", FIGURES / "derivatives"], check=True)
 
 
-KNOWN = {"story": story, "branch": branch, "sweep": sweep, "derivatives": derivatives}
+KNOWN = {"story": story, "tutorial": tutorial, "branch": branch, "sweep": sweep, "derivatives": derivatives}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or KNOWN:

@@ -1,0 +1,32 @@
+"""Sphinx reads docstrings as they are meant: bars, stars and underscores of formulas are no markup."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+BEFORE_NAPOLEON = 400
+
+
+def plain(text: str) -> str:
+    """Return a docstring whose only markup is what stands between backticks."""
+    kept = re.split(r"(`[^`]+`)", re.sub(r"(`[^`\n]+`)(?=s\b)", r"\1\\ ", text))  # several of a `Link`
+    return "".join(one if one.startswith("`") else _escaped(one) for one in kept)
+
+
+def _escaped(prose: str) -> str:
+    prose = re.sub(r"(?<!^)(?<!\n)([|*])", r"\\\1", prose)
+    return re.sub(r"(\w)_(?=\W|$)", r"\1\\_", prose)
+
+
+def _process(_: Sphinx, __: str, ___: str, ____: object, _____: object, lines: list[str]) -> None:
+    lines[:] = plain("\n".join(lines)).split("\n")
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Connect before numpydoc sections are read."""
+    app.connect("autodoc-process-docstring", _process, priority=BEFORE_NAPOLEON)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
