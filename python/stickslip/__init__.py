@@ -27,8 +27,9 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.errors import InputError, ModelWarning, StickslipError
     from stickslip.fitted.compare import Comparison, compare
     from stickslip.fitted.identified import Identified
-    from stickslip.fitted.identify import identify
     from stickslip.likelihoods.forecast import forecast
+    from stickslip.likelihoods.identified_rig import IdentifiedRig
+    from stickslip.likelihoods.identify import identify
     from stickslip.measured import signals
     from stickslip.measured.case import Case, load_case
     from stickslip.measured.recording import Recording, load_recording
@@ -66,6 +67,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Found": "stickslip.discovery.discover",
     "HyperbolicFriction": "stickslip.declared.friction.hyperbolic",
     "Identified": "stickslip.fitted.identified",
+    "IdentifiedRig": "stickslip.likelihoods.identified_rig",
     "InputError": "stickslip.errors",
     "LawState": "stickslip.declared.formula_laws.formula",
     "LimitCycle": "stickslip.simulated.orbits.limit_cycle",
@@ -98,7 +100,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "discover": "stickslip.discovery.discover",
     "effect": "stickslip.declared.effect",
     "forecast": "stickslip.likelihoods.forecast",
-    "identify": "stickslip.fitted.identify",
+    "identify": "stickslip.likelihoods.identify",
     "limit_cycle": "stickslip.simulated.orbits.limit_cycle",
     "load_case": "stickslip.measured.case",
     "load_model": "stickslip.declared.model",
@@ -149,6 +151,7 @@ __all__ = [
     "Found",
     "HyperbolicFriction",
     "Identified",
+    "IdentifiedRig",
     "InputError",
     "LawState",
     "LimitCycle",

@@ -13,7 +13,8 @@ from stickslip.cli.options import Named, belt_option, files_from_option, force_o
 from stickslip.cli.printed import console, say_findings, say_written
 from stickslip.files import folder
 from stickslip.fitted.identified import IDENTIFIED, Identified
-from stickslip.fitted.identify import identify as run
+from stickslip.likelihoods.identified_rig import IdentifiedRig
+from stickslip.likelihoods.identify import identify as run
 from stickslip.measured.case import load_case
 from stickslip.progress import shares
 
@@ -44,15 +45,22 @@ def identify(case: Path, out: Path, belt: BeltSpeed, files_from: Path | None, fo
         with shares("identifying") as tell:
             found = run(loaded, belt_speed=belt, progress=tell)
         fill_identified(found, temporary)
+    if isinstance(found, IdentifiedRig):
+        console.print(
+            f"chi2 per degree of freedom {found.reduced_chi2:.3g}, {found.windows} windows", highlight=False
+        )
     console.print(estimates_table(found))
     for message in found.messages:
         console.print(f"- {message}", markup=False)
     say_written([out / name for name in WRITTEN])
 
 
-def estimates_table(found: Identified) -> Table:
+def estimates_table(found: Identified | IdentifiedRig) -> Table:
     """The identified law."""
-    table = Table(title=f"identified law: {found.law.kind}", box=SIMPLE, pad_edge=False)
+    title = f"identified law: {found.law.kind}"
+    if isinstance(found, IdentifiedRig):
+        title = "identified: " + ", ".join(f"{name} {law.kind}".strip() for name, law in found.laws.items())
+    table = Table(title=title, box=SIMPLE, pad_edge=False)
     rows = found.table()
     for name in rows[0]:
         table.add_column(
@@ -63,9 +71,13 @@ def estimates_table(found: Identified) -> Table:
     return table
 
 
-def fill_identified(found: Identified, into: Path) -> None:
+def fill_identified(found: Identified | IdentifiedRig, into: Path) -> None:
     """Write the files of an identification."""
+    from stickslip.shown.plot import bodies
     from stickslip.shown.plot import curves as plot
 
     found.fill(into)
+    if isinstance(found, IdentifiedRig):
+        plot.save_figure(bodies.laws(found), into / "friction_characteristic")
+        return
     plot.save_figure(plot.friction_characteristic(found), into / "friction_characteristic")

@@ -1,4 +1,4 @@
-"""A figure of a run of a rig of bodies or matrices: every coordinate and velocity over time, sticks shaded."""
+"""Figures of a rig of bodies or matrices: coordinates and velocities over time, sticks shaded; identified laws."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.declared.bodies_model import law_of
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale
+from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.simulated.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -36,6 +38,32 @@ def coordinates(run: Trajectory, rig: GeneralRig) -> Figure:
                     _shade(axis, run.t, run.mode[:, j] == 0)
     for axis in axes[-1]:
         axis.set_xlabel("t" if set(own.units) == {"1"} else "t [s]")
+    return figure
+
+
+def laws(found: IdentifiedRig) -> Figure:
+    """Draw the laws at every contact, as identified and as declared, over the slip speeds that the runs show."""
+    from stickslip.shown.plot.drawing import Drawing
+
+    rig = found.model.rig
+    assert isinstance(rig, GeneralRig)
+    contacts = rig.equations.contacts
+    figure = Drawing(figsize=(4.6 * len(contacts), 3.6), layout="constrained")
+    axes = figure.subplots(1, len(contacts), squeeze=False)[0]
+    for axis, one in zip(axes, contacts, strict=True):
+        most = found.fastest[one.name]
+        for side in (-1.0, 1.0):
+            v = side * np.linspace(1e-3 * most, most, 200)
+            for model, look, name in (
+                (found.declared, {"color": "0.6", "ls": "--"}, "declared"),
+                (found.model, {"color": "C0"}, "identified"),
+            ):
+                force = side * law_of(model.friction, one).magnitude(v)
+                axis.plot(v, force, lw=1.4, label=name if side > 0 else None, **look)
+        axis.set_title(one.name)
+        axis.set_xlabel(Scale(1.0, "rad/s" if one.rotation else "m/s").head("v"))
+        axis.set_ylabel(Scale(1.0, "N m" if one.rotation else "N").head("T"))
+    axes[0].legend()
     return figure
 
 

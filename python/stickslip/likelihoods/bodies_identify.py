@@ -1,0 +1,246 @@
+"""The laws of a rig of bodies or matrices from its recordings: laws, declared constants and scatter together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.bodies_model import named_laws
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import ContactRow, GeneralRig
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.errors import InputError, StickslipError
+from stickslip.fitted.identified import Estimate, estimate
+from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.identified_rig import Constant, IdentifiedRig, Spread
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.variances import Deviance
+from stickslip.measured.case import Case
+from stickslip.measured.recording import Recording
+
+Floats = NDArray[np.float64]
+Z = 1.96  # standard deviations that hold 95 %
+NEARBY = 1e-3  # step of the slopes of the deviance by the logarithm of a scatter
+POOR = 0.5  # weight of a window below which the laws are no model of it
+
+Tell = Callable[[str, float], None]
+
+
+def identify_bodies(
+    source: Case | Recording | Sequence[Recording],
+    *,
+    rig: GeneralRig | None = None,
+    friction: FrictionLaw | Mapping[str, FrictionLaw] | None = None,
+    progress: Tell | None = None,
+) -> IdentifiedRig:
+    """Identify the laws of a rig of bodies or matrices.
+
+    The runs are cut from mid-stick to mid-stick; of each window the state at its start is free, and friction of every
+    contact is its own. The law is that of the mean event (`stickslip.likelihoods.bodies_windows`).
+
+    Parameters
+    ----------
+    source
+        A case, of which the "train" runs are used; or recordings.
+    rig, friction
+        Needed for recordings: the rig, and the laws that a fit starts from.
+    progress
+        Called with what is being done and the share done.
+
+    Raises
+    ------
+    InputError
+        A law has states of its own, or a run is too short.
+    StickslipError
+        No law of this kind moves the rig like the readings.
+    """
+    tell = progress or (lambda _what, _share: None)
+    model, runs, known = _material(source, rig, friction)
+    tell("reading the motion", 0.0)
+    bench = bench_of(model, runs, known)
+    tell(f"fitting {len(bench.stretches)} windows", 0.1)
+    try:
+        fit = null(bench.windows(), POLICY)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        words = (
+            "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"
+        )
+        raise StickslipError(words) from None
+    tell("done", 1.0)
+    return _found(bench, fit)
+
+
+def _material(
+    source: Case | Recording | Sequence[Recording],
+    rig: GeneralRig | None,
+    friction: FrictionLaw | Mapping[str, FrictionLaw] | None,
+) -> tuple[Model, Sequence[Recording], Uncertainty]:
+    if isinstance(source, Case):
+        if rig not in (None, source.rig):
+            raise InputError("a case has its own rig; leave it out", key="rig")
+        model = source.model(friction=named_laws(friction) if friction is not None else None)  # type: ignore[arg-type]
+        return model, source.train, source.uncertainty
+    runs = [source] if isinstance(source, Recording) else list(source)
+    if not runs:
+        raise InputError("no run to identify from", key="source")
+    if friction is None:
+        raise InputError("missing: the laws that a fit starts from", key="friction")
+    first = runs[0]
+    model = Model(rig or first.rig, friction=friction, channels=dict(first.channels))  # type: ignore[arg-type]
+    return model, runs, Uncertainty.usual(model.rig, channels=first.channels)
+
+
+def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
+    assert fit.solution is not None
+    assert fit.linear is not None
+    values, names = fit.values(), list(bench.model.friction.numbers)
+    model = after(bench.model, values)
+    left = float(fit.solution.misfit.sum())
+    count = float((fit.linear.count * fit.linear.weight[:, None]).sum())
+    freedom = max(count - float(fit.freedom.sum()) - len(fit.at), 1.0)
+    places = [i for i, one in enumerate(fit.windows.numbers) if one.name in names]
+    return IdentifiedRig(
+        model=model,
+        declared=bench.model,
+        estimates=_estimates(bench, fit, values),
+        names=tuple(fit.windows.numbers[i].name for i in places),
+        covariance=_turned(fit, places),
+        scatter=_scatter(fit),
+        constants=_constants(bench, fit),
+        noise=dict(
+            zip(
+                bench.data[0].channels, np.median([r.noise for r in bench.data], axis=0).tolist(), strict=True
+            )
+        ),
+        reduced_chi2=left / freedom,
+        windows=len(bench.stretches),
+        fastest=_fastest(bench),
+        messages=_messages(bench, fit, values),
+    )
+
+
+def after(model: Model, values: Mapping[str, float]) -> Model:
+    """Return a model with the numbers of a fit."""
+    return model.replace({name: values[name] for name in model.parameters if name in values})
+
+
+def _turned(fit: Fit, places: Sequence[int]) -> Floats:
+    """Covariance of numbers, from that of their coordinates."""
+    assert fit.solution is not None
+    slopes = np.array([fit.windows.numbers[i].slope(float(fit.at[i])) for i in places])
+    part = fit.solution.covariance[np.ix_(places, places)]
+    return np.asarray(slopes[:, None] * part * slopes, dtype=np.float64)
+
+
+def _estimates(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> dict[str, Estimate]:
+    """Every number of the laws; one that was not fitted is as declared."""
+    assert fit.solution is not None
+    out = {}
+    places = {one.name: i for i, one in enumerate(fit.windows.numbers)}
+    for name, start in bench.model.friction.numbers.items():
+        if name not in places:
+            out[name] = Estimate(start, None, None, None, "unidentified", start)
+            continue
+        i = places[name]
+        number = fit.windows.numbers[i]
+        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        share = min((sd / number.sd) ** 2, 1.0)
+        std = sd * number.slope(float(fit.at[i]))
+        made = estimate(values[name], std, share, start)
+        out[name] = Estimate(made.value, made.low, made.high, made.std, made.status, start)
+    return out
+
+
+def _constants(bench: BodiesBench, fit: Fit) -> dict[str, Constant]:
+    """What the runs say of constants and gains."""
+    assert fit.solution is not None
+    out = {}
+    for i, one in enumerate(fit.windows.numbers):
+        if one.name not in bench.declared.names:
+            continue
+        k = bench.declared.names.index(one.name)
+        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        gain = one.name.startswith("gain.")
+        declared = 1.0 if gain else bench.model.parameters[one.name]
+        size = 1.0 + one.value(float(fit.at[i])) if gain else one.value(float(fit.at[i]))
+        low, high = sorted(declared * size * math.exp(s * Z * sd) for s in (-1, 1))
+        known = math.sqrt(float(bench.declared.covariance[k, k]))
+        out[one.name] = Constant(declared * size, low, high, declared, known)
+    return out
+
+
+def _scatter(fit: Fit) -> dict[str, Spread]:
+    """What differs from window to window, with intervals by the curvature of the deviance."""
+    population, noise = fit.population, fit.noise
+    assert fit.linear is not None
+    prior = fit.windows.prior.at(fit.at)
+    usual = population.usual(fit.windows.policy)
+    free = Deviance(fit.linear, fit.windows.places, prior, fit.random, population, *usual)
+    x = np.concatenate([population.coordinates(), np.log(noise)])
+    curvature = np.empty((len(x), len(x)))
+    for i in range(len(x)):
+        step = np.zeros(len(x))
+        step[i] = NEARBY
+        curvature[i] = (free(x + step)[1] - free(x - step)[1]) / (2 * NEARBY)
+    size, turn = np.linalg.eigh(0.5 * (curvature + curvature.T))
+    covariance = 2 * (turn / np.maximum(size, 2e-2)) @ turn.T
+    out = {}
+    for i, name in enumerate(population.names):
+        sd, value = math.sqrt(float(covariance[i, i])), population.sizes[i]
+        out[name] = Spread(value, value * math.exp(-Z * sd), value * math.exp(Z * sd))
+    return out
+
+
+def _fastest(bench: BodiesBench) -> dict[str, float]:
+    """The fastest slip that the runs show, by the names of the contacts."""
+    assert isinstance(bench.model.rig, GeneralRig)
+    out = {}
+    for one in bench.model.rig.equations.contacts:
+        slips = [
+            np.max(np.abs(run.v @ one.direction - (run.belt(run.t) if one.against == "belt" else 0.0)))
+            for run in bench.data
+        ]
+        out[one.name] = float(max(slips))
+    return out
+
+
+def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tuple[str, ...]:
+    assert fit.linear is not None
+    out = []
+    lost = int(sum(block is None for block in fit.blocks))
+    poor = int((fit.linear.weight < POOR).sum()) - lost
+    if lost or poor:
+        out.append(
+            f"{lost} of {len(fit.blocks)} windows cannot be simulated, and {poor} fit poorly; they count less"
+        )
+    if unexplained(fit) > POLICY.noise_left:
+        words = f"{unexplained(fit):.3g} times the noise's variance is left: something acts that the laws do not say"
+        out.append(words + "; `discover` looks for it")
+    if len(fit.blocks) < POLICY.fewest_windows:
+        words = f"{len(fit.blocks)} windows tell little of how friction scatters; record longer"
+        out.append(words)
+    unseen = sorted(
+        {
+            one.name
+            for run in bench.data
+            for one, told in zip(_contacts(bench), run.seen, strict=True)
+            if not told
+        }
+    )
+    if unseen:
+        out.append(f"the motion at {', '.join(unseen)} is not read: it is found from the other coordinates")
+    low = [n for n, e in _estimates(bench, fit, values).items() if e.status == "weak"]
+    if low:
+        out.append(f"the readings say little of {', '.join(low)}")
+    return tuple(out)
+
+
+def _contacts(bench: BodiesBench) -> Sequence[ContactRow]:
+    assert isinstance(bench.model.rig, GeneralRig)
+    return bench.model.rig.equations.contacts

@@ -1,0 +1,180 @@
+"""What an identification says of a rig of bodies or matrices: its laws, how friction scatters, its constants."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stickslip.declared.contact_laws import ContactLaws
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.model import Model
+from stickslip.declared.scale import percent, to_digits
+from stickslip.declared.toml_file import write_text
+from stickslip.files import folder
+from stickslip.fitted.identified import IDENTIFIED, Estimate
+from stickslip.measured.fit_window import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A relative standard deviation with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Constant:
+    """What the runs say of a declared constant, or of a gain (declared as 1), with its 95 % interval.
+
+    `uncertainty` is the relative standard uncertainty of what was declared.
+    """
+
+    value: float
+    low: float
+    high: float
+    declared: float
+    uncertainty: float
+
+
+@dataclass(frozen=True, repr=False)
+class IdentifiedRig:
+    """What `identify` finds on a rig of bodies or matrices; numbers are in SI.
+
+    Attributes
+    ----------
+    model : Model
+        The rig with its constants as fitted, under the laws of the mean event.
+    declared : Model
+        What the fit started from.
+    estimates : mapping of str to Estimate
+        Every number of the laws, by its name in `Model.parameters`.
+    names, covariance
+        Numbers that were fitted, and their (p, p) covariance.
+    scatter : mapping of str to Spread
+        Relative standard deviations from event to event: "<law>.kinetic", "<law>.static" beside it, "belt".
+    constants : mapping of str to Constant
+        Constants of the rig and gains of the sensors.
+    noise : mapping of str to float
+        Standard deviation of a reading, by channel.
+    reduced_chi2 : float
+        Squared residual over noise per degree of freedom: 1 where noise alone remains.
+    windows : int
+        How many windows were fitted.
+    fastest : mapping of str to float
+        The fastest slip that the runs show, by contact: beyond, the law is not known.
+    messages : tuple of str
+        Sentences a person should read.
+    """
+
+    model: Model
+    declared: Model
+    estimates: Mapping[str, Estimate]
+    names: tuple[str, ...]
+    covariance: Array
+    scatter: Mapping[str, Spread]
+    constants: Mapping[str, Constant]
+    noise: Mapping[str, float]
+    reduced_chi2: float
+    windows: int
+    fastest: Mapping[str, float]
+    messages: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        laws = ", ".join(f"{name} {law.kind}".strip() for name, law in self.laws.items())
+        return f"<IdentifiedRig: {laws}; {self.windows} windows, chi2 per degree of freedom {self.reduced_chi2:.3g}>"
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The identified law, or the laws by their names."""
+        return self.model.friction
+
+    @property
+    def laws(self) -> dict[str, FrictionLaw]:
+        """The laws by name; "" of the only one."""
+        law = self.model.friction
+        return dict(law.laws) if isinstance(law, ContactLaws) else {"": law}
+
+    def table(self) -> list[dict[str, str]]:
+        """What was found as it is printed: a dictionary of cells for each number, by the head of its column."""
+        rows = []
+        for name, e in self.estimates.items():
+            rows.append(_row(name, e.value, e.low, e.high, e.declared, e.status))
+        for name, s in self.scatter.items():
+            span = f"{percent(s.low)} .. {percent(s.high)}"
+            cells = {"parameter": f"scatter of {name}", "value": percent(s.value), "95 % interval": span}
+            rows.append({**cells, "declared": "", "status": ""})
+        for name, c in self.constants.items():
+            rows.append(_row(name, c.value, c.low, c.high, c.declared, "as well known as declared"))
+        return rows
+
+    def summary(self) -> str:
+        """The table as plain text, with the messages below."""
+        rows = self.table()
+        wide = {head: max(len(head), *(len(row[head]) for row in rows)) for head in rows[0]}
+        lines = [
+            "  ".join(cell.ljust(wide[head]) for head, cell in row.items()).rstrip()
+            for row in ({head: head for head in wide}, *rows)
+        ]
+        lines.append(f"chi2 per degree of freedom: {self.reduced_chi2:.4g}, {self.windows} windows")
+        return "\n".join([*lines, *self.messages])
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each number of the laws: the fields of its `Estimate`."""
+        import pandas as pd  # slow to import
+
+        return pd.DataFrame([vars(one) for one in self.estimates.values()], index=list(self.estimates))
+
+    def to_dict(self) -> dict[str, object]:
+        """All numbers, for JSON."""
+        return {
+            "estimates": {name: vars(one) for name, one in self.estimates.items()},
+            "names": list(self.names),
+            "covariance": self.covariance.tolist(),
+            "scatter": {name: asdict(one) for name, one in self.scatter.items()},
+            "declared": {name: asdict(one) for name, one in self.constants.items()},
+            "noise": dict(self.noise),
+            "reduced_chi2": self.reduced_chi2,
+            "windows": self.windows,
+            "fastest": dict(self.fastest),
+            "messages": list(self.messages),
+        }
+
+    def save(self, out: str | Path, *, force: bool = False) -> list[Path]:
+        """Write `model.toml` and `identified.json` into the folder `out` (made if absent); return their paths.
+
+        Files of these names that no earlier result put there are replaced only with `force`.
+        """
+        with folder(Path(out), IDENTIFIED, force=force) as temporary:
+            self.fill(temporary)
+        return [Path(out) / name for name in IDENTIFIED]
+
+    def fill(self, into: Path) -> None:
+        """Write the files of `save` into an existing folder."""
+        self.model.save(into / "model.toml")
+        write_text(into / "identified.json", json.dumps(self.to_dict(), indent=1))
+
+
+def _row(
+    name: str, value: float, low: float | None, high: float | None, declared: float | None, status: str
+) -> dict[str, str]:
+    half = max((abs(x - value) for x in (low, high) if x is not None), default=None)
+    span = "-" if low is None or high is None else f"{to_digits(low, half)} .. {to_digits(high, half)}"
+    own = "" if declared is None else f"{declared:.4g}"
+    return {
+        "parameter": name,
+        "value": to_digits(value, half),
+        "95 % interval": span,
+        "declared": own,
+        "status": status,
+    }

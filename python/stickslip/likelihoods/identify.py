@@ -1,0 +1,98 @@
+"""From recordings to a friction law, of any rig: `identify`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from stickslip.arguments import explained, must_be
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.rig import AnyRig
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.errors import InputError
+from stickslip.fitted import identify as named
+from stickslip.fitted.identified import Identified
+from stickslip.fitted.identify import BeltSpeed, Progress
+from stickslip.fitted.shooting import Simulator
+from stickslip.likelihoods.bodies_identify import identify_bodies
+from stickslip.likelihoods.identified_rig import IdentifiedRig
+from stickslip.measured.case import Case, Recording
+from stickslip.simulated.simulate import simulate
+
+
+@explained
+def identify(
+    source: Case | Recording | Sequence[Recording],
+    *,
+    rig: AnyRig | None = None,
+    friction: FrictionLaw | Mapping[str, FrictionLaw] | None = None,
+    noise: Mapping[str, float] | None = None,
+    belt_speed: BeltSpeed = "set-point",
+    scatter: bool | None = None,
+    simulator: Simulator = simulate,
+    progress: Progress | None = None,
+) -> Identified | IdentifiedRig:
+    """Identify the friction law from recordings.
+
+    Parameters
+    ----------
+    source : Case, Recording or sequence of Recording
+        A case's "train" runs are used.
+    rig : of any kind but DrivenSlider, optional
+        Required unless `source` is a case.
+    friction : optional
+        The law's form and the values to start from; the case's, or Table 1, if absent. For a rig of bodies or matrices
+        a law, or a table of laws by name.
+    noise : mapping of str to float, optional
+        Standard deviation of a reading per channel in the rig's units; the recording's, or estimated, if absent. A rig
+        of bodies or matrices takes that of its recordings.
+    belt_speed : "set-point" or "plateau"
+        Whether v_b is what was set, or what the block was seen to ride at in its sticks.
+    scatter : bool, optional
+        Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
+        is given or the case declares a law with more numbers than single slips tell. On a rig of bodies or matrices
+        friction may always scatter.
+    simulator : callable
+        `stickslip.simulate` or anything with its signature.
+    progress : callable, optional
+        Called with what is being done and the share done.
+
+    Returns
+    -------
+    Identified, or IdentifiedRig of a rig of bodies or matrices
+
+    Raises
+    ------
+    InputError
+        If a channel is missing, a record too short, or no slip is found; if the channels of a case for the rig of
+        (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
+    """
+    own = general_rig(source, rig)
+    if own is None:
+        return named.identify(
+            source,
+            rig=rig,
+            friction=friction,  # type: ignore[arg-type]  # it looks
+            noise=noise,
+            belt_speed=belt_speed,
+            scatter=scatter,
+            simulator=simulator,
+            progress=progress,
+        )
+    for key, given, usual in (
+        ("noise", noise, None),
+        ("scatter", scatter, None),
+        ("simulator", simulator, simulate),
+        ("belt_speed", belt_speed, "set-point"),
+    ):
+        if given is not usual and given != usual:
+            raise InputError("is for a named rig; leave it out for a rig of bodies or matrices", key=key)
+    for one in [source] if isinstance(source, Case | Recording) else source:
+        must_be("source", one, (Case, Recording), "load_case(path) gives a case")
+    return identify_bodies(source, rig=own, friction=friction, progress=progress)
+
+
+def general_rig(source: object, rig: AnyRig | None) -> GeneralRig | None:
+    """Return the rig of bodies or matrices that readings are of; None where they are of another."""
+    first = source[0] if isinstance(source, (list, tuple)) and source else source
+    own = first.rig if rig is None and isinstance(first, Case | Recording) else rig
+    return own if isinstance(own, GeneralRig) else None
