@@ -33,14 +33,15 @@ struct BodiesWriter {
     sink.sample(sink.context, t, values, derivatives, modes);
   }
   void step(BodiesMachine<T>& machine, Real<T> h, int order, bool inclusive) {
-    if (request.t_eval == nullptr) return;
+    if (request.t_eval == nullptr || order == 0) return;
     const Real<T> t1 = value(machine.s.t) + h;
     for (; next < request.n_eval; ++next) {
-      const Real<T> t = request.t_eval[next];
+      const Real<T> t = machine.asked = request.t_eval[next];
       if (!(t < t1 || (inclusive && t <= t1))) return;
       machine.state_at(T(t) - machine.s.t, order, row);
       emit(machine.sys, row, request.t_eval[next]);
     }
+    machine.asked = std::numeric_limits<double>::infinity();
   }
   void changed(BodiesMachine<T>& machine, bool kink) {
     row[0] = machine.s.t;

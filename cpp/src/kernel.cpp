@@ -31,15 +31,16 @@ struct Writer {
   // Samples at t in [start, start + h); `inclusive` takes the right end too.
   template <class M>
   void step(M& machine, Real<T> h, int order, bool inclusive) {
-    if (request.t_eval == nullptr) return;
+    if (request.t_eval == nullptr || order == 0) return;
     const Real<T> t0 = value(machine.s.t), t1 = t0 + h;
     for (; next < request.n_eval; ++next) {
-      const Real<T> t = request.t_eval[next];
+      const Real<T> t = machine.asked = request.t_eval[next];
       if (!(t < t1 || (inclusive && t <= t1))) return;
       T z[state_count];
       machine.state_at(T(t) - machine.s.t, order, z);
       emit(z, request.t_eval[next], machine.mode.contact);
     }
+    machine.asked = std::numeric_limits<double>::infinity();
   }
 };
 

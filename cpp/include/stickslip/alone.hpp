@@ -12,11 +12,13 @@ inline void run_alone(const SweepRequest& q, Member& m) {
   Options options{q.rtol,     q.atol, q.t_end, true, order_for(tolerance_share * tightest), 0.0, q.max_transitions,
                   q.max_steps};
   Machine<double> machine(m.sys, options);
+  machine.sees_slips = (q.observe & (ob_range | ob_dissipated)) != 0;
   machine.start(m.s, 2);
   bool counting = q.after <= 0;
   const auto observe = [&](Machine<double>& now, double h, int order, bool) {
     if (!counting) return;
     if (now.mode.contact == 0) m.tally.row.stick_time += h;
+    if (order == 0) return;
     Strided z[4];
     for (int k = 0; k < 4; ++k) z[k] = {state_series(now.piece, k), 1};
     const bool plain = m.sys.structure.effects == 0;
@@ -34,6 +36,7 @@ inline void run_alone(const SweepRequest& q, Member& m) {
     machine.run(observe, changed, nothing, no);
     clear(m.tally);
     counting = true;
+    machine.calm = 0;
     machine.opt.t_end = q.t_end;
   }
   if (machine.summary.outcome == Outcome::finished) machine.run(observe, changed, nothing, no);

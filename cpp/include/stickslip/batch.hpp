@@ -1,6 +1,7 @@
 // W trajectories in the same mode, stepped together. A lane that meets a surface or its time leaves; another enters.
 #pragma once
 
+#include "stickslip/long_stretch.hpp"
 #include "stickslip/member.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -18,6 +19,7 @@ struct Batch {
   Member* member[W] = {};
   unsigned busy = 0;
   int active = 0;
+  long turns = 0;                            // steps of the batch
   bool one_law = false;                      // all members have the same: a lane that holds it need not copy it again
   unsigned holds_minus = 0, holds_plus = 0;  // lanes that hold this branch of it
 
@@ -115,6 +117,26 @@ void observe(const SweepRequest& q, Batch<W>& b, int p, const Lanes<W>& h) {
     Strided z[4];
     for (int k = 0; k < 4; ++k) z[k] = {reinterpret_cast<const double*>(state_series(b.piece, k)) + i, W};
     observe_step(m->tally, q.observe, m->sys.rig, z, b.mode.contact, p, h[i]);
+  }
+}
+
+// Crosses what is left of a linear mode, of lanes that have been in it for long; h are their ordinary steps.
+template <int W>
+void cross_long(const SweepRequest& q, Batch<W>& b, const Lanes<W>& h) {
+  if (b.mode.contact != 0 && (q.observe & (ob_range | ob_dissipated)) != 0) return;
+  const Watch<Lanes<W>>& watch = b.piece.watch[0];
+  for (int i = 0; i < W; ++i) {
+    Member* m = b.member[i];
+    if (m == nullptr || b.steps[i] - m->tally.row.steps < static_cast<double>(patience)) continue;
+    for (int k = 0; k < 4; ++k) m->s.z[k] = b.s.z[k][i];
+    m->s.t = b.s.t[i];
+    Watch<double> one{nullptr, watch.lo[i], watch.hi[i], 0.0, watch.has_lo, watch.has_hi, watch.id};
+    const double far = cross(m->sys, b.mode, one, h[i], m->limit - m->s.t, m->s);
+    if (!(far > 0)) continue;
+    for (int k = 0; k < 4; ++k) b.s.z[k].set(i, m->s.z[k]);
+    b.s.t.set(i, m->s.t);
+    b.steps.set(i, b.steps[i] + 1);
+    if (b.mode.contact == 0) b.stick.set(i, b.stick[i] + far);
   }
 }
 

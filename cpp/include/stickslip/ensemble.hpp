@@ -87,7 +87,8 @@ struct Ensemble {
     L h;
     for (int k = 0; k < 4; ++k) state_series(b.piece, k)[0] = b.s.z[k];
     const int p = expand_plain(b.sys, b.mode, order, b.piece, h);
-    if (h[busy] == 0) h = step_plain(b.sys, b.piece.s, p, q.rtol, q.atol);
+    const bool linear = h[busy] != 0;
+    if (!linear) h = step_plain(b.sys, b.piece.s, p, q.rtol, q.atol);
     h = min(h, b.limit - b.s.t);
     const Watch<L>& watch = b.piece.watch[0];
     Side through[W];
@@ -107,6 +108,7 @@ struct Ensemble {
     evaluate_four<L>({b.piece.s.x1, b.piece.s.x2, b.piece.s.y1, b.piece.s.y2}, p, h, b.s.z);
     if (b.mode.contact == 0) b.s.z[1] = b.sys.rig.v_b;
     b.s.t = b.s.t + h;
+    if (linear && events == 0 && ++b.turns % patience == 0) cross_long(q, b, h);
     finish_step(b, h, events, through, to_land);
   }
 

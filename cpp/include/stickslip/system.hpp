@@ -9,6 +9,7 @@ namespace stickslip::inline STICKSLIP_ISA {
 // step depends on the rig alone. With rate >= |A|, the terms left out are below (rate h)^26/26! of the motion.
 constexpr int linear_order = 25;
 constexpr double linear_reach = 1.95;  // rate h: (1.95)^26/26! = 9e-20, and e^1.95 bounds the cancellation
+constexpr double line_forever = 1e12;  // step of a block in stick, which is on a line: its powers stay finite
 
 template <class T>
 struct System {
@@ -38,7 +39,7 @@ void build_rig(System<T>& sys) {  // after the law
   const Real<T> leg = square_root((real(r.b3) + 1.0) * real(r.over_a2)) + (real(r.e1) + real(r.e12)) * real(r.over_a2);
   const auto rate = [&](const Real<T>& slope) { return r.two ? largest(block(slope), leg) : block(slope); };
   const Real<T> reach(linear_reach);
-  sys.stick_step = reach / (r.two ? leg : block(Real<T>(0.0)));
+  sys.stick_step = r.two ? reach / leg : Real<T>(line_forever);
   sys.floor_step = reach / rate(Real<T>(0.0));
   sys.line_step = reach / rate(largest(Real<T>(real(sys.minus.c1)), Real<T>(real(sys.plus.c1))));
   sys.frequency = square_root(Real<T>(value(r.kx)));

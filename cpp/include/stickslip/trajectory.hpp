@@ -3,33 +3,11 @@
 
 #include "stickslip/chatter.hpp"
 #include "stickslip/derivative_step.hpp"
+#include "stickslip/long_stretch.hpp"
+#include "stickslip/options.hpp"
 #include "stickslip/start.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-struct Options {
-  double rtol, atol, t_end;
-  bool henon;
-  int order;          // of the series of a curved piece
-  double fixed_step;  // 0: from the tolerance
-  long max_transitions, max_steps = most_steps;
-};
-
-inline int order_for(double tol) {  // Jorba and Zou 2005: p = 1 - ln(tol)/2, and one more
-  const int order = static_cast<int>(3.0 - 0.5 * std::log(tol > 1e-18 ? tol : 1e-18));
-  return order < 4 ? 4 : (order > max_order ? max_order : order);
-}
-
-constexpr double resting = 1e-9;  // of a motion's own rate
-
-// Is a surface that of an effect that does not jump there?
-inline bool is_smooth(int watch) {
-  const auto one = [&]<class E> {
-    if constexpr (requires { E::smooth; }) return watch == effect_watch<E>;
-    return false;
-  };
-  return [&]<class... E>(TypeList<E...>) { return (one.template operator()<E>() || ...); }(Effects{});
-}
 
 template <class T>
 struct Machine {
@@ -42,6 +20,9 @@ struct Machine {
   Side on[watch_count] = {};
   Summary summary;
   Chatter<R> chatter;
+  long calm = 0;                                         // steps of a linear mode since it began or was crossed in vain
+  R asked = R(std::numeric_limits<double>::infinity());  // time at which the observer wants to look next
+  bool sees_slips = false;                               // the observer wants every step of a slip
 
   Machine(const System<T>& system, const Options& options) : sys(system), opt(options) {}
 
@@ -52,7 +33,8 @@ struct Machine {
     set_modes(sys, s, mode, on, contact, piece);
   }
 
-  // `observe(machine, h, order, last)` sees each step before the state moves on, `stepped(machine)` after;
+  // `observe(machine, h, order, last)` sees each step before the state moves on, `stepped(machine)` after; a stretch that is
+  // crossed at once has order 0, and no time at which anything is asked.
   // `changed(machine, before, kink)` sees each transition; `stop()` is asked now and then.
   template <class Observe, class Changed, class Stepped, class Stop>
   void run(Observe&& observe, Changed&& changed, Stepped&& stepped, Stop&& stop) {
@@ -62,6 +44,7 @@ struct Machine {
       R h(0.0);
       const int order = expand(sys, mode, s, opt.order, piece, h);
       const R left = R(opt.t_end) - value(s.t);
+      if (h > 0 && ++calm > patience && opt.fixed_step == 0 && crosses(h, left, observe, stepped)) continue;
       if (opt.fixed_step > 0) h = R(opt.fixed_step);
       if (h == 0) {
         h = step_length(sys, mode, s, piece, order, opt.rtol, opt.atol);
@@ -78,7 +61,7 @@ struct Machine {
       T dt(h);
       if (exit.found) {
         const Watch<T>& w = piece.watch[exit.watch];
-        dt = hardly_moves(w, order, exit.t)
+        dt = hardly_moves(sys, piece, w, order, exit.t)
                  ? T(exit.t)
                  : with_derivatives(w.c, exit.side == Side::lower ? w.lo : w.hi, order, exit.t);
         h = exit.t;
@@ -91,6 +74,7 @@ struct Machine {
       leave_surfaces(h, order, exit.found ? piece.watch[exit.watch].id : watch_count);
       if (exit.found) {
         const Mode before = mode;
+        calm = 0;
         change_mode(sys, s, mode, on, piece.watch[exit.watch].id, exit.side, piece);
         const bool kink = before.contact == mode.contact;
         ++(kink ? summary.kinks : summary.transitions);
@@ -109,6 +93,21 @@ struct Machine {
   void state_at(const T& h, int order, T* z) { piece_state(sys, mode, piece, s, order, h, z); }
 
  private:
+  template <class Observe, class Stepped>
+  bool crosses(const R& unit, const R& left, Observe& observe, Stepped& stepped) {
+    State<T> next = s;
+    const bool may = mode.contact == 0 || !sees_slips;
+    const R h = may ? cross(sys, mode, piece.watch[0], unit, smallest(left, R(asked - value(s.t))), next) : R(0.0);
+    if (!(h > 0)) {
+      calm = patience / 2;
+      return false;
+    }
+    observe(*this, h, 0, false);
+    s = next;
+    on[watch_contact] = Side::none;
+    stepped(*this);
+    return true;
+  }
   void advance(const T& dt, int order) {
     T z[state_count];
     state_at(dt, order, z);
@@ -119,14 +118,6 @@ struct Machine {
     R sum = value(s.t);
     for (int i = 0; i < state_count; ++i) sum += value(s.z[i]);
     return std::isfinite(sum);
-  }
-  // A surface where nothing jumps, met by a block that rests but for rounding: the time of that has no derivative, and
-  // none is needed.
-  bool hardly_moves(const Watch<T>& w, int order, const R& h) const {
-    if (sys.structure.effects == 0 || !is_smooth(w.id)) return false;
-    R rate(0.0);
-    for (int k = order; k >= 1; --k) rate = rate * h + R(value(w.c[k])) * static_cast<double>(k);
-    return magnitude(rate) < resting * motion_scale(sys, piece.s) * natural_frequency(sys);
   }
   // A step on, it stands on no surface any more, unless it has not moved away from it; not on the one that it `met`.
   void leave_surfaces(const R& h, int order, int met) {

@@ -29,4 +29,15 @@ Real<T> next_corner(const BodiesSystem<T>& sys) {
   return first;
 }
 
+// Takes every speed to its piece at t, and the modes along.
+template <class T>
+void turn_corners(BodiesSystem<T>& sys, BodiesState<T>& s, const Real<T>& t, Side* on) {
+  for (int i = 0; i < sys.speeds; ++i) {
+    const SpeedTape& tape = sys.b->speed[i];
+    Rail<T>& rail = sys.rail[i];
+    while (rail.now + 1 < tape.count && tape.begins[rail.now + 1] <= t) ++rail.now;
+  }
+  set_bodies_modes(sys, s, nullptr, false, on);
+}
+
 }  // namespace stickslip::inline STICKSLIP_ISA

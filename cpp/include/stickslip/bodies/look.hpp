@@ -30,6 +30,26 @@ void set_first(BodiesSystem<T>& sys, const BodiesState<T>& s) {
   }
 }
 
+// The state h after the start of the piece.
+template <class T>
+void bodies_state(const BodiesSystem<T>& sys, const T& h, int order, T* z) {
+  const auto put = [&](const T* series, int count) {
+    for (int i = 0; i < count; ++i) *z++ = evaluate_at(series + i * series_size, order, h);
+  };
+  put(sys.q, sys.n);
+  put(sys.v, sys.n);
+  put(sys.z, sys.states);
+  put(sys.x, sys.speeds);
+}
+
+// A sum that is finite where all of the state is.
+template <class T>
+Real<T> sum_of(const BodiesSystem<T>& sys, const BodiesState<T>& s) {
+  Real<T> sum = value(s.t);
+  for (int i = 0; i < sys.at.state; ++i) sum += value(s.z[i]);
+  return sum;
+}
+
 // v of a contact, by the present velocities and speeds.
 template <class T>
 T relative_speed(const BodiesSystem<T>& sys, const BodiesState<T>& s, int j) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stickslip/bodies/corners.hpp"
+#include "stickslip/bodies/long_stretch.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
@@ -15,8 +16,12 @@ struct BodiesMachine {
   Watch<T>* watch = nullptr;
   signed char *before = nullptr, *partner = nullptr;
   T* landed = nullptr;
+  bool linear = false;  // the present piece, and all that may end it
   Summary summary;
   Chatter<R> chatter;
+  long calm = 0;                                         // as of a named rig (trajectory.hpp)
+  R asked = R(std::numeric_limits<double>::infinity());  // likewise
+  BodiesStretch<T> stretch;
 
   BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {
     sys.surface_order = std::min(surface_order_for(opt.rtol > 0 ? opt.rtol : opt.atol), opt.order);
@@ -29,6 +34,7 @@ struct BodiesMachine {
     partner = arena.take<signed char>(sys.contacts);
     landed = arena.take<T>(sys.at.state);
     s.z = arena.take<T>(sys.at.state);
+    stretch.place(arena, sys.n, sys.contacts);
   }
 
   // Take the state from the system's values, and the modes given or (2) found from it.
@@ -51,6 +57,7 @@ struct BodiesMachine {
       R h(0.0);
       const int order = expand(h, left);
       if (!(h > 0)) return finish(Outcome::not_finite);
+      if (linear && ++calm > patience && crosses(h, left, observe, stepped)) continue;
       const bool last = h >= left;
       if (last) h = left;
       const R least = std::numeric_limits<R>::epsilon() * magnitude(value(s.t));
@@ -70,13 +77,14 @@ struct BodiesMachine {
       const int met = exit.found ? watch[exit.watch].id : -1;
       find_partners(sys, met, order, h, partner);
       advance(dt, order);
-      if (!finite()) return finish(Outcome::not_finite);
+      if (!std::isfinite(sum_of(sys, s))) return finish(Outcome::not_finite);
       leave_surfaces(sys, watch, watches, order, h, met, on, next_on);
       const bool corner = last && !exit.found && !ends;
       if (exit.found || corner) {
+        calm = 0;
         for (int j = 0; j < sys.contacts; ++j) before[j] = sys.contact[j].mode;
         if (corner) {
-          turn_corners(ahead);
+          turn_corners(sys, s, ahead, on);
         } else if (met < 2 * sys.contacts) {
           change_contact(sys, s, met, exit.side, partner, on);
         } else {
@@ -96,29 +104,26 @@ struct BodiesMachine {
     finish(Outcome::finished);
   }
 
-  void state_at(const T& h, int order, T* z) const {
-    const int n = sys.n;
-    int k = 0;
-    for (int i = 0; i < n; ++i) z[k++] = evaluate_at(sys.q + i * series_size, order, h);
-    for (int i = 0; i < n; ++i) z[k++] = evaluate_at(sys.v + i * series_size, order, h);
-    for (int i = 0; i < sys.states; ++i) z[k++] = evaluate_at(sys.z + i * series_size, order, h);
-    for (int i = 0; i < sys.speeds; ++i) z[k++] = evaluate_at(sys.x + i * series_size, order, h);
-  }
+  void state_at(const T& h, int order, T* z) const { bodies_state(sys, h, order, z); }
 
  private:
-  void turn_corners(const R& t) {
-    for (int i = 0; i < sys.speeds; ++i) {
-      const SpeedTape& tape = sys.b->speed[i];
-      Rail<T>& rail = sys.rail[i];
-      while (rail.now + 1 < tape.count && tape.begins[rail.now + 1] <= t) ++rail.now;
+  template <class Observe, class Stepped>
+  bool crosses(const R& unit, const R& left, Observe& observe, Stepped& stepped) {
+    const R h = cross(sys, stretch, unit, smallest(left, R(asked - value(s.t))), s);
+    if (!(h > 0)) {
+      calm = patience / 2;
+      return false;
     }
-    set_bodies_modes(sys, s, nullptr, false, on);
+    observe(*this, h, 0, false);
+    for (int i = 0; i < sys.ids; ++i) on[i] = Side::none;
+    stepped(*this);
+    return true;
   }
-
   // The series of the piece that starts here; returns their order, and the step in h.
   int expand(R& h, const R& left) {
     set_first(sys, s);
     const Curves<T> curves = curves_of(sys);
+    linear = !curves.motion && !curves.others;
     const bool polynomial = !curves.motion && !curves.others && sys.stuck_count == sys.n;
     const int order = polynomial ? polynomial_order : (curves.motion ? opt.order : linear_order);
     expand_bodies(sys, order);
@@ -134,11 +139,6 @@ struct BodiesMachine {
     state_at(dt, order, landed);
     for (int i = 0; i < sys.at.state; ++i) s.z[i] = landed[i];
     s.t = s.t + dt;
-  }
-  bool finite() const {
-    R sum = value(s.t);
-    for (int i = 0; i < sys.at.state; ++i) sum += value(s.z[i]);
-    return std::isfinite(sum);
   }
   void finish(Outcome outcome) {
     summary.outcome = outcome;

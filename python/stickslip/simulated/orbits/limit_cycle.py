@@ -26,6 +26,9 @@ from stickslip.simulated.trajectory import Trajectory, Transitions
 
 NEWTON_STEPS = 30
 LOOK_BACK = 40  # crossings of the section in which a repetition is looked for
+CLOCK = (
+    16 * np.finfo(float).eps
+)  # of a time, what rounding leaves of it: a few events each off by an eps or two
 SAMPLES = 48  # a natural period, when looking for crossings
 
 
@@ -140,7 +143,8 @@ def limit_cycle(
     tol
         Greatest difference allowed between the state and that one period later, in the model's own scale: the
         deflection of the spring under the greatest static friction (or how far the belt goes in a natural unit of
-        time, if that is more), and that over the natural unit of time for speeds.
+        time, if that is more), and that over the natural unit of time for speeds. Of a very long period no less than
+        what rounding of the time makes of the state.
 
     Returns
     -------
@@ -192,6 +196,7 @@ def newton(flow: Flow, z: Floats, span: float, turns: int, contact: Contact, tol
     rough, last, arc = span, np.inf, flow.arc(z, span, contact=contact)
     for step in range(NEWTON_STEPS):
         error = _apart(flow, arc)
+        tol = max(tol, CLOCK * arc.span * float(np.abs(arc.rate / flow.size).max()))
         if error <= tol and error >= 0.1 * last:  # as far as it goes
             return arc, step
         last = error
@@ -315,6 +320,10 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
         down = np.flatnonzero((x2[:-1] > 0) & (x2[1:] <= 0))
         if len(down) >= 3 or not (run.mode == 0).any():
             break
+    if len(down) < 3 and (run.mode == 0).any() and (times := _slow_crossings(flow, z, lasting)) is not None:
+        states = flow.full(flow.run(z, times))
+        turns = _repeats(states / flow.size)
+        return states[-1], float(times[-1] - times[-1 - turns]), turns, "auto"
     if len(down) < 3 or np.ptp(x1) < 1e-7 * np.abs(x1).max():
         _no_cycle(flow, flow.full(run).mean(axis=0))
     down = down[-LOOK_BACK:]
@@ -322,6 +331,23 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     states = flow.full(flow.run(z, np.asarray(times, dtype=np.float64)))
     turns = _repeats(states / flow.size)
     return states[-1], float(times[-1] - times[-1 - turns]), turns, "auto"
+
+
+def _slow_crossings(flow: Flow, z: Floats, lasting: float) -> Floats | None:
+    """Crossings of the section where a stick lasts so long that only slips are looked at; None if there are too few."""
+    unit = 2 * np.pi * flow.natural_time
+    once = 2 * flow.size[0] / abs(flow.belt_speed)  # the spring, from limit to limit
+    events = flow.run(z, [lasting + 2 * LOOK_BACK * (once + unit)]).transitions
+    released = events.t[(events.before == 0) & (events.t > lasting)][:-1][-LOOK_BACK:]
+    window = _even(unit, SAMPLES + 1)
+    if len(released) < 3 or np.diff(released).min() < 2 * unit:
+        return None
+    run = flow.run(z, np.concatenate([t + window for t in released]))
+    x2 = run.state[:, 1].reshape(len(released), -1)
+    first = np.argmax((x2[:, :-1] > 0) & (x2[:, 1:] <= 0), axis=1)
+    rows = np.arange(len(released))
+    before, after = x2[rows, first], x2[rows, first + 1]
+    return np.asarray(released + window[first] + before / (before - after) * unit / SAMPLES)
 
 
 def _repeats(states: Floats) -> int:
