@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from stickslip.errors import StickslipError, quoted
 
@@ -19,6 +20,7 @@ BAD_INPUT = 2
 COMMANDS = {  # a module of its name each, imported when it is asked for; and what the list says of it
     "check": "What the runs of a case can tell and what they cannot.",
     "compare": "A model against a recording: one table, two figures.",
+    "completion": "What a shell needs to complete commands, options and files.",
     "demo": "All of it on a real recording, then a story of discovery.",
     "discover": "What the declared model lacks: an effect, and how sure.",
     "explore": "A model with sliders, redrawn live in the browser.",
@@ -65,6 +67,13 @@ class OneLine(click.Group):
             return None
         command: click.Command = getattr(import_module(f"stickslip.cli.{cmd_name}"), cmd_name)
         return command
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Commands that begin so, without importing them; and options."""
+        commands = [
+            CompletionItem(n, help=words) for n, words in COMMANDS.items() if n.startswith(incomplete)
+        ]
+        return [*commands, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def format_commands(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import atexit
 import json
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -15,15 +14,18 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import psutil
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
 SECONDS = 60  # that any file may take, and one more for each MB; hundreds of MB take seconds
-MEMORY = (
-    os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
-)  # the columns are there twice: there and here
+MEMORY = psutil.virtual_memory().total // 2  # the columns are there twice: there and here
 PROGRAM = Path(__file__).with_name("parsers") / "main.py"
+
+
+ALARM = 14  # SIGALRM, which Windows does not name
+TOO_LONG = 124  # with which the parser ends where there is no such signal
 
 
 class EndedError(Exception):
@@ -41,7 +43,8 @@ class Process:
         self._lock = threading.Lock()
         self._child: subprocess.Popen[bytes] | None = None
         self._said: IO[bytes] | None = None  # its standard error: a pipe nobody reads would block it
-        os.register_at_fork(after_in_child=self._forget)
+        if hasattr(os, "register_at_fork"):  # Windows has no fork
+            os.register_at_fork(after_in_child=self._forget)
         atexit.register(self.close)
 
     def ask(
@@ -106,7 +109,7 @@ class Process:
     def _last_words(self, name: str, seconds: int) -> str:
         """Why the child ended."""
         code, said = self._ended()
-        if code == -signal.SIGALRM:
+        if code in (-ALARM, TOO_LONG):
             return f"not parsed within {seconds} s; a damaged {name} file, or too long a record: save it in parts"
         if code < 0:
             return f"a damaged {name} file (its parser was ended by signal {-code}); save it again"

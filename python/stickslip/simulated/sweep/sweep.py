@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import psutil
 from numpy.typing import ArrayLike
 
 from stickslip import _core
@@ -286,14 +287,14 @@ def _belt_speed_is_given_once(grid: Grid, belt_speed: object) -> None:
 
 def _threads(threads: int | None) -> int:
     if threads is None:
-        return len(os.sched_getaffinity(0))
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return whole_number("threads", threads, most=4096)
 
 
 def _fits(request: Request, out: object) -> None:
     """Refuse what memory cannot hold, before any of it is touched."""
     needed = request.grid.members * request.bytes_a_member()
-    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    free = psutil.virtual_memory().available
     if out is None and needed > free:
         words = f"{request.grid.members} members need {_size(needed)} of memory, more than is free"
         raise InputError(f"{words}; give out='result.zarr' to write them chunk by chunk", key="over")

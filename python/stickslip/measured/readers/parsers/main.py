@@ -8,10 +8,13 @@ line of JSON, then the columns as float64.
 from __future__ import annotations
 
 import json
-import resource
+import os
 import signal
 import sys
+import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -19,18 +22,47 @@ from typing import Any
 
 import numpy as np
 
+resource: Any
+try:
+    import resource
+except ImportError:  # Windows: neither limits nor alarms
+    resource = None
+
+TOO_LONG = 124  # the status with which it ends where there is no alarm
 Answer = tuple[dict[str, Any], list[np.ndarray]]
 
 
 def limit(kind: int, most: int) -> None:
     """Limit this process softly, so that the next file may have another limit."""
+    assert resource is not None
     _, hard = resource.getrlimit(kind)
     resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
-def own_memory() -> int:
-    """Bytes of address space that this process has."""
-    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+def limit_memory(more: int) -> None:
+    """Limit address space to what the process has and so many bytes more, where the system can tell and limit it."""
+    pages = Path("/proc/self/statm")
+    if resource is not None and pages.exists():
+        limit(resource.RLIMIT_AS, int(pages.read_text().split()[0]) * resource.getpagesize() + more)
+
+
+@contextmanager
+def limited_time(seconds: int) -> Iterator[None]:
+    """End this process after so many seconds; where there is no alarm, only if its library lets threads run."""
+    if hasattr(signal, "SIGALRM"):
+        signal.alarm(seconds)
+        try:
+            yield
+        finally:
+            signal.alarm(0)
+        return
+    timer = threading.Timer(seconds, os._exit, [TOO_LONG])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @cache
@@ -66,20 +98,19 @@ def answered_within(request: dict[str, Any]) -> Answer:
         module = parser(request["parser"])
     except ImportError as error:
         return {"lacking": error.name}, []
-    limit(resource.RLIMIT_AS, own_memory() + request["memory"])
-    signal.alarm(request["seconds"])  # it ends this process, whatever the library does
-    try:
+    limit_memory(request["memory"])
+    with limited_time(request["seconds"]):
         return answered(module, request["file"], request["names"])
-    finally:
-        signal.alarm(0)
 
 
 def main() -> None:
     """Answer requests until there are no more."""
-    limit(resource.RLIMIT_CORE, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever asks decides
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGALRM])
+    if resource is not None:
+        limit(resource.RLIMIT_CORE, 0)
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGALRM])
     for line in sys.stdin:
         head, columns = answered_within(json.loads(line))
         sys.stdout.buffer.write(json.dumps(head).encode() + b"\n")
