@@ -14,7 +14,7 @@ from recorded import recording
 from slider_cases import KINETIC, STATIC, case_of, rig_of
 from stickslip.fitted.covered_speeds import covered_speeds
 from stickslip.fitted.identified import estimate, stopped
-from stickslip.fitted.identify import law_parameters
+from stickslip.fitted.identify_windows import law_parameters
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.fitted.shooting import above_zero, shoot
 from stickslip.measured.fit_window import Window

@@ -12,7 +12,7 @@ import pytest
 import stickslip as ss
 from stickslip.declared.units import Channel
 from stickslip.fitted.data import prepare
-from stickslip.fitted.identify import identify
+from stickslip.likelihoods.identify import identify
 from stickslip.measured import thinning
 from stickslip.measured.fit_window import half_apart
 from stickslip.measured.recording import Recording

@@ -8,7 +8,7 @@ from importlib.resources import as_file, files
 
 from stickslip.fitted.compare import Comparison, compare
 from stickslip.fitted.identified import Identified
-from stickslip.fitted.identify import identify
+from stickslip.likelihoods.identify import identify
 from stickslip.measured.case import Case, load_case
 
 GRAVITY = 9.81
@@ -44,6 +44,7 @@ def run(progress: Callable[[str, float], None]) -> Demo:
     found = identify(
         case, belt_speed="plateau", progress=lambda what, share: progress(what, 0.05 + 0.75 * share)
     )
+    assert isinstance(found, Identified)  # of a block on a belt
     comparison = compare(
         found.model,
         case.validate[0],

@@ -22,7 +22,7 @@ from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning
 from stickslip.files import apart, write_csv
-from stickslip.fitted.identify import natural_period
+from stickslip.fitted.identify_windows import natural_period
 from stickslip.measured.fit_window import Array
 from stickslip.simulated.simulate import simulate as run_model
 from stickslip.simulated.trajectory import Trajectory

@@ -20,7 +20,8 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.errors import InputError, Place
 from stickslip.fitted.identified import Branch
-from stickslip.fitted.identify import law_parameters, measured, natural_period
+from stickslip.fitted.identify import measured
+from stickslip.fitted.identify_windows import law_parameters, natural_period
 from stickslip.measured.case import Case
 from stickslip.measured.prepared import Measured
 from stickslip.measured.sticks import LEAST_SLIP, Segment

@@ -20,7 +20,8 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.fitted.comparison_rows import Row, verdict
 from stickslip.fitted.dominant_cycle import SHARE, Dominant, cycles, dominant
-from stickslip.fitted.identify import BeltSpeed, measured, natural_period
+from stickslip.fitted.identify import BeltSpeed, measured
+from stickslip.fitted.identify_windows import natural_period
 from stickslip.fitted.model_runs import runs_of
 from stickslip.measured import cutting
 from stickslip.measured import sticks as segments

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -111,9 +111,49 @@ class Events:
     run: Array
 
 
+@dataclass(frozen=True)
+class Spread:
+    """A number of the scatter with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """
+    How friction and belt differ from event to event.
+
+    `static`, `kinetic` and `belt` are relative standard deviations of the static limit, of kinetic friction and of the
+    belt's speed. `correlation` is that of one event's kinetic friction with the next one's, `length` the way along the
+    belt over which it falls to 1/e, in the rig's unit of x1; None where neighbours are not seen to be alike.
+    """
+
+    static: Spread
+    kinetic: Spread
+    belt: Spread
+    correlation: Spread
+    length: float | None
+
+
+@dataclass(frozen=True)
+class Constant:
+    """What the runs say of a declared constant, or of a sensor's gain (declared as 1), with its 95 % interval.
+
+    `uncertainty` is the relative standard uncertainty of what was declared.
+    """
+
+    value: float
+    low: float
+    high: float
+    declared: float
+    uncertainty: float
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Identified(Drawn):
-    """Result of `stickslip.fitted.identify.identify`.
+    """Result of `stickslip.identify`.
 
     Attributes
     ----------
@@ -131,7 +171,13 @@ class Identified(Drawn):
         Squared residual over noise per degree of freedom: 1 where noise alone remains.
     force : ForcePoints or None
     events : Events or None
-        For laws identified event by event.
+        Slips of a block on a belt, where friction was fitted event by event.
+    scatter : Scatter or None
+        How events differ, where they do and the law was fitted with friction of each its own.
+    constants : mapping of str to Constant
+        Constants and gains that were fitted beside the law, as well known as declared.
+    fitted : Model or None
+        Rig and law as fitted, where constants were fitted beside the law; else `rig` and `law` are the model.
     diagnostics : mapping of str to float
     messages : tuple of str
         Sentences a person should read.
@@ -151,6 +197,9 @@ class Identified(Drawn):
     reduced_chi2: float
     force: ForcePoints | None = None
     events: Events | None = None
+    scatter: Scatter | None = None
+    constants: Mapping[str, Constant] = field(default_factory=dict)
+    fitted: Model | None = None
     diagnostics: Mapping[str, float] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
     thinned: tuple[Thinned, ...] = ()
@@ -170,7 +219,14 @@ class Identified(Drawn):
     @property
     def model(self) -> Model:
         """The rig under the identified law; it knows columns and noise where a case declared them."""
-        return Model(self.rig, friction=self.law, channels=self.channels, noise=self.reading_noise)
+        made = self.fitted or Model(self.rig, friction=self.law)
+        return Model(
+            made.rig,
+            friction=made.friction,
+            effects=made.effects,
+            channels=self.channels,
+            noise=self.reading_noise,
+        )
 
     @property
     def unidentified(self) -> tuple[str, ...]:
@@ -282,6 +338,8 @@ class Identified(Drawn):
             "messages": list(self.messages),
             "thinned": [{**vars(one), "how": one.how.value} for one in self.thinned],
             "events": events,
+            "scatter": None if self.scatter is None else asdict(self.scatter),
+            "declared": {name: asdict(one) for name, one in self.constants.items()},
         }
 
     def save(self, out: str | Path, *, force: bool = False) -> list[Path]:

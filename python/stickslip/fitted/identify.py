@@ -1,36 +1,35 @@
-"""From recordings to a friction law: `identify`.
+"""From recordings to a friction law that every event shares: `identify` of `stickslip.likelihoods` without scatter.
 
 The law's numbers are fitted through simulation (`stickslip.fitted.shooting`), first on windows of about one natural
 period, cut in the middle of sticks, then on whole runs if the law still explains the readings there. The static
-limits follow from the breakaway instants in the same fit. A real block on a belt, whose friction scatters from
-slip to slip, is identified event by event instead (`stickslip.fitted.slip_levels`).
+limits follow from the breakaway instants in the same fit. A block on a belt is identified slip by slip instead
+(`stickslip.fitted.slip_levels`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from stickslip.arguments import explained, must_be, one_of
+from stickslip.arguments import must_be, one_of
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
-from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
-from stickslip.fitted.covered_speeds import covered_speeds
-from stickslip.fitted.identified import Branch, Estimate, ForcePoints, Identified, estimate
-from stickslip.fitted.identify_check import checked, explainable, misfit
-from stickslip.fitted.identify_words import fit_messages, misfit_messages, plateau_messages
-from stickslip.fitted.shooting import Shot, Simulator, shoot
-from stickslip.measured import cutting, signals
+from stickslip.fitted.identified import Estimate, ForcePoints, Identified
+from stickslip.fitted.identify_check import checked
+from stickslip.fitted.identify_windows import columns, identify_by_windows, natural_period
+from stickslip.fitted.identify_words import misfit_messages, plateau_messages
+from stickslip.fitted.shooting import Simulator
+from stickslip.measured import signals
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Case, Recording
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array
 from stickslip.measured.prepared import Measured, Motion
 from stickslip.measured.stick_speed import why_idle, wrong_set_point
 from stickslip.measured.thinning import sentences, thinned
@@ -38,20 +37,8 @@ from stickslip.simulated.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
+EXPLAINED = 1.2  # chi-squared per degree of freedom up to which a law without scatter explains the readings
 RESOLVED = 1e-9  # of the range of a channel: no simulation is nearer, so it counts as noise
-
-
-def natural_period(rig: AnyRig) -> float:
-    """Period of the free block on its springs, in the rig's unit of time."""
-    rig = on_belt(rig)
-    if isinstance(rig, BlockOnBelt):
-        return float(2 * np.pi * np.sqrt(rig.mass / rig.stiffness))
-    return 2 * np.pi
-
-
-def columns(rig: AnyRig) -> tuple[int, ...]:
-    """State column of each recorded channel: x1, and y1 for the rig of (2.1)."""
-    return (0, 2) if isinstance(rig, Rig) else (0,)
 
 
 def measured(
@@ -120,30 +107,48 @@ def measured(
     )
 
 
-def single_noise(runs: Sequence[Measured]) -> Array:
-    """Standard deviation of a single reading of each channel (c,), over all runs."""
-    return np.asarray(np.mean([r.noise * np.sqrt(r.averaged) for r in runs], axis=0))
-
-
 def _size(x: Array) -> float:
     """Range of readings, their own size where they are all the same, 1 where they are all 0."""
     return float(np.nanmax(x) - np.nanmin(x)) or float(np.nanmax(np.abs(x))) or 1.0
 
 
-def law_parameters(law: FrictionLaw) -> dict[Branch, tuple[str, ...]]:
-    """Names of the numbers each branch has to be identified from."""
-    if isinstance(law, PaperFriction):
-        return {
-            "minus": ("T_s_minus", "A1", "A2", "t1", "t2", "T_min_minus"),
-            "plus": ("T_s_plus", "T_min_plus"),
-        }  # not the ends of the fitted ranges, v_w_min and v_w_max: the other numbers can do what they do
-    names = [f.name for f in fields(law) if getattr(law, f.name) is not None]
-    plus = tuple(n for n in names if n.endswith("_plus"))
-    minus = tuple(n for n in names if not n.endswith("_plus"))
-    return {"minus": minus, "plus": plus or minus}
+@dataclass(frozen=True)
+class Material:
+    """
+    What is identified from.
+
+    Parameters
+    ----------
+    recordings, runs : as they are fitted, read and with their sticks
+    rig : declared
+    friction : the law to start from, None where nobody said anything
+    undeclared : its numbers that are mere defaults
+    idle : says, for the number of a run, why no slip of it is used
+    """
+
+    recordings: Sequence[Recording]
+    runs: Sequence[Measured]
+    rig: AnyRig
+    friction: FrictionLaw | None
+    undeclared: Sequence[str]
+    idle: Callable[[int], str]
+
+    @property
+    def told(self) -> FrictionLaw | None:
+        """The law whose kind is kept: the one to start from, unless it is wholly a default."""
+        law = self.friction
+        silent = isinstance(law, PaperFriction) and set(law.numbers) <= set(self.undeclared)
+        return None if silent else law
+
+    @property
+    def unit(self) -> str:
+        """Written behind forces."""
+        return "" if self.recordings[0].unit("x1") == "1" else " N"
 
 
-@explained
+Scattering = Callable[[Material, Progress], Identified | None]
+
+
 def identify(
     source: Case | Recording | Sequence[Recording],
     *,
@@ -154,51 +159,22 @@ def identify(
     scatter: bool | None = None,
     simulator: Simulator = simulate,
     progress: Progress | None = None,
+    scattering: Scattering | None = None,
 ) -> Identified:
-    """Identify the friction law from recorded displacements.
+    """Identify the law that every event shares; all but `scattering` is as `stickslip.identify` has it.
 
     Parameters
     ----------
-    source : Case, Recording or sequence of Recording
-        A case's "train" runs are used.
-    rig : Rig or BlockOnBelt, optional
-        Required unless `source` is a case.
-    friction : PaperFriction, CoulombFriction or HyperbolicFriction, optional
-        The law's form and the values to start from; the case's, or Table 1, if absent.
-    noise : mapping of str to float, optional
-        Standard deviation of a reading per channel in the rig's units; the recording's, or estimated, if absent.
-    belt_speed : "set-point" or "plateau"
-        Whether v_b is what was set, or what the block was seen to ride at in its sticks.
-    scatter : bool, optional
-        Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
-        is given or the case declares a law with more numbers than single slips tell.
-    simulator : callable
-        `stickslip.simulate` or anything with its signature.
-    progress : callable, optional
-        Called with what is being done and the share done.
-
-    Returns
-    -------
-    Identified
-
-    Raises
-    ------
-    InputError
-        If a channel is missing, a record too short, or no slip is found; if the channels of a case for the rig of
-        (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
+    source, rig, friction, noise, belt_speed, scatter, simulator, progress
+        See `stickslip.likelihoods.identify`.
+    scattering : callable, optional
+        Identifies where friction differs from event to event, None where it does not: asked first for a block on a
+        belt, and for a rig of (2.1) where the law alone does not explain the readings, or with `scatter`.
     """
     if not isinstance(source, Case | Recording):
         for one in source if isinstance(source, (list, tuple)) else [source]:
             must_be("source", one, (Case, Recording), "load_case(path) gives a case")
-    if scatter is not None:
-        must_be("scatter", scatter, bool)
-    else:
-        scatter = friction is None and isinstance(
-            source.rig if isinstance(source, Case) else rig, BlockOnBelt
-        )
-        scatter = scatter and not (
-            isinstance(source, Case) and isinstance(source.declared_law, PaperFriction)
-        )
+    slips = _by_slips(source, rig, friction, scatter)
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
     told = friction or (source.friction if isinstance(source, Case) else None)
     tell = progress or (lambda _what, _share: None)
@@ -209,25 +185,15 @@ def identify(
     notes = checked(source, recordings) if isinstance(source, Case) and own in (None, source.rig) else ()
     tell("reading modes", 0.0)
     runs = [measured(r, rig, noise=noise, belt=belt_speed) for r in recordings]
-    if scatter:
-        from stickslip.fitted.slip_levels import identify_events
-
-        unit = "" if recordings[0].unit("x1") == "1" else " N"
-        found = identify_events(
-            runs,
-            rig,
-            declared=friction,
-            simulator=simulator,
-            tell=tell,
-            unit=unit,
-            undeclared=undeclared,
-            why_idle=lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
-        )
-    else:
-        start = friction or (PaperFriction() if isinstance(rig, Rig) else CoulombFriction())
-        found = _identify_by_shooting(runs, rig, start, simulator, tell, undeclared)
-        doubts = ((r.name, wrong_set_point(replace(r, rig=rig))) for r in recordings)
-        found = replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
+    material = Material(
+        recordings,
+        runs,
+        rig,
+        friction,
+        undeclared,
+        lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
+    )
+    found = _found(material, simulator, tell, slips, scatter, scattering)
     tell("friction force", 0.95)
     rode = plateau_messages([(r.plateau, r.plateau_std, r.set_point) for r in runs], belt_speed)
     said = (*sentences(less), *notes, *found.messages, *rode, *misfit_messages(found))
@@ -238,6 +204,54 @@ def identify(
         found = replace(found, channels=dict(recordings[0].channels), reading_noise=known)
     tell("done", 1.0)
     return found
+
+
+def _by_slips(
+    source: Case | Recording | Sequence[Recording],
+    rig: AnyRig | None,
+    friction: FrictionLaw | None,
+    scatter: bool | None,
+) -> bool:
+    """Whether a law without scatter in common is fitted slip by slip."""
+    if scatter is not None:
+        must_be("scatter", scatter, bool)
+        return scatter
+    block = isinstance(source.rig if isinstance(source, Case) else rig, BlockOnBelt)
+    many = isinstance(source, Case) and isinstance(source.declared_law, PaperFriction)
+    return friction is None and block and not many
+
+
+def _found(
+    material: Material,
+    simulator: Simulator,
+    tell: Progress,
+    slips: bool,
+    scatter: bool | None,
+    scattering: Scattering | None,
+) -> Identified:
+    """The law with scatter where there is some, else without; a block's slips have levels of their own then, too."""
+    block = isinstance(material.rig, BlockOnBelt)
+    if block and scattering is not None and (found := scattering(material, tell)) is not None:
+        return found
+    if slips and (block or scattering is None):
+        from stickslip.fitted.slip_levels import identify_events
+
+        return identify_events(
+            material.runs,
+            material.rig,
+            declared=material.friction,
+            simulator=simulator,
+            tell=tell,
+            unit=material.unit,
+            undeclared=material.undeclared,
+            why_idle=material.idle,
+        )
+    start = material.friction or (PaperFriction() if isinstance(material.rig, Rig) else CoulombFriction())
+    found = identify_by_windows(material.runs, material.rig, start, simulator, tell, material.undeclared)
+    if not block and scattering is not None and (scatter or found.reduced_chi2 > EXPLAINED):
+        found = scattering(material, tell) or found
+    doubts = ((r.name, wrong_set_point(replace(r, rig=material.rig))) for r in material.recordings)
+    return replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
 
 
 def _beside_declared(
@@ -263,125 +277,6 @@ def _material(
     if not recordings:
         raise InputError("no run to identify from: the case has no run with role 'train'")
     return recordings, rig, friction
-
-
-def _identify_by_shooting(
-    runs: Sequence[Measured],
-    rig: AnyRig,
-    start: FrictionLaw,
-    simulator: Simulator,
-    tell: Progress,
-    undeclared: Sequence[str],
-) -> Identified:
-    """Fit the law to windows, then to whole runs if it explains those as well."""
-    branches = law_parameters(start)
-    names = tuple(dict.fromkeys([*branches["minus"], *branches["plus"]]))
-    model = Model(rig, friction=start)
-    declared = np.array([model.parameters[n] for n in names], dtype=float)
-    noise = single_noise(runs)
-    period, cols = natural_period(rig), columns(rig)
-    windows = [_window(r, b, i, cols) for i, r in enumerate(runs) for b in cutting.cut(r.track, period)]
-    steps = iter(np.linspace(0.1, 0.9, 80))
-
-    def fit(model: Model, windows: Sequence[Window], what: str) -> Shot:
-        return shoot(
-            model,
-            windows,
-            names,
-            noise=noise,
-            simulator=simulator,
-            declared=declared,
-            progress=lambda _: tell(what, float(next(steps, 0.9))),
-        )
-
-    short = fit(model, windows, "fitting windows")
-    explainable(short, noise)
-    found = model.replace(**dict(zip(names, short.values.tolist(), strict=True)))
-    whole = _whole_runs(runs, short, cols)
-    best, where = short, "windows"
-    try:
-        long = fit(found, whole, "fitting whole runs")
-        if _explains(long, short):
-            best, where = long, "whole runs"
-    except (np.linalg.LinAlgError, ValueError):
-        pass  # whole runs are a refinement; a law that cannot follow one keeps the windows' estimate
-    return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
-
-
-def _window(run: Measured, bounds: tuple[int, int], number: int, cols: tuple[int, ...]) -> Window:
-    """A window of a run, with the state at its start."""
-    made = cutting.window(run.track, run.readings, bounds, run=number, columns=cols)
-    return replace(made, averaged=run.averaged)
-
-
-def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
-    """One window a run, from the state its first short window was found to start in."""
-    first = {w.run: w for w in reversed(short.windows)}
-    return [replace(_window(r, (0, len(r.t)), i, cols), initial=first[i].initial) for i, r in enumerate(runs)]
-
-
-def _explains(long: Shot, short: Shot) -> bool:
-    """Whether whole runs cost no more than their fewer free states must (three standard deviations)."""
-    gained = max(long.dof - short.dof, 0)
-    excess = (long.chi2 - short.chi2) / max(1.0, short.reduced)
-    return bool(np.isfinite(long.chi2) and excess < gained + 3 * np.sqrt(2 * gained) + 3)
-
-
-def _widened(shot: Shot) -> Array:
-    """Covariance that allows for what the law leaves unexplained."""
-    covariance = shot.covariance * max(1.0, shot.reduced)
-    if shot.reduced > 1.2 and len(shot.windows) >= 20:
-        # the law is not the whole truth: let the scatter between windows speak where it is larger
-        ratio = np.diag(shot.sandwich) / np.maximum(np.diag(covariance), 1e-300)
-        stretch = np.sqrt(np.maximum(ratio, 1.0))
-        covariance = covariance * np.outer(stretch, stretch)
-    return covariance
-
-
-def _conclude(
-    runs: Sequence[Measured],
-    rig: AnyRig,
-    start: FrictionLaw,
-    names: tuple[str, ...],
-    declared: Array,
-    best: Shot,
-    short: Shot,
-    where: str,
-    simulator: Simulator,
-    undeclared: Sequence[str],
-) -> Identified:
-    covariance = _widened(best)
-    seen = best.prior_share < 0.99
-    values = np.where(seen, best.values, declared)
-    law = Model(rig, friction=start).replace(**dict(zip(names, values.tolist(), strict=True))).friction
-    estimates = {
-        n: estimate(v, float(np.sqrt(c)), float(share), float(d))
-        for n, v, c, share, d in zip(
-            names, values, np.diag(covariance), best.prior_share, declared, strict=True
-        )
-    }
-    kept, noise = np.flatnonzero(seen), single_noise(runs)
-    covered = covered_speeds(Model(rig, friction=law), best.windows, simulator)
-    starts = dict(zip(names, declared.tolist(), strict=True))
-    messages = fit_messages(estimates, covered, best, where, starts, undeclared)
-    return Identified(
-        rig=rig,
-        law=law,
-        estimates=estimates,
-        names=tuple(names[i] for i in kept),
-        covariance=covariance[np.ix_(kept, kept)],
-        covered=covered,
-        noise=dict(zip(("x1", "y1"), noise.tolist(), strict=False)),
-        reduced_chi2=best.reduced,
-        diagnostics={
-            "windows": float(len(best.windows)),
-            "reduced_chi2_windows": short.reduced,
-            "runs": float(len(runs)),
-            "whole_runs": float(where == "whole runs"),
-            "misfit": misfit(best, noise),
-        },
-        messages=messages,
-    )
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

@@ -36,6 +36,17 @@ def fit_messages(
             "the declared law does not explain the readings; the intervals are widened by what it leaves, and "
             "`stickslip discover` looks for what is missing"
         )
+    return *out, *number_messages(estimates, covered, starts, undeclared)
+
+
+def number_messages(
+    estimates: Mapping[str, Estimate],
+    covered: Mapping[Branch, tuple[float, float] | None],
+    starts: Mapping[str, float],
+    undeclared: Sequence[str] = (),
+) -> tuple[str, ...]:
+    """Say which of the law's numbers and branches the runs do not tell; the rest is as in `fit_messages`."""
+    out = []
     absent = [n for n, e in estimates.items() if e.status == "unidentified"]
     for names, whose in (
         ([n for n in absent if n not in undeclared], "declared start"),
@@ -122,6 +133,7 @@ def event_messages(
     unit: str,
     declared: bool,
     better: str | None = None,
+    how: str = "fitted one by one",
 ) -> tuple[str, ...]:
     """Say what slips fitted one by one were like.
 
@@ -135,6 +147,8 @@ def event_messages(
         Whether the numbers of the direction never visited are declared ones.
     better
         What BIC would have chosen, where the kind was declared; None where it chose.
+    how
+        The slips were fitted.
     """
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
@@ -158,7 +172,7 @@ def event_messages(
     )
     return (
         *((doubt,) if share > POOR else ()),
-        f"{len(events.t)} slips fitted one by one; {chosen}",
+        f"{len(events.t)} slips {how}; {chosen}",
         f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
         f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
         f"a single slip is reproduced to {percent(share)} of its amplitude (median)",

@@ -39,8 +39,8 @@ DECISIVE = 6.0  # difference of BIC from which the law with one more number is t
 
 
 @dataclass(frozen=True)
-class _Declared:
-    """The declared law, with the names of its numbers that are mere defaults."""
+class DeclaredLaw:
+    """The law of a block as declared, with the names of its numbers that are mere defaults."""
 
     law: FrictionLaw | None
     undeclared: frozenset[str]
@@ -153,8 +153,8 @@ def identify_events(
     gain = float(np.sum(scores_of(coulomb, coulomb) - scores_of(falling, coulomb)))
     preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
-    told = _Declared(declared, frozenset(undeclared))
-    if (told.kind or _preferred(preference)) == "hyperbolic":
+    told = DeclaredLaw(declared, frozenset(undeclared))
+    if (told.kind or preferred(preference)) == "hyperbolic":
         choice = _Choice("hyperbolic", falling, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
@@ -162,7 +162,8 @@ def identify_events(
     return replace(found, messages=(*found.messages, *idle))
 
 
-def _preferred(preference: float) -> Kind:
+def preferred(preference: float) -> Kind:
+    """Return the kind that BIC(Coulomb) - BIC(hyperbolic) chooses."""
     return "hyperbolic" if preference > DECISIVE else "coulomb"
 
 
@@ -260,7 +261,7 @@ def _conclude(
     choice: _Choice,
     slips: Sequence[_Slip],
     noise: Array,
-    declared: _Declared,
+    declared: DeclaredLaw,
     unit: str,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
@@ -298,7 +299,7 @@ def _conclude(
             events,
             unit,
             known is not None,
-            better=_preferred(preference) if declared.kind else None,
+            better=preferred(preference) if declared.kind else None,
         ),
     )
 

@@ -11,10 +11,13 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted import identify as named
 from stickslip.fitted.identified import Identified
-from stickslip.fitted.identify import BeltSpeed, Progress
+from stickslip.fitted.identify import BeltSpeed, Material, Progress
 from stickslip.fitted.shooting import Simulator
 from stickslip.likelihoods.bodies_identify import identify_bodies
+from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.identified_rig import IdentifiedRig
+from stickslip.likelihoods.scattered import scattered
+from stickslip.likelihoods.shared import Declared
 from stickslip.measured.case import Case, Recording
 from stickslip.simulated.simulate import simulate
 
@@ -33,10 +36,14 @@ def identify(
 ) -> Identified | IdentifiedRig:
     """Identify the friction law from recordings.
 
+    Where friction differs from event to event, the law, the declared constants and the scatter are fitted together, by
+    their marginal likelihood; the law is that of the mean event, and its intervals know of the scatter.
+
     Parameters
     ----------
     source : Case, Recording or sequence of Recording
-        A case's "train" runs are used.
+        A case's "train" runs are used. Its [uncertainty] says how well the constants are known that are fitted beside
+        the law where friction scatters; those of a `rig` given here are exact.
     rig : of any kind but DrivenSlider, optional
         Required unless `source` is a case.
     friction : optional
@@ -48,11 +55,10 @@ def identify(
     belt_speed : "set-point" or "plateau"
         Whether v_b is what was set, or what the block was seen to ride at in its sticks.
     scatter : bool, optional
-        Identify event by event, with levels that scatter. Default: for a block on a belt, unless `friction`
-        is given or the case declares a law with more numbers than single slips tell. On a rig of bodies or matrices
-        friction may always scatter.
+        Whether friction may differ from event to event. Default: where the readings show it. On a rig of bodies or
+        matrices it always may.
     simulator : callable
-        `stickslip.simulate` or anything with its signature.
+        `stickslip.simulate` or anything with its signature; with another one nothing scatters.
     progress : callable, optional
         Called with what is being done and the share done.
 
@@ -67,6 +73,13 @@ def identify(
         (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
     """
     own = general_rig(source, rig)
+    declared = (
+        known(source) if own is None and isinstance(source, Case) and rig in (None, source.rig) else None
+    )
+
+    def with_scatter(material: Material, tell: Progress) -> Identified | None:
+        return scattered(material, declared or Declared(), tell, asked=scatter is True)
+
     if own is None:
         return named.identify(
             source,
@@ -77,6 +90,7 @@ def identify(
             scatter=scatter,
             simulator=simulator,
             progress=progress,
+            scattering=with_scatter if scatter is not False and simulator is simulate else None,
         )
     for key, given, usual in (
         ("noise", noise, None),

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
 
+Floats = NDArray[np.float64]
 MOST = 0.95
 STATIC, KINETIC = 0, 1
 FEWEST = 4  # events of a run that a correlation can be had from
@@ -24,18 +27,23 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
 
     All runs together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
     """
+    u = fit.random[:, 0] if which == STATIC else fit.random[:, 1:-1].mean(axis=1)
+    return correlation([u[members] for members in fit.windows.by_run])
+
+
+def correlation(runs: Sequence[Floats]) -> tuple[float, float]:
+    """Return the same of numbers of events, (n,) of each run."""
     along = square = 0.0
-    count = runs = 0
-    for members in fit.windows.by_run:
-        u = fit.random[members, 0] if which == STATIC else fit.random[members, 1:-1].mean(axis=1)
-        if len(u) < FEWEST:
+    count = used = 0
+    for one in runs:
+        if len(one) < FEWEST:
             continue
-        u = u - u.mean()
+        u = one - one.mean()
         along, square = along + float(u[1:] @ u[:-1]), square + float(u @ u)
-        count, runs = count + len(u), runs + 1
+        count, used = count + len(u), used + 1
     if square == 0:
         return 0.0, 0.0
-    each = count / runs
+    each = count / used
     found = (along / square + 1 / each) / (1 - 3 / each)
     found = min(max(found, 0.0), MOST)
     return found, math.sqrt((1 - found**2) / count)

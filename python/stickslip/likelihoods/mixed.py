@@ -117,7 +117,7 @@ def solve(
     p, q, white = windows.shared, windows.own, factor.shape[2]
     scaled = np.einsum("wcij,c->wij", windows.gram, 1.0 / noise) * windows.weight[:, None, None]
     roots = factor[windows.run]
-    a = _turned(scaled, roots, at, p + q)
+    a = turned(scaled, roots, at, p + q)
     local = slice(p, p + q + white)
     inner = a[:, local, local].copy()
     # The white numbers have the prior N(0, 1); the initial state has none.
@@ -150,8 +150,17 @@ def solve(
     )
 
 
-def _turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
-    """Return products of [J, S, K factor, r + K at] from those of [J, S, K, r]."""
+def turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
+    """
+    Return products of [J, S, K factor, r + K at] from those of [J, S, K, r].
+
+    Parameters
+    ----------
+    a : (windows, m, m) products
+    factor : (windows, effects, white) of each window
+    at : (windows, effects) random effects that the windows are linearised at
+    first : columns of J and S
+    """
     w, e, white = factor.shape
     turn = np.zeros((w, a.shape[1], first + white + 1))
     turn[:, range(first), range(first)] = 1.0

@@ -7,14 +7,15 @@ that of Table 1's block, whose static friction is 5.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from stickslip.declared.effect import Effect
+from stickslip.declared.effect import Effect, effect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Scales
 from stickslip.declared.si import dimension
 from stickslip.fitted.data import Data
@@ -58,6 +59,28 @@ class Scaled:
         """Return an effect of scaled numbers in the declared ones, or not `back`: of declared ones in scaled ones."""
         sizes = {k: self.size(f"{one.name}.{k}") for k in one.parameters}
         return one.replace(**{k: v * sizes[k] if back else v / sizes[k] for k, v in one.parameters.items()})
+
+    def model(self, made: Model, values: Mapping[str, float], gain: str) -> Model:
+        """
+        Return a model of scaled numbers in the declared ones, its constants as relative errors beside the declared.
+
+        Parameters
+        ----------
+        made : its law and effects, scaled
+        values : as fitted, scaled
+        gain : name of the sensor's gain among them
+        """
+        shares = {"rig_mass": values["mass"] / ALPHA - 1, "rig_stiffness": values["stiffness"] / ALPHA - 1}
+        shares["sensor_gain"] = values.get(gain, 0.0)
+        effects = [self.effect(one) for one in made.effects if isinstance(one, Effect)]
+        effects += [effect(name, e=e) for name, e in shares.items() if e != 0]
+        return Model(
+            replace(self.rig, damping=values["damping"] * self.size("damping")),
+            friction=self.law(made.friction, back=True),
+            effects=tuple(effects),
+            channels=made.channels,
+            noise=made.noise,
+        )
 
     def data(self, run: Data) -> Data:
         """Return a run's times and belt speed in the declared units; its readings stay scaled."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.declared.catalogue import CONSTANTS
-from stickslip.declared.effect import Effect, effect
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
@@ -190,22 +189,9 @@ def _errors(
 
 def _model(search: Search, trial: Trial) -> Model:
     """The model of a hypothesis: declared constants with what the runs say of them beside, as relative errors."""
-    bench, units, declared = search.verdicts.bench, search.units, search.case.model()
-    made = outcome.model(bench, trial, declared)
-    values, rig = trial.fit.values(), units.rig
-    shares = {"rig_mass": values["mass"] / bench.model.parameters["mass"] - 1}
-    shares["rig_stiffness"] = values["stiffness"] / bench.model.parameters["stiffness"] - 1
-    shares["sensor_gain"] = values.get(bench.sensors.gains[0], 0.0)
-    damping = values["damping"] * units.size("damping")
-    effects = [units.effect(one) for one in made.effects if isinstance(one, Effect)]
-    effects += [effect(name, e=e) for name, e in shares.items() if e != 0]
-    return Model(
-        BlockOnBelt(mass=rig.mass, stiffness=rig.stiffness, damping=damping),
-        friction=units.law(made.friction, back=True),
-        effects=tuple(effects),
-        channels=declared.channels,
-        noise=declared.noise,
-    )
+    bench = search.verdicts.bench
+    made = outcome.model(bench, trial, search.case.model())
+    return search.units.model(made, trial.fit.values(), bench.sensors.gains[0])
 
 
 def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:

@@ -11,7 +11,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.declared.scale import Quantity, Scale, scales
 from stickslip.errors import InputError, StickslipError
-from stickslip.fitted.identify import natural_period
+from stickslip.fitted.identify_windows import natural_period
 from stickslip.measured import signals
 from stickslip.measured.recording import Recording
 from stickslip.simulated.simulate import simulate

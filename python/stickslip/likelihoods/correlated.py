@@ -1,0 +1,74 @@
+"""What a fit says of its shared numbers where friction of neighbouring events is alike."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.memory import KINETIC, STATIC, memory
+from stickslip.likelihoods.mixed import turned
+from stickslip.likelihoods.population import factor
+
+Floats = NDArray[np.float64]
+
+
+def covariance(fit: Fit) -> Floats:
+    """
+    Return the covariance of the shared numbers, (p, p), friction of neighbouring events correlated as it is found.
+
+    The fit takes windows for independent: H is then what they say, and its inverse the covariance. Where their random
+    effects are correlated as m^k over k events the estimate is unbiased still, and its covariance is H^-1 M H^-1 (Liang
+    and Zeger, Biometrika 73, 1986), with M = H + sum over pairs of windows of a run of B_i m^|i-j| B_j': B_i is what a
+    white effect of window i moves in the slopes of the likelihood. Within an event static and kinetic friction go
+    together as they are found to, where the fit takes what is static friction's own for independent.
+    """
+    assert fit.linear is not None
+    windows, linear = fit.windows, fit.linear
+    p, roots = linear.shared, factor(fit.population, windows.places)
+    scaled = np.einsum("wcij,c->wij", linear.gram, 1.0 / fit.noise) * linear.weight[:, None, None]
+    a = turned(scaled, roots[linear.run], fit.random, p + linear.own)
+    q, white = linear.own, roots.shape[2]
+    local = slice(p, p + q + white)
+    inner = a[:, local, local].copy()
+    states, random = np.arange(q), np.arange(q, q + white)
+    inner[:, states, states] = inner[:, states, states] * (1 + 1e-9) + 1e-12
+    inner[:, random, random] += 1.0
+    cross = a[:, :p, local]
+    back = cross @ np.linalg.inv(inner)
+    told = a[:, :p, :p] - back @ cross.transpose(0, 2, 1)
+    moved = a[:, :p, p + q : p + q + white] - back @ a[:, local, p + q : p + q + white]
+    _, prior = windows.prior.at(fit.at)
+    inverse = np.linalg.inv(told.sum(axis=0) + prior + 1e-10 * np.eye(p))
+    between = np.zeros((p, p))
+    together = likeness(fit)
+    like = np.full(white, memory(fit, KINETIC)[0])
+    like[0], like[-1] = memory(fit, STATIC)[0], 0.0
+    for number, members in enumerate(windows.by_run):
+        b = moved[members]
+        pairs = together * np.einsum("wp,wqk,k->pq", b[:, :, 0], b, _kinetic(roots[number]))
+        between += pairs + pairs.T
+        for lag in range(1, len(members)):
+            pairs = np.einsum("wpk,k,wqk->pq", b[lag:], like**lag, b[:-lag])
+            between += pairs + pairs.T
+    return np.asarray(inverse + inverse @ between @ inverse)
+
+
+def likeness(fit: Fit) -> float:
+    """Return the correlation of what is static friction's own in an event with its kinetic friction."""
+    along = static = kinetic = 0.0
+    for members in fit.windows.by_run:
+        own, whole = fit.random[members, 0], fit.random[members, 1:-1].mean(axis=1)
+        if len(members) > 1:
+            own, whole = own - own.mean(), whole - whole.mean()
+            along += float(own @ whole)
+            static, kinetic = static + float(own @ own), kinetic + float(whole @ whole)
+    return along / math.sqrt(static * kinetic) if static > 0 and kinetic > 0 else 0.0
+
+
+def _kinetic(root: Floats) -> Floats:
+    """Weights of the white effects in the mean of the kinetic curve, of length 1."""
+    mean = root[1:-1].mean(axis=0)
+    return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-300))
