@@ -138,6 +138,16 @@ def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest
             reader.follow(step)
 
 
+@pytest.mark.parametrize("page", sorted(DOCS.glob("rigs/[!i]*.md")), ids=lambda page: page.stem)
+def test_the_programs_of_a_rig_print_what_its_page_says(page: Path) -> None:
+    reader = Reader()
+    for step in steps(page):
+        assert step.said != ""
+        reader.follow(step)
+    assert reader.names["figure"].axes
+    assert (DOCS / f"figures/rig_{page.stem}.svg").exists()
+
+
 @pytest.mark.study
 def test_the_search_of_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

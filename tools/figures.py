@@ -1,5 +1,5 @@
 """Rebuild the figures of the documents: `python tools/figures.py`, or with names:
-story tutorial branch sweep derivatives.
+story tutorial rigs branch sweep derivatives.
 
 The story is the search of the demonstration's second half and takes a minute or two.
 """
@@ -20,6 +20,7 @@ from stickslip.cli.rotated_portrait import story as tell
 from stickslip.shown.plot import sweep as plot_sweep
 from stickslip.shown.plot.branch import plot_branch
 from stickslip.shown.plot.curves import save_figure
+from website.law_figures import save
 
 ROOT = Path(__file__).parent.parent
 FIGURES = ROOT / "docs" / "figures"
@@ -48,6 +49,17 @@ def tutorial() -> None:
             shutil.copyfile(Path(folder) / f"{name}.png", FIGURES / f"tutorial_{short}.png")
 
 
+def rigs() -> None:
+    """The figure that every program of docs/rigs leaves."""
+    for page in sorted((ROOT / "docs" / "rigs").glob("[!i]*.md")):
+        shown: dict[str, Any] = {}
+        for program in re.findall(
+            r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        ):
+            exec(compile(program, page.name, "exec"), shown)
+        save(shown["figure"], FIGURES / f"rig_{page.stem}.svg")
+
+
 def branch() -> None:
     """Leine's damped oscillator over the belt speed."""
     leine = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
@@ -69,7 +81,14 @@ def derivatives() -> None:
     subprocess.run([sys.executable, program, "--figure", FIGURES / "derivatives"], check=True)
 
 
-KNOWN = {"story": story, "tutorial": tutorial, "branch": branch, "sweep": sweep, "derivatives": derivatives}
+KNOWN = {
+    "story": story,
+    "tutorial": tutorial,
+    "rigs": rigs,
+    "branch": branch,
+    "sweep": sweep,
+    "derivatives": derivatives,
+}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or KNOWN:

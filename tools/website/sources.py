@@ -54,6 +54,7 @@ def inside(text: str, home: Path, folder: Path, path: Path) -> str:
             return f"{match['before']}({up}index.md)"
         if not target.is_file():
             return f"`{name}`"
+        name += ".txt" if name.endswith(".md") else ""  # or it would be a page
         copy = folder / "files" / name
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(target, copy)
