@@ -57,7 +57,7 @@ GROUPS: Mapping[str, tuple[str, tuple[str, ...]]] = {  # page: title, names of `
     ),
     "fits": (
         "Identification, discovery, forecasts",
-        ("identify", "Identified", "compare", "Comparison", "discover", "Found", "forecast"),
+        ("identify", "Identified", "IdentifiedRig", "compare", "Comparison", "discover", "Found", "forecast"),
     ),
     "errors": ("Errors and the build", ("StickslipError", "InputError", "ModelWarning", "build_config")),
 }
