@@ -141,14 +141,14 @@ class Scatter:
 class Constant:
     """What the runs say of a declared constant, or of a sensor's gain (declared as 1), with its 95 % interval.
 
-    `uncertainty` is the relative standard uncertainty of what was declared.
+    `uncertainty` is the relative standard uncertainty of what was declared, None where it was not made use of.
     """
 
     value: float
     low: float
     high: float
     declared: float
-    uncertainty: float
+    uncertainty: float | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -231,6 +231,12 @@ def _found(
 ) -> Identified:
     """The law with scatter where there is some, else without; a block's slips have levels of their own then, too."""
     block = isinstance(material.rig, BlockOnBelt)
+    if isinstance(material.rig, BlockOnBelt) and all(run.belt_speed == 0 for run in material.runs):
+        from stickslip.fitted.ring_down import identify_ring_down
+
+        return identify_ring_down(
+            material.runs, material.rig, material.told, simulator, tell, material.undeclared
+        )
     if block and scattering is not None and (found := scattering(material, tell)) is not None:
         return found
     if slips and (block or scattering is None):

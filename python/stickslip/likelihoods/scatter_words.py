@@ -50,7 +50,7 @@ def scatter_messages(
 
 
 def _far(one: Constant) -> bool:
-    return bool(abs(np.log(one.value / one.declared)) > BEYOND * one.uncertainty)
+    return bool(abs(np.log(one.value / one.declared)) > BEYOND * (one.uncertainty or np.inf))
 
 
 def _moved(name: str, one: Constant) -> str:

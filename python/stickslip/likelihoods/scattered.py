@@ -87,6 +87,8 @@ def scattered(
     if law is not None and not isinstance(law, LAWS):
         return None
     tell("friction of single events", 0.2)
+    if any(run.belt_speed == 0 for run in material.runs):
+        return None
     if isinstance(material.rig, BlockOnBelt):
         units = scaled(material.rig, material.recordings)
         bench = _of_block(material, declared, units)
