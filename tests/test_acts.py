@@ -60,7 +60,8 @@ def watched(rig: str, law: ss.FrictionLaw, *effects: object) -> tuple[np.ndarray
     )
     theirs = reference.simulate(model, belt_speed=v_b, initial=start, t_end=float(TIMES[-1]))
     assert ours.status.ok
-    return ours.state, theirs.at(TIMES)[:, : len(start)], reference.readings(model, theirs, TIMES)
+    states = theirs.at(TIMES, interpolated=True)[:, : len(start)]
+    return ours.state, states, reference.readings(model, theirs, TIMES, interpolated=True)
 
 
 @pytest.fixture(scope="module", params=PAIRS, ids="-".join)

@@ -86,6 +86,7 @@ def test_what_a_misfit_hid_is_found_when_its_cause_is(case):
     assert said == ()
 
 
+@pytest.mark.study
 def test_what_is_left_out_is_said(case):
     runs = [replace(run, x1=run.x1.copy()) for run in case.runs]
     for run, at in zip(runs[:2], (200, 500), strict=True):

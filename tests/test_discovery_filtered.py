@@ -13,7 +13,8 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.filtered import filtered, thinned, told
 from stickslip.discovery.loop import _cleaned
-from stickslip.discovery.search import CLEAN, Search, Trial
+from stickslip.discovery.rivals import Start, hypothesis
+from stickslip.discovery.search import CLEAN, SHORT, Search, Trial
 from stickslip.discovery.trace import declared
 from stickslip.fitted.data import prepare
 from stickslip.measured.case import Case
@@ -88,12 +89,23 @@ def test_a_misfit_near_the_noise_is_no_noise(effect):
     assert filtered(null, data) is None
 
 
+AGING = ss.effect("static_aging", dT=1.0, tau=1.5)
+
+
 def test_an_effect_behind_it_is_not_thinned_away():
     """With the effect in the model the rest is a filter's noise; without it, it is not."""
-    aging = ss.effect("static_aging", dT=1.0, tau=1.5)
-    case = noisy(TAPS["mean of three"], (aging,))
+    case = noisy(TAPS["mean of three"], (AGING,))
     data, null = fitted(case)
     assert filtered(null, data) is None
+    train = data[: len(case.train)]
+    search = Search(train, Model(RIG, friction=PaperFriction()), 1, lambda _: None, 60.0)
+    found = search.run(hypothesis(search.model, [Start(AGING)]), cycles=SHORT, windows_of=declared(search))
+    assert filtered(found, data)[0] == 3
+
+
+@pytest.mark.study
+def test_a_search_thins_when_the_effect_is_found():
+    case = noisy(TAPS["mean of three"], (AGING,))
     found = ss.discover(case, threads=1)
     assert [one.name for one in found.effects] == ["static_aging"]
     assert found.residual_after.clean

@@ -54,7 +54,7 @@ def record(rig: str, name: str) -> tuple[ss.Model, ss.Model, ss.Recording, np.nd
     right = ss.Model(declared, friction=law, effects=[effect])
     t = np.arange(0, SPAN, DT)
     run = reference.simulate(right, belt_speed=v_b, initial=start, t_end=SPAN, tol=1e-10)
-    shown = reference.readings(right, run, t)
+    shown = reference.readings(right, run, t, interpolated=True)
     noisy = shown + NOISE * np.random.default_rng(0).standard_normal(shown.shape)
     columns = {"t": t} | dict(zip(("x1", "y1"), noisy.T, strict=False))
     seen = ss.load_recording(pd.DataFrame(columns), declared, belt_speed=v_b, name="record")
