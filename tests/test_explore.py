@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 import urllib.error
@@ -20,6 +21,7 @@ from found_by_hand import write_case
 from stickslip.cli.commands import main
 from stickslip.shown.explore.page import Page
 from stickslip.shown.explore.scene import PERIODS, curves, measured
+from stickslip.shown.explore.screenshot import PROGRAMS
 
 SPEED = 0.1
 FIND = "Bokeh.documents[0].get_model_by_name"
@@ -159,3 +161,118 @@ def test_the_page_in_a_browser(address: str, width: int) -> None:
         assert all(urlsplit(one).netloc in (host, "") for one in seen.asked)
         page.evaluate(f"[...{slider}].find((one) => one.title === 'alpha1').value = 16")
         page.wait_for_timeout(800)
+
+
+def drillstring() -> ss.Model:
+    """A bit on the rock, on a shaft that a drive turns."""
+    rig = ss.BodiesRig(
+        body={"bit": ss.Body(inertia="0.5 kg m^2")},
+        link=[ss.Link(between=("bit", "drive"), stiffness="12 N m/rad", damping="0.1 N m s/rad")],
+        contact=[ss.Contact(body="bit")],
+    )
+    return ss.Model(rig, friction=ss.StribeckFriction(F_s="8 N m", F_c="5 N m", v_s="0.5 rad/s"))
+
+
+def two_blocks() -> ss.Model:
+    rig = ss.MatricesRig(
+        M=[[1, 0], [0, 2]], K=[[2, -1], [-1, 2]], contact=[[0, 1], [1, 0]], law=["soft", "hard"],
+        against=["belt", "ground"], names=["a", "b"],
+    )  # fmt: skip
+    laws = {
+        "soft": ss.CoulombFriction(static=1.0, kinetic=0.5),
+        "hard": ss.CoulombFriction(static=0.2, kinetic=0.1),
+    }
+    return ss.Model(rig, friction=laws)
+
+
+def test_a_rig_that_a_drive_turns_is_drawn_against_the_drive() -> None:
+    one, speed = drillstring(), 1.5
+    ours = curves(one, speed)
+    assert ours.t[-1] == pytest.approx(PERIODS * 2 * np.pi * np.sqrt(0.5 / 12))
+    run = ss.simulate(one, drive_speed=speed, t_end=ours.t[-1], t_eval=ours.t, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(ours.x1, run.bit - speed * ours.t, atol=1e-4)
+    late = len(ours.t) // 2
+    np.testing.assert_allclose(ours.v, run.v_bit[late:], atol=1e-3)
+    assert ours.sticks == bool((run.mode_bit[late:] == 0).any())
+    assert np.nanmax(ours.v_w) == pytest.approx(np.abs(run.v_bit).max(), abs=1e-3)  # the rock stands
+
+
+def test_of_several_contacts_the_one_on_the_belt_is_drawn_with_its_law() -> None:
+    one, speed = two_blocks(), 0.3
+    ours = curves(one, speed)
+    run = ss.simulate(one, belt_speed=speed, t_end=ours.t[-1], t_eval=ours.t, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(ours.x1, run.b, atol=1e-4)
+    assert np.nanmax(ours.force) == 0.5
+    assert np.nanmax(ours.v_w) == pytest.approx(np.abs(run.v_b - speed).max(), abs=1e-3)
+
+
+def test_sliders_of_a_general_rig_are_its_numbers(tmp_path: Path) -> None:
+    page = Page(drillstring(), 1.5, None, tmp_path)
+    assert page.speed.title == "drive speed [rad/s]"
+    assert set(page.sliders) == set(drillstring().parameters)
+    before = np.array(page.sources["signal"].data["y"])
+    page.sliders["link_1.stiffness"].value = 20.0
+    assert page.model().parameters["link_1.stiffness"] == 20.0
+    assert not np.allclose(before, page.sources["signal"].data["y"])
+
+
+def test_a_rig_that_nothing_moves_is_refused(tmp_path: Path) -> None:
+    rig = ss.BodiesRig(
+        body={"bit": ss.Body(mass=1.0)},
+        link=[ss.Link(between=("bit", "ground"), stiffness=1.0)],
+        contact=[ss.Contact(body="bit")],
+    )
+    ss.Model(rig, friction=ss.CoulombFriction()).save(tmp_path / "m.toml")
+    result = CliRunner().invoke(main, ["explore", str(tmp_path / "m.toml"), "--belt-speed", "1"])
+    assert result.exit_code == 2
+    assert "nothing moves it" in result.output
+
+
+@pytest.mark.parametrize(
+    ("speed", "words"), [("1 mm/s", "must be in a unit like rad/s"), ("quick", "not a number with a unit")]
+)
+def test_a_speed_of_something_else_is_refused(tmp_path: Path, speed: str, words: str) -> None:
+    drillstring().save(tmp_path / "m.toml")
+    result = CliRunner().invoke(main, ["explore", str(tmp_path / "m.toml"), "--belt-speed", speed])
+    assert result.exit_code == 2
+    assert words in result.output
+
+
+def test_a_screenshot_shows_the_curves(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    if not any(map(shutil.which, PROGRAMS)):
+        pytest.skip("no Chromium is installed")
+    drillstring().save(tmp_path / "m.toml")
+    asked = [
+        "explore",
+        tmp_path / "m.toml",
+        "--belt-speed",
+        "1.5 rad/s",
+        "--screenshot",
+        tmp_path / "page.png",
+    ]
+    result = CliRunner().invoke(main, [str(one) for one in asked])
+    assert result.exit_code == 0, result.output
+    assert caplog.records == []
+    from matplotlib.image import imread
+
+    picture = imread(tmp_path / "page.png")
+    assert picture.shape[1] == 1440
+    vermilion = np.all(np.abs(picture[..., :3] * 255 - [0xD5, 0x5E, 0x00]) < 40, axis=-1)
+    assert vermilion.sum() > 500  # the curves, not a blank page
+
+
+@pytest.mark.parametrize(
+    ("path", "hidden", "words"),
+    [("page.jpg", False, "must be the name of a PNG"), ("page.png", True, "needs a browser")],
+)
+def test_a_screenshot_that_cannot_be_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str, hidden: bool, words: str
+) -> None:
+    if hidden:
+        monkeypatch.setenv("PATH", str(tmp_path))
+    drillstring().save(tmp_path / "m.toml")
+    asked = ["explore", tmp_path / "m.toml", "--belt-speed", "1.5", "--screenshot", tmp_path / path]
+    result = CliRunner().invoke(main, [str(one) for one in asked])
+    assert result.exit_code == 2
+    assert words in result.output
+    assert not (tmp_path / path).exists()

@@ -7,12 +7,17 @@ from pathlib import Path
 import click
 
 from stickslip.cli.options import Named
-from stickslip.cli.printed import console
+from stickslip.cli.printed import console, say_written
+from stickslip.declared.formula.dimension import dimensions
+from stickslip.declared.formula_law import quantity
 from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
 from stickslip.errors import InputError
 from stickslip.measured.case import Case, load_case
 from stickslip.measured.recording import Recording
+
+SCREEN = (1440, 1200)  # pixels of a screenshot
 
 
 @click.command(short_help="A model with sliders, redrawn live in the browser.")
@@ -22,17 +27,23 @@ from stickslip.measured.recording import Recording
 )
 @click.option("--run", "name", default=None, help="Run of a CASE to lay beneath; the first, if absent.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port; a free one, if absent.")
-def explore(model: Path, belt_speed: str | None, name: str | None, port: int) -> None:
+@click.option(
+    "--screenshot", type=Named(dir_okay=False), default=None, help="Write a PNG of the page, and end."
+)
+def explore(
+    model: Path, belt_speed: str | None, name: str | None, port: int, screenshot: Path | None
+) -> None:
     """Open a page with sliders for MODEL (a TOML file, the folder of a result, or a case's rig.toml).
 
-    Belt speed and every number of rig, law and effects have a slider; phase portrait, friction characteristic and
-    signal follow. Of a case, a recorded run lies beneath. The page is for this machine alone; its address holds a
-    token. Ctrl-C ends it.
+    The speed of the belt (or of the drive that pulls a rig of bodies) and every number of rig, law and effects have a
+    slider; phase portrait, friction characteristic and signal follow. Of a case, a recorded run lies beneath. The page
+    is for this machine alone; its address holds a token. Ctrl-C ends it.
 
     \b
     Example:
       stickslip explore model.toml --belt-speed 0.1
       stickslip explore CASE/rig.toml --run run_02
+      stickslip explore drillstring.toml --belt-speed '5 rad/s' --screenshot page.png
     """
     shown, run = _opened(model, name)
     from stickslip.shown.explore.scene import curves, refuse  # bokeh is slow to import
@@ -42,6 +53,13 @@ def explore(model: Path, belt_speed: str | None, name: str | None, port: int) ->
     curves(shown, speed)  # what cannot be drawn is said here, in one line
     from stickslip.shown.explore.page import Page
     from stickslip.shown.explore.server import serve
+
+    if screenshot is not None:
+        from stickslip.shown.explore.screenshot import take
+
+        take(Page(shown, speed, run, Path.cwd()).layout(), "stickslip explore", screenshot, SCREEN)
+        say_written([screenshot])
+        return
 
     def made(document: object) -> None:
         document.add_root(Page(shown, speed, run, Path.cwd()).layout())  # type: ignore[attr-defined]
@@ -80,6 +98,8 @@ def _run(case: Case, name: str | None) -> Recording:
 
 
 def _speed(model: Model, run: Recording | None, given: str | None) -> float:
+    if given is not None and isinstance(model.rig, GeneralRig):
+        return _general_speed(model, given)
     if given is not None:
         return read_quantity(
             given, "belt", scales(model.rig, model.channels)["belt"], model.rig, "--belt-speed"
@@ -87,3 +107,14 @@ def _speed(model: Model, run: Recording | None, given: str | None) -> float:
     if run is None:
         raise InputError("missing: give the belt's speed to begin with, like '14 mm/s'", key="--belt-speed")
     return run.belt_speed
+
+
+def _general_speed(model: Model, given: str) -> float:
+    """The speed of the belt or the drive of a rig of bodies, in SI."""
+    from stickslip.shown.explore.scene import units
+
+    needed = units(model)["belt"].unit
+    size, unit = quantity("--belt-speed", given)
+    if unit is not None and dimensions(unit) != dimensions(needed):
+        raise InputError(f"must be in a unit like {needed}", key="--belt-speed", value=given)
+    return size

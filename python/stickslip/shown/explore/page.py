@@ -14,7 +14,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.scale import Scale
 from stickslip.errors import StickslipError
 from stickslip.measured.recording import Recording
-from stickslip.shown.explore.scene import curves, measured, units
+from stickslip.shown.explore.scene import curves, measured, place, units
 from stickslip.shown.plot.curves import LIMIT, MEASURED, SIMULATED, label
 
 STEPS = 200  # of a slider
@@ -35,10 +35,10 @@ class Page:
         self.start, self.folder, self.asked = model, folder, ""
         self.units = units(model)
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("signal", "portrait", "law")}
-        size = self.units["belt"].size
+        size, seen = self.units["belt"].size, place(model)
         reached = 2 * abs(size * belt_speed) or 1.0
         self.speed = Slider(
-            title=label("belt speed", self.units["belt"].unit),
+            title=label(f"{seen.moved_by} speed", self.units["belt"].unit),
             start=-reached, end=reached, step=2 * reached / STEPS, value=size * belt_speed, format="0.[00000]",
         )  # fmt: skip
         self.sliders = {name: _slider(name, value) for name, value in model.parameters.items()}
@@ -112,23 +112,25 @@ class Page:
     def _plots(self, run: Recording | None) -> list[Any]:
         u: Mapping[str, Scale] = {str(name): scale for name, scale in self.units.items()}
         known = measured(self.start, run) if run is not None else None
+        seen = place(self.start)
+        shown = f"{seen.name}, less the drive's way" if seen.drift else seen.name
         out = []
         for name, title, x, y, keys in (
             (
                 "portrait",
                 "phase portrait, second half of the run",
-                ("x1", "x1"),
-                ("rate of x1", "x2"),
+                (shown, "x1"),
+                (f"rate of {seen.name}", "x2"),
                 ("x", "v"),
             ),
             (
                 "law",
                 "friction characteristic",
-                ("relative velocity v_w", "x2"),
+                ("relative velocity v_w", "belt"),
                 ("friction force T", "force"),
                 None,
             ),
-            ("signal", "signal", ("time", "t"), ("x1", "x1"), ("t", "x1")),
+            ("signal", "signal", ("time", "t"), (shown, "x1"), ("t", "x1")),
         ):
             plot = figure(
                 title=title, height=300, sizing_mode="stretch_width", name=name,
