@@ -25,8 +25,10 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.declared.units import Channel
     from stickslip.discovery.discover import Found, discover
     from stickslip.errors import InputError, ModelWarning, StickslipError
-    from stickslip.fitted.compare import Comparison, compare
+    from stickslip.fitted.compare import Comparison
     from stickslip.fitted.identified import Identified
+    from stickslip.likelihoods.bodies_compare import RigComparison
+    from stickslip.likelihoods.compare import compare
     from stickslip.likelihoods.forecast import forecast
     from stickslip.likelihoods.identified_rig import IdentifiedRig
     from stickslip.likelihoods.identify import identify
@@ -82,6 +84,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "RateAndStateFriction": "stickslip.declared.formula_laws.rate_and_state",
     "Recording": "stickslip.measured.recording",
     "Rig": "stickslip.declared.rig",
+    "RigComparison": "stickslip.likelihoods.bodies_compare",
     "Scales": "stickslip.declared.rig",
     "SpecialPoint": "stickslip.simulated.orbits.branch",
     "Speed": "stickslip.declared.speeds",
@@ -94,7 +97,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Trajectory": "stickslip.simulated.trajectory",
     "Transitions": "stickslip.simulated.trajectory",
     "build_config": "stickslip._core",
-    "compare": "stickslip.fitted.compare",
+    "compare": "stickslip.likelihoods.compare",
     "continuation": "stickslip.simulated.orbits.continuation",
     "cycle_sensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "discover": "stickslip.discovery.discover",
@@ -166,6 +169,7 @@ __all__ = [
     "RateAndStateFriction",
     "Recording",
     "Rig",
+    "RigComparison",
     "Scales",
     "SpecialPoint",
     "Speed",

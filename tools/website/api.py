@@ -57,7 +57,17 @@ GROUPS: Mapping[str, tuple[str, tuple[str, ...]]] = {  # page: title, names of `
     ),
     "fits": (
         "Identification, discovery, forecasts",
-        ("identify", "Identified", "IdentifiedRig", "compare", "Comparison", "discover", "Found", "forecast"),
+        (
+            "identify",
+            "Identified",
+            "IdentifiedRig",
+            "compare",
+            "Comparison",
+            "RigComparison",
+            "discover",
+            "Found",
+            "forecast",
+        ),
     ),
     "errors": ("Errors and the build", ("StickslipError", "InputError", "ModelWarning", "build_config")),
 }

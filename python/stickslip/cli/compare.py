@@ -17,7 +17,8 @@ from stickslip.declared.toml_file import write_text
 from stickslip.errors import InputError
 from stickslip.files import folder
 from stickslip.fitted.compare import Comparison
-from stickslip.fitted.compare import compare as run
+from stickslip.likelihoods.bodies_compare import RigComparison
+from stickslip.likelihoods.compare import compare as run
 from stickslip.measured.case import load_case
 from stickslip.progress import shares
 
@@ -76,7 +77,7 @@ def compare(
     say_written([out / name for name in WRITTEN])
 
 
-def comparison_table(c: Comparison) -> Table:
+def comparison_table(c: Comparison | RigComparison) -> Table:
     """Simulated against measured."""
     table = Table(
         title=f"simulated against measured: {c.recording.name}",
@@ -94,18 +95,24 @@ def comparison_table(c: Comparison) -> Table:
     return table
 
 
-def say_verdict(c: Comparison) -> None:
+def say_verdict(c: Comparison | RigComparison) -> None:
     """Print what the comparison comes to."""
     console.print()
     for line in c.verdict():
         console.print(f"- {line}", markup=False)
 
 
-def fill_comparison(c: Comparison, into: Path) -> None:
+def fill_comparison(c: Comparison | RigComparison, into: Path) -> None:
     """Write the files of a comparison."""
     from stickslip.shown.plot import curves as plot
 
     write_text(into / "compare.json", json.dumps(c.to_dict(), indent=1))
+    if isinstance(c, RigComparison):
+        from stickslip.shown.plot import bodies
+
+        plot.save_figure(bodies.portraits(c), into / "phase_portrait")
+        plot.save_figure(bodies.beside(c), into / "time_series")
+        return
     plot.save_figure(plot.phase_portrait(c), into / "phase_portrait")
     plot.save_figure(plot.time_series(c), into / "time_series")
 

@@ -11,9 +11,11 @@ import numpy as np
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.prescribed import sized
 from stickslip.declared.rig import Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
-from stickslip.declared.units import Channel
+from stickslip.declared.units import Channel, with_unit
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import apart, time_digits, write_csv
 from stickslip.fitted.forecast import MOST
@@ -28,13 +30,22 @@ from stickslip.measured.recording import Recording, load_recording
 @click.argument("run", type=Named())
 @click.option(
     "--belt-speed",
-    required=True,
+    default=None,
     help="v_b of RUN and of what follows it, in the belt channel's unit, or with one: '12 mm/s'.",
 )
+@click.option("--drive-speed", default=None, help="The same of the drive of a rig of bodies or matrices.")
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
 @click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also draw the forecast after the end of the run, beside OUT.")
-def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, figure: bool) -> None:
+def forecast(
+    model: Path,
+    run: Path,
+    belt_speed: str | None,
+    drive_speed: str | None,
+    horizon: str,
+    out: Path,
+    figure: bool,
+) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
     Writes t, x1, y1 in the run's units and at its sampling rate, from the next sample on, and
@@ -46,6 +57,13 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
     """
     apart(out, figure, {"MODEL": model_file(model), "RUN": run})
     loaded = load_model(model)
+    if isinstance(loaded.rig, GeneralRig):
+        say_written(_of_bodies(loaded, run, belt_speed, drive_speed, horizon, out, figure))
+        return
+    if drive_speed is not None:
+        raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
+    if belt_speed is None:
+        raise InputError("missing: the belt's speed; give one like '12 mm/s'", key="--belt-speed")
     if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
         words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"
         raise InputError(words, place=Place(str(model)))
@@ -87,6 +105,37 @@ def forecast(model: Path, run: Path, belt_speed: str, horizon: str, out: Path, f
         soft_wrap=True,
     )
     say_written(written)
+
+
+def _of_bodies(
+    model: Model,
+    run: Path,
+    belt_speed: str | None,
+    drive_speed: str | None,
+    horizon: str,
+    out: Path,
+    figure: bool,
+) -> list[Path]:
+    """The forecast of a rig of bodies or matrices, written; the files."""
+    channels, noise = _recorded(model, run)
+    past = load_recording(
+        run, model.rig, channels=channels, belt_speed=belt_speed or 0.0, drive_speed=drive_speed, noise=noise
+    )
+    per_unit = past.factors["t"]
+    ahead = sized(horizon, "s", "--horizon") * (1.0 if with_unit(horizon)[1] else per_unit)
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", ModelWarning)
+        frame = run_forecast(model, past, horizon=ahead)
+    write_csv(frame, out, 10)
+    written = [out]
+    if figure:
+        from stickslip.shown.plot import curves as plot
+
+        written += plot.save_figure(plot.forecast(past, frame), out.with_suffix(""))
+    say_lines(str(doubt.message) for doubt in doubts)
+    names = [str(name) for name in frame if name in past.channels and name != "t"]
+    console.print(f"{len(frame)} samples; " + ", ".join(_column(past, name) for name in names), markup=False)
+    return written
 
 
 def _column(past: Recording, name: str) -> str:

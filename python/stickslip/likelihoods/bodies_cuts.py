@@ -47,8 +47,28 @@ def cuts(data: Sequence[BodiesData], policy: Policy = POLICY) -> list[Cut]:
     return [one for number, run in enumerate(data) for one in _of_run(number, run, policy)]
 
 
+def tail(run: BodiesData, last: Cut, policy: Policy = POLICY) -> Cut:
+    """Return what follows a run's last window, to the end of the run; where that is next to nothing, both."""
+    sticks = _all_sticks(run, policy)
+    start = last.stop if len(run.t) - last.stop > policy.fewest_stuck else last.start
+    return _cut(last.run, run, sticks, start, len(run.t))
+
+
+def starts_of_slips(
+    run: BodiesData, contact: int, part: slice, policy: Policy = POLICY
+) -> NDArray[np.float64]:
+    """Return the times at which a contact lets go, (k,)."""
+    sticks = _sticks(run.stuck[part, contact], policy.fewest_stuck)
+    return run.t[part][[b for _, b in sticks if b < len(run.t[part]) - 1]]
+
+
+def _all_sticks(run: BodiesData, policy: Policy) -> list[list[tuple[int, int]]]:
+    """Sticks of every contact."""
+    return [_sticks(run.stuck[:, j], policy.fewest_stuck) for j in range(run.stuck.shape[1])]
+
+
 def _of_run(number: int, run: BodiesData, policy: Policy) -> list[Cut]:
-    sticks = [_sticks(run.stuck[:, j], policy.fewest_stuck) for j in range(run.stuck.shape[1])]
+    sticks = _all_sticks(run, policy)
     length, end = PERIODS * run.periods[0], len(run.t) - 1
     places = _stabbed([_inner(*one) for own in sticks for one in own])
     if len(places) < 2 or run.t[places[-1]] - run.t[places[0]] < COVERED * run.t[-1]:

@@ -78,6 +78,12 @@ class BodiesWindows:
         self.differs = differing(self.lowered[0].own, belted)
         self.effects = len(self.differs.of)
         self.own = self.begins + self.effects
+        laws = self.lowered[0].own.laws
+        contacts = [j for j, law in enumerate(laws) for _ in range(1 if law.compliant else 2)]
+        self.contact_of = (
+            *contacts,
+            *[-1] * (self.effects - len(contacts)),
+        )  # of each effect; the belt is no contact
         self.statics = tuple(
             k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".static")
         )
@@ -167,7 +173,7 @@ class BodiesWindows:
         local : whether the windows' own numbers have columns
         """
         columns = list(range(len(self.numbers)) if shared is None else shared)
-        points = [_Point(self, run, at, columns) for run in range(len(self.data))]
+        points = [Point(self, run, at, columns) for run in range(len(self.data))]
         return [
             points[w.run].block(i, own[i], local) if select is None or select[i] else None
             for i, w in enumerate(self.stretches)
@@ -175,7 +181,7 @@ class BodiesWindows:
 
     def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
         """Return each window as simulated; None where it fails."""
-        points = [_Point(self, run, at, []) for run in range(len(self.data))]
+        points = [Point(self, run, at, []) for run in range(len(self.data))]
         return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
 
 
@@ -228,7 +234,7 @@ def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
     return lower_bodies(replace(own, laws=laws), model)
 
 
-class _Point:
+class Point:
     """The windows of one run at one point of the shared numbers."""
 
     def __init__(self, windows: BodiesWindows, run: int, at: Floats, shared: list[int]) -> None:
@@ -274,7 +280,7 @@ class _Point:
         rows[range(n), range(begin, begin + n)] = start.scale_q
         rows[n : 2 * n, begin + n : begin + 2 * n] = (start.scale_v[:, None] * start.free).T
         offset = np.zeros(len(self.base))
-        for k, place in enumerate(self._effect_places):
+        for k, place in enumerate(self.effect_places):
             row = rows[of.begins + k]
             if place is None:
                 speed = float(self.data.belt.constant or 0.0)
@@ -286,8 +292,8 @@ class _Point:
         return rows, offset
 
     @cached_property
-    def _effect_places(self) -> list[int | None]:
-        """Where each random effect is among the values; None of the belt."""
+    def effect_places(self) -> list[int | None]:
+        """Places of the random effects among the values; None of the belt's."""
         out: list[int | None] = []
         names = self.lowered.places
         for j, law in enumerate(self.lowered.own.laws):
@@ -296,16 +302,22 @@ class _Point:
             out += [self._place(name) for name in ours]
         return out + [None] * (self.of.effects - len(out))
 
-    def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
-        """Run the core from the start of a window; whether it came to the end."""
+    def started(self, i: int, own: Floats) -> tuple[Floats, Floats]:
+        """Return the core's numbers at the start of a window, and the seeds of its own numbers."""
         of, w = self.of, self.of.stretches[i]
         rows, offset = self._own_rows(of.starts[i])
         values = self.base + offset + own @ rows
-        layout, n = self.lowered.layout, of.dimension
-        if len(self.data.t) and self.lowered.own.equations.driven:
-            place = layout["initial"] + 2 * n + int(self.lowered.own.equations.on_belt)
+        layout, eq = self.lowered.layout, self.lowered.own.equations
+        if eq.driven:
+            place = layout["initial"] + 2 * of.dimension + int(eq.on_belt)
             values[place] = self.data.drawn + way(self.data.drive, float(self.data.t[w.start]))
         values[layout["dwell"] : layout["dwell"] + len(w.dwell)] = w.dwell
+        return values, rows
+
+    def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
+        """Run the core from the start of a window; whether it came to the end."""
+        of, w = self.of, self.of.stretches[i]
+        values, rows = self.started(i, own)
         moved = [row for row in self.rows if row is not None]
         t = self.data.t[w.start : w.stop]
         raw: Mapping[str, Any] = _core.simulate_bodies(
@@ -326,8 +338,8 @@ class _Point:
         )
         return raw, raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
 
-    def _read(self, raw: Mapping[str, Any], own: Floats, local: bool) -> tuple[Floats, Floats]:
-        """Readings (n, channels) and their slopes (n, channels, columns)."""
+    def read(self, raw: Mapping[str, Any], own: Floats, local: bool) -> tuple[Floats, Floats]:
+        """Return readings (n, channels) and their slopes (n, channels, columns)."""
         of = self.of
         state, slopes = raw["state"], raw["sensitivity"]
         n, count = len(state), len(self.shared) + (of.own if local else 0)
@@ -366,7 +378,7 @@ class _Point:
         raw, done = self._simulated(i, own, local)
         if not done:
             return None
-        read, by = self._read(raw, own, local)
+        read, by = self.read(raw, own, local)
         part = slice(w.start, w.stop)
         out = np.concatenate([by, (self.data.readings[part] - read)[:, :, None]], axis=2)
         out *= self.data.weight[part][:, :, None]
@@ -377,4 +389,4 @@ class _Point:
         raw, done = self._simulated(i, own, False)
         if not done:
             return None
-        return Motion(raw["t"], raw["state"], raw["mode"].astype(np.int8), self._read(raw, own, False)[0])
+        return Motion(raw["t"], raw["state"], raw["mode"].astype(np.int8), self.read(raw, own, False)[0])

@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.arguments import explained
+from stickslip.arguments import explained, must_be
 from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
-from stickslip.errors import ModelWarning
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.speeds import Speed
+from stickslip.errors import CallError, InputError, ModelWarning
 from stickslip.fitted.data import prepare
 from stickslip.fitted.forecast import Expected, follow
 from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.bodies_forecast import forecast_bodies
 from stickslip.likelihoods.ensemble import Distribution, distribution
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
@@ -31,7 +34,14 @@ Z = 1.96  # standard deviations that hold 95 %
 
 
 @explained
-def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: float) -> pd.DataFrame:
+def forecast(
+    model: Model,
+    recording: Recording,
+    *,
+    horizon: float,
+    belt_speed: float | str | Speed | None = None,
+    drive_speed: float | str | Speed | None = None,
+) -> pd.DataFrame:
     """Predict the readings that follow a recording.
 
     The state at its last sample, hidden states of effects and phases included, comes from its own readings by
@@ -47,7 +57,10 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     recording
         The past, at least one cycle of it.
     belt_speed
-        v_b in model units, that of the recording and of what follows it.
+        v_b in model units, that of the recording and of what follows it. For a rig of bodies or matrices it may be
+        left out, as the recording has it, and may be a formula of t.
+    drive_speed
+        The same of the drive of such a rig.
     horizon
         How far to predict, in the model's unit of time.
 
@@ -56,7 +69,8 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     DataFrame
         Columns t, x1, y1, then x1_low, x1_high, y1_low, y1_high, in the recording's own units, at its sampling rate,
         from the next sample on; for a block on a belt t, the channel recorded (x1 or spring_force), and its low and
-        high. The band holds 95 % of the readings to come, noise included.
+        high; for a rig of bodies or matrices t and the coordinates and velocities recorded, with theirs. The band holds
+        95 % of the readings to come, noise included.
 
     Raises
     ------
@@ -76,7 +90,16 @@ def forecast(model: Model, recording: Recording, *, belt_speed: float, horizon: 
     """
     import pandas as pd  # slow to import
 
-    expected = follow(model, recording, belt_speed, horizon)
+    if isinstance(getattr(model, "rig", None), GeneralRig):
+        must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
+        given = {"belt_speed": belt_speed, "drive_speed": drive_speed}
+        speeds = {key: Speed.of(one, key) for key, one in given.items() if one is not None}
+        return forecast_bodies(model, recording, speeds, horizon)
+    if drive_speed is not None:
+        raise InputError("nothing is pulled by a drive in this rig; leave it out", key="drive_speed")
+    if belt_speed is None:
+        raise CallError("lacks belt_speed; it needs model, recording, belt_speed, horizon", key="forecast")
+    expected = follow(model, recording, belt_speed, horizon)  # type: ignore[arg-type]  # it looks
     found = _of_block(expected) if isinstance(model.rig, BlockOnBelt) else _of_rig(expected)
     scatters = found is not None and found.scatter > POLICY.repeats
     # a run whose friction scatters begins where its last window ends

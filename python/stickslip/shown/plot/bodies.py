@@ -9,6 +9,8 @@ import numpy as np
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale
+from stickslip.fitted.bodies_data import smoothed
+from stickslip.likelihoods.bodies_compare import RigComparison
 from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.simulated.trajectory import Trajectory
 
@@ -65,6 +67,43 @@ def laws(found: IdentifiedRig) -> Figure:
         axis.set_ylabel(Scale(1.0, "N m" if one.rotation else "N").head("T"))
     axes[0].legend()
     return figure
+
+
+def beside(c: RigComparison) -> Figure:
+    """Draw a free run of the model over the readings, channel by channel."""
+    from stickslip.shown.plot.drawing import Drawing
+
+    figure = Drawing(figsize=(WIDTH, HEIGHT * len(c.channels) + 0.6), layout="constrained")
+    axes = figure.subplots(len(c.channels), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, name, read, made in zip(axes, c.channels, c.readings.T, c.simulated.T, strict=True):
+        axis.plot(c.t, read, color="0.6", lw=1.8, label="measured")
+        axis.plot(c.t, made, color="C3", lw=0.9, label="simulated, friction of the mean event")
+        axis.set_ylabel(Scale(1.0, _unit(c, name)).head(name))
+    axes[0].legend(loc="upper right")
+    axes[-1].set_xlabel("t [s]")
+    return figure
+
+
+def portraits(c: RigComparison) -> Figure:
+    """Draw every recorded coordinate's rate over it, its mean motion taken away."""
+    from stickslip.shown.plot.drawing import Drawing
+
+    figure = Drawing(figsize=(4.2 * len(c.channels), 3.8), layout="constrained")
+    axes = figure.subplots(1, len(c.channels), squeeze=False)[0]
+    for axis, name, read, made in zip(axes, c.channels, c.readings.T, c.simulated.T, strict=True):
+        for values, look in ((read, {"color": "0.6", "lw": 1.8}), (made, {"color": "C3", "lw": 0.9})):
+            x, v, _ = smoothed(c.t - c.t[0], values, 0.0, 0.0)
+            axis.plot(x - np.polyval(np.polyfit(c.t, x, 1), c.t), v, **look)
+        unit = _unit(c, name)
+        axis.set_xlabel(Scale(1.0, unit).head(f"{name} less its trend"))
+        axis.set_ylabel(Scale(1.0, "1" if unit == "1" else f"{unit}/s").head("rate"))
+    return figure
+
+
+def _unit(c: RigComparison, name: str) -> str:
+    rig = c.model.rig
+    assert isinstance(rig, GeneralRig)
+    return rig.channel_units[name]
 
 
 def _shade(axis: object, t: np.ndarray, stuck: np.ndarray) -> None:

@@ -375,7 +375,7 @@ def forecast(past: Recording, following: pd.DataFrame) -> Figure:
 def _label_of(recording: Recording, name: str) -> str:
     """A column's symbol, with its unit unless the column is a multiple of that."""
     symbols = {"t": "time $t$", "x1": "$x_1$", "y1": "$y_1$", "spring_force": "spring force"}
-    return label(symbols[name], recording.unit(name) if recording.channels[name].scale == 1 else "")
+    return label(symbols.get(name, name), recording.unit(name) if recording.channels[name].scale == 1 else "")
 
 
 def _with_corners(run: Trajectory) -> tuple[Array, Array]:

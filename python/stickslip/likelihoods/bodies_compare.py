@@ -1,0 +1,235 @@
+"""A model of a rig of bodies or matrices against a recording: rows of one table, and a free run beside the readings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip import _core
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.scale import percent
+from stickslip.errors import InputError, StickslipError
+from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
+from stickslip.fitted.comparison_rows import GOOD, POOR, Row
+from stickslip.likelihoods.bodies_cuts import cuts, starts_of_slips
+from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.shared import Declared
+from stickslip.measured.recording import Recording
+
+Floats = NDArray[np.float64]
+FEWEST = 3  # windows
+
+
+@dataclass(frozen=True, repr=False)
+class RigComparison:
+    """What `compare` finds on a rig of bodies or matrices.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+    model, recording
+    t : (n,) times from the first window on, in s
+    channels : names of the readings
+    readings, simulated : (n, channels) measured, and a free run of the model with friction of the mean event
+    """
+
+    rows: tuple[Row, ...]
+    model: Model
+    recording: Recording
+    t: Floats
+    channels: tuple[str, ...]
+    readings: Floats
+    simulated: Floats
+
+    def __repr__(self) -> str:
+        return f"<RigComparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.t)} samples>"
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def row(self, quantity: str) -> Row:
+        """The row of that name; KeyError if there is none."""
+        return {r.quantity: r for r in self.rows}[quantity]
+
+    def table(self) -> str:
+        """The rows as plain text."""
+        lines = [f"{'quantity':<40}{'measured':>12}{'simulated':>12}{'difference':>12}{'scatter':>11}  unit"]
+        for r in self.rows:
+            cells = "".join(f"{cell:>12}" for cell in r.cells[:3])
+            lines.append(f"{r.quantity:<40}{cells}{r.cells[3]:>11}  {r.unit}")
+        return "\n".join([*lines, *self.verdict()])
+
+    def verdict(self) -> tuple[str, ...]:
+        """Sentences that say what the rows amount to."""
+        error, left = self.row("forecast error").simulated, self.row("noise left").simulated
+        assert error is not None
+        assert left is not None
+        how = "good" if error < GOOD else "of no use" if error > POOR else "fair"
+        said = [f"one event ahead the model errs by {percent(error)} of how far the readings move: {how}"]
+        if left > POLICY.noise_left:
+            words = f"{left:.3g} times the noise is left with friction of each event its own"
+            said.append(f"{words}: the model lacks something")
+        return tuple(said)
+
+    def to_dict(self) -> dict[str, object]:
+        """The rows for JSON."""
+        return {"rows": [{**vars(r), "difference": r.difference} for r in self.rows]}
+
+
+def compare_bodies(
+    model: Model, recording: Recording, progress: Callable[[str, float], None] | None = None
+) -> RigComparison:
+    """Simulate a model with a run's prescribed speeds from its estimated start, and measure both alike.
+
+    Parameters
+    ----------
+    model, recording
+        Of one rig of bodies or matrices.
+    progress
+        Called with what is being done and the share done.
+
+    Raises
+    ------
+    InputError
+        Another rig, or a run that is too short.
+    StickslipError
+        The model cannot be simulated from the estimated start.
+    """
+    tell = progress or (lambda _what, _share: None)
+    rig = model.rig
+    if not isinstance(rig, GeneralRig) or getattr(recording.rig, "state_names", ()) != rig.state_names:
+        raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
+    tell("reading the motion", 0.0)
+    run = prepare_bodies(rig, [recording])[0]
+    cut = cuts([run])
+    if len(cut) < FEWEST:
+        raise InputError(f"{recording.name} holds {len(cut)} windows; {FEWEST} are needed")
+    windows = BodiesWindows(model, [run], cut, [], Declared())
+    tell("fitting the starts of windows", 0.1)
+    try:
+        fit = null(windows, POLICY)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        raise StickslipError("no window of the run can be simulated with this model") from None
+    tell("simulating", 0.7)
+    part = slice(cut[0].start, len(run.t))
+    simulated = _free(fit, run, part)
+    error = _ahead(fit, run)
+    rows = [*_contact_rows(rig, run, part, _as_read(rig, recording, run, part, simulated))]
+    rows.append(
+        Row("forecast error", "1", None, error, None, "one event ahead, over how far the readings move")
+    )
+    meaning = "chi-squared per reading, friction of each event its own"
+    rows.append(Row("noise left", "1", None, unexplained(fit), None, meaning))
+    tell("done", 1.0)
+    return RigComparison(
+        tuple(rows), model, recording, run.t[part], run.channels, run.readings[part], simulated
+    )
+
+
+def _core_run(point: Point, values: Floats, modes: list[int], t: Floats) -> dict[str, Any] | None:
+    raw: dict[str, Any] = _core.simulate_bodies(
+        **point.lowered.arguments,
+        values=values,
+        modes=modes,
+        t_start=float(t[0]),
+        t_end=float(t[-1]),
+        t_eval=t,
+        rtol=POLICY.relative_tolerance,
+        atol=POLICY.absolute_tolerance,
+        locator=_core.Locator.henon,
+        seeds=np.zeros((0, len(values))),
+        max_transitions=1_000_000,
+    )
+    return raw if raw["outcome"] == _core.Outcome.finished else None
+
+
+def _free(fit: Fit, run: BodiesData, part: slice) -> Floats:
+    """Readings of a run from the first window's start, with friction of the mean event, which is the model's."""
+    windows = fit.windows
+    assert isinstance(windows, BodiesWindows)
+    point = Point(windows, 0, np.zeros(0), [])
+    own = fit.own[0].copy()
+    own[windows.begins :] = 0.0
+    values, _ = point.started(0, own)
+    raw = _core_run(point, values, list(windows.stretches[0].modes), run.t[part])
+    if raw is None:
+        raise StickslipError("the model's run from the estimated start stops before the end")
+    return point.read(raw, own, False)[0]
+
+
+def _ahead(fit: Fit, run: BodiesData) -> float:
+    """Error one window ahead, from where the window before ends, over how far the readings move in it."""
+    windows = fit.windows
+    assert isinstance(windows, BodiesWindows)
+    point = Point(windows, 0, np.zeros(0), [])
+    off = moved = 0.0
+    for i, w in enumerate(windows.stretches[1:], start=1):
+        before = windows.stretches[i - 1]
+        if before.stop != w.start:
+            continue
+        motion = point.motion(i - 1, fit.own[i - 1])
+        if motion is None:
+            continue
+        own = fit.own[i].copy()
+        own[windows.begins :] = 0.0
+        layout, state = point.lowered.layout, motion.state[-1]
+        values, _ = point.started(i, own)
+        values[layout["initial"] : layout["initial"] + len(state)] = state
+        t = run.t[before.stop - 1 : w.stop]
+        raw = _core_run(point, values, [int(one) for one in motion.mode[-1]], t)
+        read = run.readings[w.start : w.stop]
+        scale = run.weight[w.start : w.stop]
+        moved += float((((read - read.mean(axis=0)) * scale) ** 2).sum())
+        if raw is None:
+            off += float((((read - read.mean(axis=0)) * scale) ** 2).sum())
+        else:
+            found = point.read(raw, own, False)[0][1:]
+            off += float((((read - found) * scale) ** 2).sum())
+    return float(np.sqrt(off / moved)) if moved > 0 else np.nan
+
+
+def _as_read(
+    rig: GeneralRig, recording: Recording, run: BodiesData, part: slice, simulated: Floats
+) -> BodiesData:
+    """The free run as it would have been recorded, noise included."""
+    noisy = simulated + run.noise * np.random.default_rng(0).standard_normal(simulated.shape)
+    own = dict(zip(run.channels, noisy.T, strict=True))
+    kept = {name: one[part] for name, one in recording.coordinates.items()} | own
+    return prepare_bodies(rig, [replace(recording, t=recording.t[part], coordinates=kept)])[0]
+
+
+def _contact_rows(rig: GeneralRig, run: BodiesData, part: slice, other: BodiesData) -> list[Row]:
+    out = []
+    for j, one in enumerate(rig.equations.contacts):
+        if not run.seen[j]:
+            continue
+        sides = []
+        for data, own in ((run, part), (other, slice(None))):
+            stuck = data.stuck[own, j]
+            slip = np.abs(
+                data.v[own] @ one.direction - (data.belt(data.t[own]) if one.against == "belt" else 0.0)
+            )
+            gaps = np.diff(starts_of_slips(data, j, own))
+            sides.append((float(stuck.mean()), gaps, float(np.quantile(slip, 0.999))))
+        (stick, gaps, fast), (stick_, gaps_, fast_) = sides
+        unit = "rad/s" if one.rotation else "m/s"
+        out.append(
+            Row(f"stick fraction of {one.name}", "1", stick, stick_, None, "share of the time at rest")
+        )
+        mean, mean_ = (float(g.mean()) if len(g) else np.nan for g in (gaps, gaps_))
+        spread = float(gaps.std()) if len(gaps) > 1 else None
+        out.append(
+            Row(f"time between slips of {one.name}", "s", mean, mean_, spread, "from release to release")
+        )
+        out.append(
+            Row(f"fastest slip of {one.name}", unit, fast, fast_, None, "exceeded by 0.1 % of the samples")
+        )
+    return out
