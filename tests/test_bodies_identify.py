@@ -1,6 +1,7 @@
 """`identify` on rigs of bodies and matrices, against records of a simulator written apart."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import stickslip as ss
 from bodies_cases import CASES, recorded, recording
 from bodies_files import written
 from stickslip.cli.commands import main
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 
 
@@ -73,10 +75,30 @@ def test_recordings_with_laws_by_name() -> None:
     assert isinstance(found, ss.IdentifiedRig)
     assert found.estimates["bit_law.F_s"].value == pytest.approx(2.0, rel=0.03)
     assert found.scatter["bit_law.kinetic"].value < 3e-3
+    assert found.wrong == ()
     top = found.fastest["bit"]
     u = np.linspace(0.2 * top, 0.9 * top, 20)
     truth = 1.2 + 0.8 * np.exp(-u)
     assert found.laws["bit_law"].magnitude(u) == pytest.approx(truth, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "constant", "share"), [("drill", "bit.inertia", 1.12), ("pin", "K_11", 0.9)]
+)
+def test_a_constant_that_is_not_as_declared_is_named_alone(name: str, constant: str, share: float) -> None:
+    """Declared 12 % too large, or 10 % too small, where 1.5 % is its standard uncertainty."""
+    case = CASES[name]()
+    t, readings = recorded(case, 31, level=0.02, static=0.02, lasts={"drill": 12.0, "pin": 5.0}[name])
+    rig = case.model.rig
+    assert isinstance(rig, GeneralRig)
+    declared = rig.with_numbers({constant: share * case.model.parameters[constant]})
+    run = replace(recording(case, t, readings), rig=declared)
+    found = ss.identify(run, friction=case.model.friction)
+    assert isinstance(found, ss.IdentifiedRig)
+    assert found.wrong == (constant,)
+    one = found.constants[constant]
+    assert one.low < case.model.parameters[constant] < one.high
+    assert any(words.startswith(f"{constant} is ") for words in found.messages)
 
 
 def test_what_does_not_go_is_refused(folder: Path) -> None:

@@ -128,7 +128,9 @@ def _searched(
             found = block.discover(case, tell, seed)
             return found or slider.carried(slider.discover(case, progress=tell, seed=seed))
         if not isinstance(case.rig, Rig):
-            raise InputError("discovery needs the rig of (2.1), with x1 and y1 recorded", key="rig")
+            kind = type(case.rig).__name__
+            words = f"a {kind} is not searched yet; `identify` fits its laws and says what they leave"
+            raise InputError(words, key="rig")
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         data, notes = _checked(case, copied)
         workers = Workers(count, __name__)  # not for a case that is refused

@@ -235,6 +235,12 @@ def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tupl
     )
     if unseen:
         out.append(f"the motion at {', '.join(unseen)} is not read: it is found from the other coordinates")
+    for name, one in _constants(bench, fit).items():
+        if one.beyond:
+            words = (
+                f"{name} is {one.value:.4g}, {abs(one.off):.2g} standard uncertainties from what is declared"
+            )
+            out.append(f"{words}: it, or what acts like it, is not {one.declared:.4g}")
     low = [n for n, e in _estimates(bench, fit, values).items() if e.status == "weak"]
     if low:
         out.append(f"the readings say little of {', '.join(low)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,6 +20,9 @@ from stickslip.measured.fit_window import Array
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+BEYOND = 3.0  # standard uncertainties within which a constant is as declared
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,17 @@ class Constant:
     high: float
     declared: float
     uncertainty: float
+
+    @property
+    def off(self) -> float:
+        """How many standard uncertainties the value lies above what is declared."""
+        return math.log(self.value / self.declared) / self.uncertainty
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the whole interval lies beyond three standard uncertainties of what is declared."""
+        ends = [math.log(one / self.declared) / self.uncertainty for one in (self.low, self.high)]
+        return min(ends) > BEYOND or max(ends) < -BEYOND
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,6 +115,11 @@ class IdentifiedRig:
         return self.model.friction
 
     @property
+    def wrong(self) -> tuple[str, ...]:
+        """Constants and gains that are not as declared: whole intervals lie beyond three standard uncertainties."""
+        return tuple(name for name, one in self.constants.items() if one.beyond)
+
+    @property
     def laws(self) -> dict[str, FrictionLaw]:
         """The laws by name; "" of the only one."""
         law = self.model.friction
@@ -115,7 +135,8 @@ class IdentifiedRig:
             cells = {"parameter": f"scatter of {name}", "value": percent(s.value), "95 % interval": span}
             rows.append({**cells, "declared": "", "status": ""})
         for name, c in self.constants.items():
-            rows.append(_row(name, c.value, c.low, c.high, c.declared, "as well known as declared"))
+            status = "not as declared" if c.beyond else "as well known as declared"
+            rows.append(_row(name, c.value, c.low, c.high, c.declared, status))
         return rows
 
     def summary(self) -> str:
@@ -143,6 +164,7 @@ class IdentifiedRig:
             "covariance": self.covariance.tolist(),
             "scatter": {name: asdict(one) for name, one in self.scatter.items()},
             "declared": {name: asdict(one) for name, one in self.constants.items()},
+            "wrong": list(self.wrong),
             "noise": dict(self.noise),
             "reduced_chi2": self.reduced_chi2,
             "windows": self.windows,
