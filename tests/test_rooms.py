@@ -1,5 +1,6 @@
 """The rooms of the package: their arrows go one way, and no two files import each other in a circle."""
 
+import ast
 import importlib.util
 import subprocess
 import sys
@@ -32,6 +33,31 @@ def test_no_files_import_each_other_in_a_circle(census: object) -> None:
     modules = sorted(graph.modules)
     arrows = [(a, b) for a in modules for b in graph.find_modules_directly_imported_by(a) if b != "stickslip"]
     assert census.circles(modules, arrows) == []  # type: ignore[attr-defined]
+
+
+def from_the_face(text: str) -> set[str]:
+    """What a module imports of the package itself, which takes its names from every room."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module == "stickslip":
+            found |= {one.name for one in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {"everything" for one in node.names if one.name == "stickslip"}
+    return found
+
+
+def test_no_room_but_the_last_takes_a_name_from_the_face() -> None:
+    """The compiled core and the modules that every room stands on alone; import-linter sees no name of the face."""
+    package = ROOT / "python" / "stickslip"
+    for file in package.rglob("*.py"):
+        if file.parent != package / "cli":
+            taken = from_the_face(file.read_text()) - {"_core", "arguments", "errors", "files", "progress"}
+            assert not taken, file
+
+
+def test_a_name_of_the_face_is_seen() -> None:
+    text = "import stickslip\ndef f():\n    from stickslip import Model, _core\n"
+    assert from_the_face(text) == {"everything", "Model", "_core"}
 
 
 def test_a_circle_is_seen(census: object) -> None:

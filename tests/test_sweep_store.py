@@ -201,6 +201,24 @@ def test_the_command(tmp_path: Path) -> None:
         assert np.array_equal(ds.stick_fraction.values, told.stick_fraction.values)
 
 
+def test_the_command_says_how_to_go_on_when_it_is_interrupted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> Any:
+        raise KeyboardInterrupt
+
+    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+    arguments = ["sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path / "r.zarr")]
+    with monkeypatch.context() as patch:
+        patch.setattr(Request, "compute", interrupted)
+        result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 130  # as a shell reports of a program that Ctrl-C ended
+    assert "the same command goes on with" in result.output
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0
+    assert "150 members: 150 finished" in result.output
+
+
 def test_a_fault_of_the_store_is_not_looked_for_in_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,7 +19,7 @@ from stickslip.declared.declaration import read_effect, read_friction, read_rig
 from stickslip.declared.model import Model, load_model
 from stickslip.declared.toml_file import Document, read_toml
 from stickslip.errors import InputError, ModelWarning, nearest
-from stickslip.simulated.sweep.observables import DEFAULT
+from stickslip.simulated.sweep.observables import DEFAULT, NOT_COMPUTED
 from stickslip.simulated.sweep.sweep import sweep as run_sweep
 
 INTERRUPTED = 130  # what a shell reports of a program that Ctrl-C ended
@@ -135,7 +135,7 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
         words = "empty; give at least one name and its values, like belt_speed = [0.1, 0.2]"
         raise document.error(words, "over")
     with (
-        warnings.catch_warnings(record=True) as interrupts,
+        warnings.catch_warnings(record=True) as said,
         _the_option_out(),
         document.at("sweep"),
         _of_over(document, over),
@@ -144,10 +144,10 @@ def sweep(file: Path, out: Path, threads: int | None) -> None:
         ds = run_sweep(
             model, over, **asked.sweep.model_dump(), out=out, threads=threads, progress=console.is_terminal
         )
-    for one in interrupts:
+    for one in said:
         if issubclass(one.category, ModelWarning):
             console.print(f"note: {one.message}", markup=False)
-    if any("interrupted" in str(one.message) for one in interrupts):
+    if (ds["status"].values == NOT_COMPUTED).any():
         console.print(f"stopped; the same command goes on with {out}", markup=False)
         sys.exit(INTERRUPTED)
     _say(ds["status"].values, ds["status"].attrs)

@@ -14,13 +14,14 @@ import tempfile
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
-import stickslip
+from stickslip import _core
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.errors import InputError
@@ -91,8 +92,8 @@ def attributes(request: Request) -> dict[str, object]:
     fixed = {**request.fixed_speeds, **named}
     return {
         "title": KIND,
-        "version": stickslip.__version__,
-        "build_config": json.dumps(stickslip.build_config()),
+        "version": version("stickslip"),
+        "build_config": json.dumps(_core.build_config()),
         "model": _toml(request.model),
         "fixed": json.dumps({name: value for name, value in fixed.items() if name not in varied}),
         "scales": "" if scales is None else repr(scales),
