@@ -64,7 +64,11 @@ def overview() -> str:
 
 
 def _use(kind: str) -> str:
-    return "every rig; fitted and searched" if kind in LAWS else "simulation and sweeps of every rig"
+    return (
+        "every rig; searched by `discover`"
+        if kind in LAWS
+        else "rigs of one's own; simulation of the named rigs"
+    )
 
 
 def _sticks(law: type[FrictionLaw]) -> bool:
