@@ -17,6 +17,18 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 
+SI = {  # a rig of a laboratory's size
+    "m": 40.0,
+    "J": 0.3,
+    "r": 0.1,
+    "k1": 6e3,
+    "k2": 4e2,
+    "k3": 1.2e3,
+    "c1": 2.0,
+    "c2": 3.0,
+    "length": 0.01,
+}
+
 DATA = Path(__file__).parent / "data"
 TRUTH_P1 = json.loads((DATA / "truth_p1.json").read_text())
 TRUTH_P2 = json.loads((DATA / "truth_p2.json").read_text())

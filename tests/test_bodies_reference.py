@@ -8,6 +8,7 @@ import scipy
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
+from pivot import both_ways
 from stickslip.simulated.general import general
 from stickslip.simulated.reference.bodies import Bodies, Modes, Run
 from stickslip.simulated.reference.bodies import simulate as plain
@@ -82,22 +83,10 @@ def test_the_named_rig_rebuilt_moves_as_the_named_one(law: ss.PaperFriction, how
 
 def test_pivot_friction_is_a_second_contact() -> None:
     t = np.linspace(0, 20, 21)
-    law = ss.CoulombFriction(static=2, kinetic=1.2)
-    named = ss.Model(RIG, friction=law, effects=[ss.effect("pivot_dry_friction", f=0.15)])
+    named, model = both_ways()
     core = ss.simulate(
         named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=20, t_eval=t, rtol=1e-13, atol=1e-13
     )
-    rig = ss.MatricesRig(
-        M=[[16, 0], [0, 8]],
-        C=[[0.1, 0.1], [0.1, 0.2]],
-        K=[[16, 1], [1, 4]],
-        contact=[[1, 0], [0, 1]],
-        against=["belt", "ground"],
-        law=["block", "pivot"],
-        unit="1",
-    )
-    pivot = ss.CoulombFriction(static=0.15, kinetic=0.15)
-    model = ss.Model(rig, friction={"block": law, "pivot": pivot})  # type: ignore[arg-type]
     run = plain(model, belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=20, t_eval=t)
     assert {one.contact for one in run.changes} == {0, 1}
     assert 0 in run.mode[:, 1]  # the pivot sticks, too

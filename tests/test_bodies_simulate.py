@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
+from pivot import both_ways
 from stickslip.cli.commands import main
 from stickslip.errors import InputError
 from stickslip.simulated.reference.bodies import simulate as plain
@@ -40,20 +41,8 @@ def test_the_named_rig_rebuilt_moves_as_the_named_one(law: ss.PaperFriction, how
 
 def test_pivot_friction_is_a_second_contact() -> None:
     t = np.linspace(0, 60, 61)
-    law = ss.CoulombFriction(static=2, kinetic=1.2)
-    named = ss.Model(RIG, friction=law, effects=[ss.effect("pivot_dry_friction", f=0.15)])
+    named, model = both_ways()
     core = ss.simulate(named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=60, t_eval=t, **TIGHT)
-    rig = ss.MatricesRig(
-        M=[[16, 0], [0, 8]],
-        C=[[0.1, 0.1], [0.1, 0.2]],
-        K=[[16, 1], [1, 4]],
-        contact=[[1, 0], [0, 1]],
-        against=["belt", "ground"],
-        law=["block", "pivot"],
-        unit="1",
-    )
-    pivot = ss.CoulombFriction(static=0.15, kinetic=0.15)
-    model = ss.Model(rig, friction={"block": law, "pivot": pivot})  # type: ignore[arg-type]
     run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=60, t_eval=t, **TIGHT)
     np.testing.assert_allclose(run.state[:, [0, 2, 1, 3]], core.state, atol=1e-10)
     assert run.mode.shape == (61, 2)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from known_numbers import SI
 from stickslip.declared.effect import CATALOGUE, AnyEffect, effect, tabulated
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.hyperbolic import HyperbolicFriction
@@ -89,39 +90,17 @@ def test_periodic_term_round_trip(tmp_path: Path) -> None:
 
 
 def test_saved_si_rig_turns_back_to_si(tmp_path: Path) -> None:
-    si = {
-        "m": 40.0,
-        "J": 0.3,
-        "r": 0.1,
-        "k1": 6e3,
-        "k2": 4e2,
-        "k3": 1.2e3,
-        "c1": 2.0,
-        "c2": 3.0,
-        "length": 0.01,
-    }
-    Model(Rig.from_si(**si), friction=PaperFriction()).save(tmp_path / "model.toml")
+    Model(Rig.from_si(**SI), friction=PaperFriction()).save(tmp_path / "model.toml")
     rig = load_model(tmp_path / "model.toml").rig
     assert isinstance(rig, Rig)
-    assert rig.to_si() == pytest.approx(si, rel=1e-13)
+    assert rig.to_si() == pytest.approx(SI, rel=1e-13)
 
 
 def test_file_in_si_by_hand(tmp_path: Path) -> None:
-    si = {
-        "m": 40.0,
-        "J": 0.3,
-        "r": 0.1,
-        "k1": 6e3,
-        "k2": 4e2,
-        "k3": 1.2e3,
-        "c1": 2.0,
-        "c2": 3.0,
-        "length": 0.01,
-    }
-    lines = ["[rig]", *(f"{name} = {value}" for name, value in si.items()), "[friction]", "T_s_minus = 6.5"]
+    lines = ["[rig]", *(f"{name} = {value}" for name, value in SI.items()), "[friction]", "T_s_minus = 6.5"]
     (tmp_path / "model.toml").write_text("\n".join(lines))
     assert load_model(tmp_path / "model.toml") == Model(
-        Rig.from_si(**si), friction=PaperFriction(T_s_minus=6.5)
+        Rig.from_si(**SI), friction=PaperFriction(T_s_minus=6.5)
     )
 
 

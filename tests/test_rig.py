@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from known_numbers import SI
 from stickslip.declared.rig import BlockOnBelt, Rig, Scales
 from stickslip.errors import InputError
 
 POSITIVE = st.floats(1e-3, 1e3)
-SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
 
 
 @given(st.fixed_dictionaries(dict.fromkeys(SI, POSITIVE)), st.sampled_from(["reciprocal", "as_printed"]))
@@ -27,18 +27,7 @@ def test_si_round_trip(si: dict[str, float], coupling: str) -> None:
 
 def test_from_si_gives_the_same_motion() -> None:
     """The nondimensional field, turned back, is Newton's law in SI (friction and belt apart)."""
-    si = {
-        "m": 40.0,
-        "J": 0.3,
-        "r": 0.1,
-        "k1": 6e3,
-        "k2": 4e2,
-        "k3": 1.2e3,
-        "c1": 2.0,
-        "c2": 3.0,
-        "length": 0.01,
-    }
-    rig = Rig.from_si(**si)
+    rig = Rig.from_si(**SI)
     assert rig.scales is not None
     length, velocity = rig.scales.length, rig.scales.velocity
     x, v, leg, w = (
@@ -47,14 +36,14 @@ def test_from_si_gives_the_same_motion() -> None:
         0.5 * length,
         0.7 * velocity,
     )  # SI displacements and velocities
-    newton = -(si["k1"] + si["k2"]) * x - si["c1"] * (v + w) - si["k2"] * leg
-    euler = -(si["k2"] + si["k3"]) * leg - (si["c1"] + si["c2"]) * w - si["k2"] * x - si["c1"] * v
+    newton = -(SI["k1"] + SI["k2"]) * x - SI["c1"] * (v + w) - SI["k2"] * leg
+    euler = -(SI["k2"] + SI["k3"]) * leg - (SI["c1"] + SI["c2"]) * w - SI["k2"] * x - SI["c1"] * v
     x1, x2, y1, y2 = 0.3, -0.2, 0.5, 0.7
     a_block = -x1 - (rig.eta1 * (x2 + y2) + y1) / rig.alpha1
     a_leg = (-rig.beta3 * y1 - rig.eta12 * y2 - x1 - rig.eta1 * x2) / rig.alpha2
     acceleration = length * rig.scales.omega**2
-    assert newton / si["m"] == pytest.approx(a_block * acceleration, rel=1e-13)
-    assert euler / (si["J"] / si["r"] ** 2) == pytest.approx(a_leg * acceleration, rel=1e-13)
+    assert newton / SI["m"] == pytest.approx(a_block * acceleration, rel=1e-13)
+    assert euler / (SI["J"] / SI["r"] ** 2) == pytest.approx(a_leg * acceleration, rel=1e-13)
 
 
 def test_scales() -> None:
