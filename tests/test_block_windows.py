@@ -110,7 +110,8 @@ def test_an_event_shows_its_levels(run: Data) -> None:
     assert BlockSensors(("gain.x1",), None).levels(-readings, False, 16.0) == pytest.approx(shown)
     own = shown_levels(made(run, ()))
     assert own is not None
-    level = own[:, 2:-1]
+    windows = made(run, ())
+    level = own[:, windows.begins :][:, windows.kinetic]
     assert np.ptp(level, axis=1).max() == 0.0
     # the damper takes a little of the fall
     assert np.abs(level).max() < 0.08

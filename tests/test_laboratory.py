@@ -1,13 +1,18 @@
 """Discovery where friction differs from event to event and a constant is only nearly right."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
 from scattering import case
 from stickslip.discovery.laboratory import loop
 from stickslip.discovery.laboratory.constants import freed
+from stickslip.discovery.laboratory.gate import gate
+from stickslip.discovery.laboratory.hypothesis import Term
+from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import null
 
@@ -72,3 +77,18 @@ def test_where_every_event_repeats_scatter_is_none(tmp_path: Path) -> None:
     assert found.verdict.value == "no_effect"
     assert found.scatter == {}
     assert found.residual_after.clean
+
+
+def test_the_gate_has_the_memory_of_the_best_rival(tmp_path: Path) -> None:
+    """A drift that is lacking makes events alike, and events that are alike may look like a drift: it barred itself."""
+    read = ss.load_case(case(tmp_path, (), 0.03, 0.0, 4))
+    bench = loop.bench_of(read, prepare(read.train))
+    plain = null(bench.windows(), bench.policy)
+    own = plain.own.copy()
+    for members in plain.windows.by_run:  # what a drift that is lacking leaves in the windows
+        own[members, plain.windows.begins + 1 : -1] += np.linspace(-0.1, 0.1, len(members))[:, None]
+    drifting = replace(plain, own=own)
+    zero = Term(ss.effect("friction_drift", r=0.0))
+    screen = Screen((), (Shapes(1, (columns(bench, plain, (), zero, ("friction_drift.r",)),)),))
+    barred, passes = (gate(bench, drifting, screen, 0, best).threshold for best in (drifting, plain))
+    assert passes < 0.7 * barred

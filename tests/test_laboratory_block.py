@@ -88,4 +88,6 @@ def test_a_curved_sensor_is_named(tmp_path: Path) -> None:
     found = ss.discover(ss.load_case(path))
     assert [one.name for one in found.effects] == ["sensor_nonlinearity"]
     assert found.effects[0].parameters["q"].value == pytest.approx(q, rel=0.1)
-    assert found.error.after < 1.2 * found.error.floor < found.error.before
+    # a belt of an event's own takes a part of the curvature, before and after
+    assert found.error.after < 1.1 * found.error.floor < found.error.before
+    assert found.error.after < 0.9 * found.error.before

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.mixed import Floats, products, solve, taken
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import Population, factor
@@ -10,8 +11,8 @@ from stickslip.likelihoods.shared import Declared, Number, Prior
 from stickslip.likelihoods.variances import Deviance, estimate
 
 SHARED, OWN, KNOTS = 2, 2, 4
-EFFECTS = KNOTS + 2
-PLACES = [np.linspace(0.0, 1.0, KNOTS)]
+EFFECTS = 2 * KNOTS + 2
+PLACES = [np.vstack([np.linspace(0.0, 1.0, KNOTS), belt_waves.root(6.0, KNOTS, (0.3, 2.5))])]
 SCATTER = Population(level=0.3, curve=0.2, length=0.4, static=0.25, belt=0.1)
 MEAN, PRECISION = np.array([0.1, 0.0]), np.array([[4.0, 1.0], [1.0, 2.0]])
 FLAT = np.zeros((SHARED, SHARED))

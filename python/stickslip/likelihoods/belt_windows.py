@@ -18,17 +18,18 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.means import instants, pooled
 from stickslip.fitted.readings import Chain, Slopes, no_slopes
 from stickslip.fitted.window import STICK
+from stickslip.likelihoods import belt_waves
+from stickslip.likelihoods.begun import DERIVED, derived
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Samples, Sensors
 from stickslip.likelihoods.shared import Declared, Number, Prior
-from stickslip.likelihoods.stretches import Stretch, knots
+from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
-from stickslip.simulated.states import BELT, COUNT, DWELL, LAGGED, X1, X2, Y1, Y2
+from stickslip.simulated.states import COUNT, DWELL, X2
 
 Floats = NDArray[np.float64]
-DERIVED = (X2, BELT, LAGGED)  # states at the start that follow from the numbers
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
 NEARBY = 1e-6  # step of the derivatives of the derived states
 
@@ -48,7 +49,8 @@ class BeltWindows:
     policy : what steers the windows
 
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
-    relative friction curve at `policy.knots` places of x1, and the belt's relative speed.
+    relative friction curve at `policy.knots` places of x1, the belt's relative speed at as many times less its mean,
+    and that mean.
     """
 
     statics = (STATIC,)  # which random effects are a static limit's own
@@ -67,14 +69,14 @@ class BeltWindows:
         self.model, self.data, self.stretches = model, list(data), list(stretches)
         self.numbers, self.policy = tuple(numbers), policy
         self.prior = Prior(numbers, declared, policy.tail)
-        self.effects = policy.knots + 2
+        self.effects = 2 * policy.knots + 2
+        self.kinetic = slice(1, 1 + policy.knots)
         self.own = self.begins + self.effects
         self.channels = data[0].readings.shape[1]
         self.knots = [knots(run, policy) for run in data]
-        # the way slipped from the breakaway on, 0 to 1
         self.places = [
-            (k - k[0]) / (k[-1] - k[0]) if run.belt_speed < 0 else (k[-1] - k) / (k[-1] - k[0])
-            for k, run in zip(self.knots, data, strict=True)
+            np.vstack([slipped(k, run), belt_waves.root(lasts(run, r, stretches), policy.knots, policy.slow)])
+            for r, (k, run) in enumerate(zip(self.knots, data, strict=True))
         ]
         aged = "static_aging" in {one.name for one in model.effects}
         plain = () if aged else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
@@ -211,7 +213,7 @@ class _Run:
             columns - p
         )
         chain = self._read(np.asarray(raw["state"]), slopes, names)
-        self._own_belt(chain)
+        self._own_belt(chain, np.asarray(raw["state"]), np.asarray(raw["mode"]))
         self._stretched(chain)
         for i, j in enumerate(self.shared):
             chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
@@ -221,14 +223,13 @@ class _Run:
     def motions(self) -> list[Motion | None]:
         """Simulate and read."""
         raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + COUNT)))
-        state, mode = np.asarray(raw["state"]), np.asarray(raw["mode"])
-        chain = self._read(state, no_slopes(len(self.samples)), ())
-        self._own_belt(chain)
+        chain = self._read(state := np.asarray(raw["state"]), no_slopes(len(self.samples)), ())
+        self._own_belt(chain, state, mode := np.asarray(raw["mode"]))
         self._gains(chain)
-        done = np.asarray(raw["outcome"]) == _core.Outcome.finished
+        t, done = self.data.t[self.samples], np.asarray(raw["outcome"]) == _core.Outcome.finished
+        parts = zip(self.offset[:-1], self.offset[1:], done, strict=True)
         return [
-            Motion(self.data.t[self.samples[a:b]], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
-            for a, b, ok in zip(self.offset[:-1], self.offset[1:], done, strict=True)
+            Motion(t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None for a, b, ok in parts
         ]
 
     def _read(self, state: Floats, slopes: Slopes, names: tuple[str, ...]) -> Chain:
@@ -240,22 +241,7 @@ class _Run:
         """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""
         begun = np.zeros((COUNT, len(own)))
         begun[list(self.of.sensors.begins)] = own[:, : self.of.begins].T
-        x1, y1, y2, belt = begun[X1], begun[Y1], begun[Y2], own[:, -1]
-        v_b = self.data.belt_speed
-        speed = v_b * (1 + belt)
-        if "belt_speed_ripple.a" in values:
-            a, w, phi = (values[f"belt_speed_ripple.{k}"] for k in ("a", "w", "phi"))
-            speed = speed * (1 + a * np.sin(w * self.begins + phi))
-        droop = np.zeros(len(own))
-        if "belt_load_droop.k" in values:
-            k, tau = values["belt_load_droop.k"], values["belt_load_droop.tau"]
-            stiff = values.get("alpha1", values.get("stiffness", 0.0))
-            force = stiff * x1 + values.get("eta1", values.get("damping", 0.0)) * (v_b + y2) + y1
-            droop = -k * (force - tau * stiff * v_b)
-            speed = speed + droop
-        tau, c = values.get("sensor_lag.tau", 0.0), values.get("sensor_crosstalk.c", 0.0)
-        lagged = x1 + c * y1 - tau * (speed + c * y2)
-        return np.stack([speed, droop, lagged], axis=1)
+        return derived(values, begun, self.data.belt_speed, own[:, -1], self.begins)
 
     def _parameters(self) -> Floats:
         """Return the core's numbers, one set a window."""
@@ -267,7 +253,7 @@ class _Run:
                     one.name, 1.0
                 )
         rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
-        rows[:, of.curve] = self.own[:, of.begins + 1 : -1]
+        rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic]
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
         return rows
 
@@ -326,7 +312,7 @@ class _Run:
                 if entry == SLOTS["belt_speed"]:
                     row[entry] = self.data.belt_speed
                 rows.append(row)
-                owner.append(len(self.shared) + k)
+                owner.append(len(self.shared) + (self.of.own - 1 if entry == SLOTS["belt_speed"] else k))
         if self.local or self.shared:
             for state in DERIVED:
                 row = np.zeros(WIDTH + COUNT)
@@ -360,12 +346,24 @@ class _Run:
             out[len(self.shared) + k] = (moved - here) / NEARBY
         return out
 
-    def _own_belt(self, chain: Chain) -> None:
-        """Let a recorded belt show the window's own speed."""
-        if chain.values.shape[1] == 3:
-            chain.values[:, 2] += self.data.belt_speed * np.repeat(self.own[:, -1], self.lengths)
-            if self.local:
-                chain.slopes[:, 2, -1] += self.data.belt_speed
+    def _own_belt(self, chain: Chain, state: Floats, mode: NDArray[np.int8]) -> None:
+        """Let the window's own belt be seen: where the block rides it, and by its own sensor."""
+        v_b, k = self.data.belt_speed, self.of.policy.knots
+        waves = slice(chain.slopes.shape[2] - 1 - k, chain.slopes.shape[2] - 1)
+        for a, b, own in zip(self.offset[:-1], self.offset[1:], self.own, strict=True):
+            t, line = self.data.t[self.samples[a:b]], own[-1 - k : -1]
+            shapes = belt_waves.hats(t, k)
+            shown = {0: belt_waves.ridden(t, state[a:b, X2], mode[a:b], v_b, shapes)}
+            if "alpha2" in self.values:
+                shown[1] = belt_waves.leg(shown[0], float(np.median(np.diff(t))), self.values)
+            if chain.values.shape[1] == 3:
+                shown[2] = v_b * shapes
+                chain.values[a:b, 2] += v_b * own[-1]
+                chain.slopes[a:b, 2, -1:] += v_b if self.local else 0.0
+            for channel, columns in shown.items():
+                chain.values[a:b, channel] += columns @ line
+                if self.local:
+                    chain.slopes[a:b, channel, waves] += columns
 
     def _stretched(self, chain: Chain) -> None:
         """Let a window's own static limit be what is there at its breakaway, however fast it grows."""

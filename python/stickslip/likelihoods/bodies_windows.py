@@ -87,6 +87,8 @@ class BodiesWindows:
         self.statics = tuple(
             k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".static")
         )
+        kinetic = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".kinetic")]
+        self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
         self.places = [np.zeros(0)] * len(self.data)
         self.by_run = [
             np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)

@@ -45,10 +45,13 @@ def covariance(fit: Fit) -> Floats:
     between = np.zeros((p, p))
     together = likeness(fit)
     like = np.full(white, memory(fit, KINETIC)[0])
-    like[0], like[-1] = memory(fit, STATIC)[0], 0.0
+    like[0], like[windows.kinetic.stop + 1 :] = (
+        memory(fit, STATIC)[0],
+        0.0,
+    )  # nothing of the belt's is remembered
     for number, members in enumerate(windows.by_run):
         b = moved[members]
-        pairs = together * np.einsum("wp,wqk,k->pq", b[:, :, 0], b, _kinetic(roots[number]))
+        pairs = together * np.einsum("wp,wqk,k->pq", b[:, :, 0], b, _kinetic(roots[number][windows.kinetic]))
         between += pairs + pairs.T
         for lag in range(1, len(members)):
             pairs = np.einsum("wpk,k,wqk->pq", b[lag:], like**lag, b[:-lag])
@@ -60,7 +63,7 @@ def likeness(fit: Fit) -> float:
     """Return the correlation of what is static friction's own in an event with its kinetic friction."""
     along = static = kinetic = 0.0
     for members in fit.windows.by_run:
-        own, whole = fit.random[members, 0], fit.random[members, 1:-1].mean(axis=1)
+        own, whole = fit.random[members, 0], fit.random[members, fit.windows.kinetic].mean(axis=1)
         if len(members) > 1:
             own, whole = own - own.mean(), whole - whole.mean()
             along += float(own @ whole)
@@ -69,6 +72,6 @@ def likeness(fit: Fit) -> float:
 
 
 def _kinetic(root: Floats) -> Floats:
-    """Weights of the white effects in the mean of the kinetic curve, of length 1."""
-    mean = root[1:-1].mean(axis=0)
+    """Weights of the white effects in the mean of the kinetic curve, of length 1; of the rows of that curve."""
+    mean = root.mean(axis=0)
     return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-300))

@@ -110,7 +110,7 @@ def _summed(whole: Floats, run: Data, fit: Fit, rng: np.random.Generator) -> Dis
 
 def _scatter(fit: Fit) -> float:
     """How much friction differs between the events of the past, over that of the model."""
-    return float(np.std(fit.random[:, 1:-1].mean(axis=1)))
+    return float(np.std(fit.random[:, fit.windows.kinetic].mean(axis=1)))
 
 
 def _extended(run: Data, future: Floats) -> Data:

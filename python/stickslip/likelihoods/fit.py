@@ -17,6 +17,7 @@ from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits,
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor, start
+from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.single_windows import polished, rescued, settled
 from stickslip.likelihoods.variances import Estimate, estimate
@@ -37,14 +38,14 @@ def null(windows: Windowed, policy: Policy) -> Fit:
 
     Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Of a rig on a belt
     one that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
-    with scatter to take it.
+    with scatter to take it. Where scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
     """
     first = begin(windows)
     if isinstance(windows, BodiesWindows):
         return fitted(replace(first, own=settled(first, ALONE)[0]), policy)
     fit = fitted(first, policy)
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
-        return fit
+        return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
     p = start(policy)
     wide = replace(p, level=WIDE * p.level, curve=WIDE * p.curve, static=WIDE * p.static)
     again = replace(first, population=wide, own=shown)
@@ -83,10 +84,10 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
         calm = calm + 1 if cost < policy.settled else 0
         if calm and step > held:
             break
-    return closed(fit, policy)
+    return closed(fit, policy, LAST_TURNS if held < most else 0)
 
 
-def closed(fit: Fit, policy: Policy) -> Fit:
+def closed(fit: Fit, policy: Policy, turns: int = LAST_TURNS) -> Fit:
     """
     Return the fit linearised where it stands, with its population and deviance.
 
@@ -94,7 +95,7 @@ def closed(fit: Fit, policy: Policy) -> Fit:
     of a further step is no likelihood; that step is taken if it holds.
     """
     here = _linearised(fit, policy)
-    found = _estimate(here, policy, LAST_TURNS)
+    found = _estimate(here, policy, turns)
     moved = _moved(here, found, policy)
     stayed = _valued(here, _estimate(here, policy, 0))
     # a step that does not hold leaves what the windows say of their scatter where they stand

@@ -27,7 +27,7 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
 
     All runs together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
     """
-    u = fit.random[:, 0] if which == STATIC else fit.random[:, 1:-1].mean(axis=1)
+    u = fit.random[:, 0] if which == STATIC else fit.random[:, fit.windows.kinetic].mean(axis=1)
     return correlation([u[members] for members in fit.windows.by_run])
 
 

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
-STATIC = 0  # place of a window's own static friction among its effects; the curve follows, then the belt
+STATIC = (
+    0  # place of a window's own static friction among its effects; curve, the belt's line and its mean follow
+)
 
 
 LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
@@ -55,7 +57,7 @@ class Population:
     level : of friction as a whole
     curve, length : of friction along the way slipped, and its correlation length over that way
     static : of static friction, beside what it shares with kinetic friction
-    belt : of the belt's speed
+    belt : of the belt's speed, which wanders slowly
     """
 
     level: float
@@ -78,8 +80,8 @@ class Population:
 
     def parts(self, places: Sequence[Floats]) -> dict[int, slice | list[int]]:
         """Return the white columns of each coordinate that scales some."""
-        k = len(places[0])
-        return {3: slice(0, 1), 0: slice(1, 2), 1: slice(2, k + 2), 4: slice(k + 2, k + 3)}
+        k = places[0].shape[1]
+        return {3: slice(0, 1), 0: slice(1, 2), 1: slice(2, k + 2), 4: slice(k + 2, 2 * k + 2)}
 
     def usual(self, policy: Policy) -> tuple[Floats, Floats]:
         """Return centre and width of the prior of the coordinates, (5,) each."""
@@ -108,24 +110,19 @@ def factor(population: Scatter, places: Sequence[Floats]) -> Floats:
     Parameters
     ----------
     population : its standard deviations
-    places : for each run the (k,) places of the curve over the way slipped, 0 to 1
+    places : for each run (2 + k, k): places of the curve over the way slipped, 0 to 1, then the belt's factor
     """
     return population.factor(places)
 
 
-def whole(population: Population, places: Floats) -> float:
-    """Return the standard deviation of friction as a whole in a window: its level, and the mean of its curve."""
-    mean = _root(places, population.length).mean(axis=0)
-    return float(np.sqrt(population.level**2 + population.curve**2 * (mean @ mean)))
-
-
 def _factor(p: Population, places: Floats) -> Floats:
-    k = len(places)
-    out = np.zeros((k + 2, k + 3))
+    along, belt = places[0], places[1:]
+    k = len(along)
+    out = np.zeros((2 * k + 2, 2 * k + 2))
     out[STATIC, 0] = p.static
     out[1 : k + 1, 1] = p.level
-    out[1 : k + 1, 2 : k + 2] = p.curve * _root(places, p.length)
-    out[k + 1, k + 2] = p.belt
+    out[1 : k + 1, 2 : k + 2] = p.curve * _root(along, p.length)
+    out[k + 1 :, k + 2 :] = p.belt * belt
     return out
 
 

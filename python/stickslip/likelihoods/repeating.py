@@ -38,6 +38,6 @@ def repeats(fit: Fit) -> bool:
         if len(members) < ENOUGH:
             continue
         u = fit.random[members]
-        whole = u[:, 1:-1].mean(axis=1)
+        whole = u[:, fit.windows.kinetic].mean(axis=1)
         apart.append((np.var(whole, ddof=1), np.var(whole + u[:, 0], ddof=1)))
     return not apart or float(np.sqrt(np.mean(apart, axis=0)).max()) < fit.windows.policy.repeats

@@ -271,7 +271,9 @@ def _events(fit: Fit, units: Scaled) -> Events:
         pull = run.belt_speed * (values["damping"] + 0.5 * values["stiffness"] * (motion.t[1] - motion.t[0]))
         static = way * (values["stiffness"] * float(x[begins - 1]) + pull)
         amplitude = float(np.abs(x[begins - 1] - x[begins:]).max())
-        kinetic = float(law.magnitude(np.array([-0.5 * amplitude * way]))[0]) * (1 + own[1:-1].mean())
+        kinetic = float(law.magnitude(np.array([-0.5 * amplitude * way]))[0]) * (
+            1 + own[windows.kinetic].mean()
+        )
         rms = float(np.sqrt(np.mean(block[:, 0, -1] ** 2))) * run.noise[0]
         at = motion.t[begins] / units.scales.omega
         rows.append((at, static * force, kinetic * force, amplitude * length, rms * length, float(w.run)))

@@ -65,7 +65,7 @@ def unlike(fit: Fit) -> bool:
     Static friction, the mean and the slope of kinetic friction along the way slipped: the means of the runs against the
     differences within them, by F, a mean of correlated events known less well by (1 + m)/(1 - m).
     """
-    curve = fit.random[:, 1:-1]
+    curve = fit.random[:, fit.windows.kinetic]
     along = np.linspace(-1, 1, curve.shape[1])
     features = (fit.random[:, 0], curve.mean(axis=1), curve @ along / (along @ along))
     runs = [members for members in fit.windows.by_run if len(members) > 1]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.policy import POLICY, Policy
 
+Floats = NDArray[np.float64]
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -74,3 +75,15 @@ def knots(run: Data, policy: Policy = POLICY) -> NDArray[np.float64]:
     good = run.readings[run.weight[:, 0] > 0, 0]
     low, high = np.quantile(good, [SOONEST, LATEST])
     return np.linspace(low, high, policy.knots)
+
+
+def slipped(places: Floats, run: Data) -> Floats:
+    """Return the way slipped from the breakaway on at places of x1, 0 to 1."""
+    along = places - places[0] if run.belt_speed < 0 else places[-1] - places
+    return np.asarray(along / (places[-1] - places[0]))
+
+
+def lasts(run: Data, index: int, stretches: Sequence[Stretch]) -> float:
+    """Return how long a window of the run of that index lasts; the whole run where it has none."""
+    each = [run.t[w.stop - 1] - run.t[w.start] for w in stretches if w.run == index]
+    return float(np.median(each) if each else run.t[-1] - run.t[0])

@@ -2,8 +2,7 @@
 
 Draws are of the linearised windows. Friction that differs along the belt is drawn as one field along a run, what
 differs from event to event with the correlation that the fit shows from one event to the next, and the belt's wobble
-as slow waves in time: none of that is in the windows of the fit, which are independent, and all of it may look like an
-effect.
+as slow waves in time: the windows of the fit are independent, and all of it may look like an effect.
 """
 
 from __future__ import annotations
@@ -50,12 +49,14 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit) -> Gate:
     bench, fit, screen : the hypothesis, and what was scored beside it
     seed : of the draws
     best : the best rival's fit. What a hypothesis lacks swells its own scatter and noise; records are drawn, and
-        scored, with those of the best rival
+        scored, with those of the best rival, and with what its events remember: a drift that is lacking looks like
+        memory
     """
     rng = np.random.default_rng(seed)
+    like = tuple(memory(best, k) for k in (KINETIC, STATIC))
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit)
-    drawn = _drawn(bench, fit, null, screen, rng)
+    drawn = _drawn(bench, fit, null, screen, like, rng)
     count, most = len(bench.stretches), np.zeros(bench.policy.draws)
     shared = null.shared_pull(drawn, bench.policy.draws)
     for one in screen.scored:
@@ -72,11 +73,16 @@ def _quantile(best: Floats, probability: float) -> float:
 
 
 def _drawn(
-    bench: Bench, fit: Fit, null: Null, screen: Screen, rng: np.random.Generator
+    bench: Bench,
+    fit: Fit,
+    null: Null,
+    screen: Screen,
+    like: Sequence[tuple[float, float]],
+    rng: np.random.Generator,
 ) -> list[Floats | None]:
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
-    effects = _effects(bench, fit, rng)
+    effects = _effects(bench, fit, like, rng)
     waves = _wobble(bench, screen, rng, wobble(bench, fit.population))
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
@@ -93,22 +99,22 @@ def _drawn(
     return out
 
 
-def _effects(bench: Bench, fit: Fit, rng: np.random.Generator) -> Floats:
-    """Random effects of all windows, (w, effects, draws)."""
+def _effects(
+    bench: Bench, fit: Fit, found: Sequence[tuple[float, float]], rng: np.random.Generator
+) -> Floats:
+    """Random effects of all windows but the belt's, (w, effects, draws)."""
     p, draws = fit.population, bench.policy.draws
     out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
     # the fit tells a correlation poorly: every draw has one that may be the true one
     like = [
-        np.clip(found + error * rng.standard_normal(draws), 0.0, MOST)
-        for found, error in (memory(fit, k) for k in (KINETIC, STATIC))
+        np.clip(correlation + error * rng.standard_normal(draws), 0.0, MOST) for correlation, error in found
     ]
     for run, members in enumerate(fit.windows.by_run):
         level, static = (_chain(len(members), one, rng) for one in like)
         field = _field(bench, fit, run, members, rng)
         for j, i in enumerate(members):
             out[i, 0] = p.static * static[j]
-            out[i, 1:-1] = p.level * level[j] + p.curve * field[j]
-            out[i, -1] = p.belt * rng.standard_normal(draws)
+            out[i, fit.windows.kinetic] = p.level * level[j] + p.curve * field[j]
     return out
 
 
@@ -122,7 +128,7 @@ def _chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
 
 def _field(bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np.random.Generator) -> Floats:
     """Friction along the belt at the places of each window's curve, of unit variance, (n, knots, draws)."""
-    places = fit.windows.places[run]
+    places = fit.windows.places[run][0]
     # one slip after the other: what is under the block when it sticks is there when it slips again
     along = np.array([j + places for j in range(len(members))])
     points = along.ravel()

@@ -72,17 +72,8 @@ class Bench:
 
 
 def wobble(bench: Bench, scatter: Population) -> float:
-    """
-    Return the relative standard deviation of a belt's slow waves.
-
-    A window's own speed shows their mean over it; what their mean keeps follows from how long windows last.
-    """
-    slow = np.linspace(*bench.policy.slow, 40)
-    length = np.array(
-        [bench.data[s.run].t[s.stop - 1] - bench.data[s.run].t[s.start] for s in bench.stretches]
-    )
-    kept = float(np.sqrt(np.mean(np.sinc(slow[:, None] * length / (2 * np.pi)) ** 2)))
-    return min(scatter.belt / kept, bench.policy.wobble)
+    """Return the relative standard deviation of a belt's slow waves that is no finding."""
+    return min(scatter.belt, bench.policy.wobble)
 
 
 def of_term(term: Term, policy: Policy) -> list[Number]:

@@ -18,6 +18,7 @@ from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.likelihoods.fit import fitted, null
 from stickslip.likelihoods.fit_state import Fit, begin
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
+from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.single_windows import settled
 
 
@@ -296,7 +297,7 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     at = np.clip(best.fit.at[:p], low, high)
     first = replace(best.fit, windows=windows, at=at)
     fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
-    if fit.deviance >= base.fit.deviance:
+    if fit.deviance >= base.fit.deviance or lost(fit):
         return base
     return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 

@@ -1,0 +1,90 @@
+"""A belt whose speed wanders within a window: what the readings show of it, to first order.
+
+The belt's relative speed is a broken line over the window. A block that sticks rides it. How far the belt has come says
+when the force reaches its limit: the slip is taken as the same, earlier or later. What a wandering speed does to a slip
+beside that is as large, but far less than what friction's own scatter does, and the window's own friction takes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import scipy.signal
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def weights(count: int) -> Floats:
+    """Return what each knot of the line counts in its mean over the window, (count,)."""
+    out = np.full(count, 1.0 / (count - 1))
+    out[[0, -1]] *= 0.5
+    return out
+
+
+def correlation(length: float, count: int, slow: tuple[float, float]) -> Floats:
+    """
+    Return the correlation of the speed at the knots, (count, count).
+
+    Parameters
+    ----------
+    length : of a window, in time
+    count : knots
+    slow : angular frequencies at which belts wander, all alike
+    """
+    at = np.linspace(0.0, length, count)
+    w = np.linspace(*slow, 40)
+    return np.asarray(np.cos(w * (at[:, None, None] - at[None, :, None])).mean(axis=2))
+
+
+def root(length: float, count: int, slow: tuple[float, float]) -> Floats:
+    """Return the factor of the line less its mean, and last of the mean, (count + 1, count), of unit variance."""
+    values, vectors = np.linalg.eigh(correlation(length, count, slow))
+    whole = vectors * np.sqrt(np.maximum(values, 0.0))
+    mean = weights(count) @ whole
+    return np.concatenate([whole - mean, mean[None]])
+
+
+def hats(t: Floats, count: int) -> Floats:
+    """Return the line's shapes over a window, (n, count)."""
+    at = np.linspace(t[0], t[-1], count)
+    return np.stack([np.interp(t, at, row) for row in np.eye(count)], axis=1)
+
+
+def ridden(t: Floats, speed: Floats, mode: NDArray[np.int8], belt_speed: float, shapes: Floats) -> Floats:
+    """
+    Return the derivatives of the block's place by the knots' relative speeds, (n, count).
+
+    Parameters
+    ----------
+    t, speed, mode : (n,) times of a window's samples, the block's speed, and 0 where it sticks
+    belt_speed : of the belt
+    shapes : (n, count) of `hats`
+    """
+    steps = 0.5 * (shapes[1:] + shapes[:-1]) * np.diff(t)[:, None]
+    come = belt_speed * np.concatenate([np.zeros((1, shapes.shape[1])), np.cumsum(steps, axis=0)])
+    out = np.zeros_like(shapes)
+    ahead = np.zeros(shapes.shape[1])  # place of the block in the last stick, less that of the belt since
+    edges = np.flatnonzero(np.diff((mode != 0).astype(int))) + 1
+    for a, b in zip([0, *edges], [*edges, len(t)], strict=True):
+        if mode[a] == 0:
+            out[a:b] = ahead + come[a:b] - come[a]
+            ahead = out[b - 1]
+        else:  # the slip is the same, by as much sooner as the belt was ahead
+            out[a:b] = (speed[a:b] / belt_speed)[:, None] * ahead
+    return out
+
+
+def leg(place: Floats, step: float, values: Mapping[str, float]) -> Floats:
+    """
+    Return the derivatives of y1 that follow from those of the block's place, (n, count): the leg is a linear filter.
+
+    Parameters
+    ----------
+    place : (n, count) of `ridden`
+    step : between samples
+    values : numbers of the rig of (2.1)
+    """
+    b, a = [-values["eta1"], -1.0], [values["alpha2"], values["eta12"], values["beta3"]]
+    return np.asarray(scipy.signal.lfilter(*scipy.signal.bilinear(b, a, 1.0 / step), place, axis=0))
