@@ -86,7 +86,8 @@ def test_the_gate_has_the_memory_of_the_best_rival(tmp_path: Path) -> None:
     plain = null(bench.windows(), bench.policy)
     own = plain.own.copy()
     for members in plain.windows.by_run:  # what a drift that is lacking leaves in the windows
-        own[members, plain.windows.begins + 1 : -1] += np.linspace(-0.1, 0.1, len(members))[:, None]
+        trend, first = np.linspace(-0.1, 0.1, len(members)), plain.windows.begins
+        own[members, first + 1 : first + plain.windows.kinetic.stop] += trend[:, None]
     drifting = replace(plain, own=own)
     zero = Term(ss.effect("friction_drift", r=0.0))
     screen = Screen((), (Shapes(1, (columns(bench, plain, (), zero, ("friction_drift.r",)),)),))
