@@ -12,6 +12,7 @@ from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.stretches import stretches
+from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
 BLOCK = ss.BlockOnBelt(mass=16.0, stiffness=16.0, damping=0.3)
@@ -66,6 +67,16 @@ def made(run: Data, effects: tuple[ss.Effect, ...], *, force: bool = True) -> Be
 def start(windows: BeltWindows) -> Floats:
     """Coordinates of the declared numbers."""
     return np.array([n.start for n in windows.numbers])
+
+
+def test_a_stretch_runs_from_stick_to_stick_over_one_slip(run: Data) -> None:
+    found = stretches([run])
+    assert found
+    for one in found:
+        rode = rides(run.v[one.start : one.stop + 1], run.belt_speed)
+        assert rode[0]
+        assert rode[-1]
+        assert np.count_nonzero(np.diff(rode.astype(int)) == -1) == 1
 
 
 def test_the_true_model_leaves_nothing(run: Data) -> None:

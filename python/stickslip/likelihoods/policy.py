@@ -16,7 +16,6 @@ class Policy:
     law_spread : width of the prior of a number of the law about the declared one, in the logarithm
     tail : degrees of freedom of Student's t for the declared constants, which are now and then far off
     knots : places along the way slipped at which a window's own friction is a number
-    stick_band : share of the belt's speed within which the block sticks
     fewest_stuck : samples of a stick that a window may begin in
     knee : times the median chi-squared beyond which a window counts by its logarithm
     held : steps of a fit before the population is freed from where it starts
@@ -56,7 +55,6 @@ class Policy:
     law_spread: float = 0.7
     tail: float = 4.0
     knots: int = 10
-    stick_band: float = 0.25
     fewest_stuck: int = 5
     knee: float = 4.0
     held: int = 5

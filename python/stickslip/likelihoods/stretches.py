@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
@@ -54,9 +55,7 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
 
 def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
     """Return the middle of the longest stick between two slips; noise may break it for a sample or two."""
-    stuck = np.flatnonzero(
-        np.abs(run.v[first:last] - run.belt_speed) < policy.stick_band * abs(run.belt_speed)
-    )
+    stuck = np.flatnonzero(rides(run.v[first:last], run.belt_speed))
     if not len(stuck):
         return None
     breaks = np.flatnonzero(np.diff(stuck) > 3)
