@@ -45,6 +45,18 @@ def block_run(speed: float = 0.005, seed: int = 0) -> ss.Recording:
     )
 
 
+def pin_run() -> tuple[ss.Recording, ss.CoulombFriction]:
+    """A pin of one coordinate on a disc, and its law."""
+    rig = ss.MatricesRig(M=[[0.5]], C=[[0.4]], K=[[800.0]], contact=[1.0], names=["x"])
+    law = ss.CoulombFriction(static=4.0, kinetic=2.0)
+    t = np.arange(0.0, 2.0, 0.002)
+    x = ss.simulate(
+        ss.Model(rig, friction=law), belt_speed=0.05, initial=(0.0, 0.05), t_end=t[-1], t_eval=t
+    ).state[:, 0]
+    x = x + 1e-5 * np.random.default_rng(0).standard_normal(t.size)
+    return ss.load_recording({"t": t, "x": x}, rig, belt_speed=0.05, noise={"x": 1e-5}), law
+
+
 @cache
 def objects() -> dict[str, object]:
     """Every class of `dir(stickslip)` that has instances worth a look, with one of it."""
@@ -54,6 +66,8 @@ def objects() -> dict[str, object]:
     found, case = found_by_hand.made(Path(tempfile.mkdtemp()))
     recording = block_run()
     identified = ss.identify([recording], rig=BLOCK, friction=COULOMB)
+    pin, law = pin_run()
+    of_pin = ss.identify(pin, friction=law)
     made = [
         RIG,
         BLOCK,
@@ -91,6 +105,8 @@ def objects() -> dict[str, object]:
         ss.lyapunov(MODEL, belt_speed=0.1, t_end=450.0, transient=10.0),
         identified,
         ss.compare(identified.model, recording),
+        of_pin,
+        ss.compare(of_pin.model, pin),
         found,
     ]
     return {type(one).__name__: one for one in made}

@@ -23,13 +23,14 @@ from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
+from stickslip.objects import Drawn
 
 Floats = NDArray[np.float64]
 FEWEST = 3  # windows
 
 
-@dataclass(frozen=True, repr=False)
-class RigComparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class RigComparison(Drawn):
     """What `compare` finds on a rig of bodies or matrices.
 
     Attributes

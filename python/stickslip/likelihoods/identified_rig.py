@@ -17,6 +17,7 @@ from stickslip.declared.toml_file import write_text
 from stickslip.files import folder
 from stickslip.fitted.identified import IDENTIFIED, Estimate
 from stickslip.measured.fit_window import Array
+from stickslip.objects import Drawn
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,8 +60,8 @@ class Constant:
         return min(ends) > BEYOND or max(ends) < -BEYOND
 
 
-@dataclass(frozen=True, repr=False)
-class IdentifiedRig:
+@dataclass(frozen=True, eq=False, repr=False)
+class IdentifiedRig(Drawn):
     """What `identify` finds on a rig of bodies or matrices; numbers are in SI.
 
     Attributes
