@@ -145,3 +145,72 @@ TEST_CASE("bodies: a chain of three differentiates by matrices, laws, the belt a
       CHECK(close(seeded.end[k].derivative(2), slope([&](const auto& r) { return r.end[k]; }), 1e-8));
   }
 }
+
+TEST_CASE("bodies: a surface of u alone is a bound on u, found once, with its derivative") {
+  // max(3 - 0.5 exp(u/0.1) - exp(u/0.4), 1): the crossing and d/d 0.1 by bisection and perturbation in long double
+  const auto root = [](long double shift) {
+    long double lo = 0, hi = 1;
+    for (int i = 0; i < 200; ++i) {
+      const long double u = (lo + hi) / 2;
+      (3 - 0.5L * std::exp(u / (0.1L + shift)) - std::exp(u / 0.4L) > 1 ? lo : hi) = u;
+    }
+    return lo;
+  };
+  Sheet sheet;
+  const int u = sheet.put(Op::u);
+  const auto number = [&](int i) { return sheet.put(Op::parameter, i); };
+  const int steep = sheet.put(Op::exponential, sheet.put(Op::divide, u, number(0)));
+  const int gentle = sheet.put(Op::exponential, sheet.put(Op::divide, u, number(1)));
+  const int fall = sheet.put(Op::subtract, number(2), sheet.put(Op::multiply, number(3), steep));
+  const int force = sheet.put(Op::maximum, sheet.put(Op::subtract, fall, gentle), number(4));
+  const double parameters[] = {0.1, 0.4, 3.0, 0.5, 1.0};
+  Dual<4> numbers[5];
+  for (int i = 0; i < 5; ++i) numbers[i] = Dual<4>(parameters[i]);
+  numbers[0].set_derivative(1, 1.0);
+  const BranchTape branch = sheet.view(force);
+  Arena count;
+  Tape<Dual<4>> tape;
+  tape.place(count, branch, parameters);
+  const std::unique_ptr<void, decltype(&std::free)> memory(std::aligned_alloc(64, count.used), std::free);
+  Arena arena{static_cast<std::byte*>(memory.get()), 0};
+  tape.place(arena, branch, parameters);
+  Dual<4> series[series_size];
+  for (const double at : {0.01, 0.9}) {
+    for (Dual<4>& one : series) one = Dual<4>(at);
+    tape.reads = {numbers, series, nullptr, nullptr, nullptr, 1.0, false};
+    forget_sides(tape);
+    link(tape, &force, 1, -1);
+    CHECK(tape.surface_count == 0);
+    CHECK(tape.outers == 0);
+    Interval<Dual<4>> bounds;
+    REQUIRE(surface_bounds(tape, force, bounds));
+    CHECK(bounds.has_hi == (at < 0.5));
+    CHECK(bounds.has_lo == (at > 0.5));
+    const Dual<4> crossing = at < 0.5 ? bounds.hi : bounds.lo;
+    CHECK(close(crossing.v, static_cast<double>(root(0)), 1e-15));
+    CHECK(close(crossing.derivative(1), slope_at_zero(root, 1e-5L), 1e-12));
+  }
+}
+
+TEST_CASE("bodies: ranges of every operation hold its values, and of u they show where nothing crosses") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> draw(-2.0, 3.0);
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Op op =
+        static_cast<Op>(static_cast<int>(Op::add) + trial % (static_cast<int>(Op::count) - static_cast<int>(Op::add)));
+    Range a{draw(random), 0}, b{draw(random), 0};
+    a.hi = a.lo + std::abs(draw(random)) * 0.5;
+    b.hi = trial % 3 == 0 ? (b.lo = std::round(b.lo)) : b.lo + std::abs(draw(random)) * 0.5;
+    const Range r = range_of(op, a, b);
+    for (int i = 0; i <= 8; ++i)
+      for (int k = 0; k <= 8; ++k) {
+        const double x = a.lo + (a.hi - a.lo) * i / 8, y = b.lo + (b.hi - b.lo) * k / 8;
+        const bool above = op == Op::maximum || op == Op::minimum ? x > y : x > 0;
+        const double got = apply(op, x, y, above ? 1 : -1);
+        if (std::isnan(got)) continue;
+        INFO("operation ", static_cast<int>(op), " at ", x, ", ", y);
+        CHECK(got >= r.lo - 1e-12 * std::abs(got));
+        CHECK(got <= r.hi + 1e-12 * std::abs(got));
+      }
+  }
+}

@@ -27,15 +27,17 @@ void find_partners(const BodiesSystem<T>& sys, int id, int order, const Real<T>&
   }
 }
 
-// Turns every linear surface that lies at this bound of u.
+// Turns every surface of u alone that lies at this bound of u.
 template <class T>
 void turn_pieces(Contact<T>& c, double bound) {
   Tape<T>& tape = tape_of(c);
   for (int i = 0; i < tape.formulas->count; ++i) {
-    T at(0.0);
-    bool above = false;
-    if (!is_piecewise(tape.at(i).op) || !tape.node[i].watched || !linear_surface(tape, i, at, above)) continue;
-    if (std::abs(static_cast<double>(value(at)) - bound) > same_bound * std::abs(bound)) continue;
+    Interval<T> in;
+    if (!is_piecewise(tape.at(i).op) || !tape.node[i].watched || !surface_bounds(tape, i, in)) continue;
+    const auto is_there = [&](bool has, const T& at) {
+      return has && std::abs(static_cast<double>(value(at)) - bound) <= same_bound * std::abs(bound);
+    };
+    if (!is_there(in.has_lo, in.lo) && !is_there(in.has_hi, in.hi)) continue;
     tape.node[i].side = static_cast<signed char>(-tape.node[i].side);
   }
 }

@@ -69,6 +69,7 @@ void classify(Tape<T>& tape, int i) {
   NodeFacts<T>& f = tape.node[i];
   f.c = f.own;
   f.placed = f.watched = false;
+  f.made = nullptr;
   f.weight = Real<T>(0.0);
   if (is_leaf(one.op)) return classify_leaf(tape, i);
   const NodeFacts<T>& a = tape.node[one.a];

@@ -17,7 +17,11 @@ struct Emitter {
     out = {code, i, nullptr, nullptr, T(1.0), T(1.0), T(0.0), f.own, f.aux};
     f.c = f.own;
     f.placed = true;
+    f.made = &out;
     return out;
+  }
+  static bool is_scaled(const Instruction<T>& in) {
+    return in.code == Code::combine && in.a != nullptr && in.b == nullptr;
   }
   // Adds factor * node to a sum of at most two series and a constant.
   void add_term(Instruction<T>& sum, int i, const T& factor) {
@@ -26,7 +30,12 @@ struct Emitter {
     if (f.form == Form::constant) return;
     const bool affine = f.form == Form::affine;
     const T* series = affine ? tape.reads.base : f.c;
-    const T by = affine ? factor * f.slope : factor;
+    T by = affine ? factor * f.slope : factor;
+    if (const Instruction<T>* made = affine ? nullptr : f.made; made != nullptr && is_scaled(*made)) {
+      sum.level = sum.level + factor * made->level;  // level + x a: taken in whole
+      by = factor * made->x;
+      series = made->a;
+    }
     if (sum.a == nullptr) {
       sum.a = series;
       sum.x = by;

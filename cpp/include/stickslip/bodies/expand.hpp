@@ -1,7 +1,7 @@
 // The series of a piece: every coordinate, every law's state, the force that holds what sticks.
 #pragma once
 
-#include "stickslip/bodies/motion.hpp"
+#include "stickslip/bodies/short_motion.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
@@ -40,6 +40,16 @@ void laws_next(BodiesSystem<T>& sys, int k, bool rates) {
 // The recurrence, N coordinates (0: as many as there are).
 template <int N, class T>
 void expand_motion(BodiesSystem<T>& sys, const int* curved, int count, int order) {
+  if constexpr (N > 0) {
+    if (is_short(sys, count)) {
+      count == 0 ? expand_short<N, false>(sys, 0, order) : expand_short<N, true>(sys, curved[0], order);
+      for (int j = 0; j < sys.contacts; ++j) {
+        const bool known = sys.contact[j].mode == sticks || (count > 0 && j == curved[0]);
+        for (int k = 0; !known && k < order; ++k) sys.u[j * series_size + k] = speed_coefficient(sys, j, k);
+      }
+      return;
+    }
+  }
   for (int k = 0; k < order; ++k) {
     laws_next(sys, k, true);
     motion_next<N>(sys, curved, count, k);
@@ -58,31 +68,6 @@ void expand_motion(BodiesSystem<T>& sys, const int* curved, int count, int order
     case 8: return expand_motion<8>(sys, curved, count, order);
     default: return expand_motion<0>(sys, curved, count, order);
   }
-}
-
-// Friction that holds the stuck contacts, coefficient k: held row by row, less what the belt's acceleration takes.
-template <class T>
-T holding_force(const BodiesSystem<T>& sys, int h, const int* curved, int count, int k) {
-  const int n = sys.n, first_V = 2 * n + 1 + sys.speeds;
-  const T* row = sys.held + h * sys.columns;
-  T s = k == 0 ? row[2 * n] : T(0.0);
-  for (int c = 0; c < n; ++c) {
-    add_product(s, row[c], sys.q[c * series_size + k]);
-    add_product(s, row[n + c], sys.v[c * series_size + k]);
-  }
-  for (int i = 0; i < sys.speeds; ++i) {
-    add_product(s, row[2 * n + 1 + i], sys.x[i * series_size + k]);
-    add_product(s, row[first_V + i], sys.V[i * series_size + k]);
-  }
-  for (int c = 0; c < count; ++c)
-    add_product(s, row[first_V + sys.speeds + curved[c]], sys.force[curved[c] * series_size + k]);
-  for (int a = 0; a < sys.stuck_count; ++a) {
-    const int speed = sys.contact[sys.stuck[a]].speed;
-    if (speed < 0 || sys.rail[speed].steady) continue;
-    add_product(s, -sys.stiff[h * sys.stuck_count + a],
-                sys.V[speed * series_size + k + 1] * static_cast<double>(k + 1));
-  }
-  return s;
 }
 
 // Prescribed speeds, which hang on t alone, to one order more than the rest, and where they lead.

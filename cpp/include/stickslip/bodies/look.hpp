@@ -33,13 +33,21 @@ void set_first(BodiesSystem<T>& sys, const BodiesState<T>& s) {
 // The state h after the start of the piece.
 template <class T>
 void bodies_state(const BodiesSystem<T>& sys, const T& h, int order, T* z) {
-  const auto put = [&](const T* series, int count) {
-    for (int i = 0; i < count; ++i) *z++ = evaluate_at(series + i * series_size, order, h);
+  const int moving = 2 * sys.n + sys.states;
+  const auto series = [&](int i) {
+    const int n = sys.n;
+    return i < n ? sys.q + i * series_size
+                 : (i < 2 * n ? sys.v + (i - n) * series_size : sys.z + (i - 2 * n) * series_size);
   };
-  put(sys.q, sys.n);
-  put(sys.v, sys.n);
-  put(sys.z, sys.states);
-  put(sys.x, sys.speeds);
+  int i = 0;
+  if constexpr (std::is_floating_point_v<T>)  // in fours that do not wait for each other
+    for (; i + 4 <= moving && order >= 2; i += 4)
+      evaluate_four<T>({series(i), series(i + 1), series(i + 2), series(i + 3)}, order, h, z + i);
+  for (; i < moving; ++i) z[i] = evaluate_at(series(i), order, h);
+  for (int k = 0; k < sys.speeds; ++k) {
+    const T* x = sys.x + k * series_size;
+    z[moving + k] = sys.rail[k].steady ? x[0] + x[1] * h : evaluate_at(x, order, h);
+  }
 }
 
 // A sum that is finite where all of the state is.

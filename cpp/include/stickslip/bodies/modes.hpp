@@ -45,13 +45,13 @@ void link_contact(BodiesSystem<T>& sys, int j) {
   c.interval.has_lo = true;
   for (int i = 0; i < branch.count; ++i) {
     if (!tape.wanted[i] || !is_piecewise(tape.at(i).op) || !tape.node[i].watched) continue;
-    T bound(0.0);
-    bool above = false;
-    if (!linear_surface(tape, i, bound, above) || !(value(bound) > 0)) continue;
-    Interval<T>& in = c.interval;
-    if (above && value(bound) > value(in.lo)) in.lo = bound;
-    if (!above && (!in.has_hi || value(bound) < value(in.hi))) in.hi = bound;
-    in.has_hi = in.has_hi || !above;
+    Interval<T> one, &in = c.interval;
+    if (!surface_bounds(tape, i, one)) continue;
+    if (one.has_lo && value(one.lo) > value(in.lo)) in.lo = one.lo;
+    if (one.has_hi && value(one.hi) > 0 && (!in.has_hi || value(one.hi) < value(in.hi))) {
+      in.hi = one.hi;
+      in.has_hi = true;
+    }
   }
 }
 

@@ -48,4 +48,29 @@ void motion_next(const BodiesSystem<T>& sys, const int* curved, int curved_count
   }
 }
 
+// Friction that holds the stuck contacts, coefficient k: held row by row, less what the belt's acceleration takes.
+template <class T>
+T holding_force(const BodiesSystem<T>& sys, int h, const int* curved, int count, int k) {
+  const int n = sys.n, first_V = 2 * n + 1 + sys.speeds;
+  const T* row = sys.held + h * sys.columns;
+  T s = k == 0 ? row[2 * n] : T(0.0);
+  for (int c = 0; c < n; ++c) {
+    add_product(s, row[c], sys.q[c * series_size + k]);
+    add_product(s, row[n + c], sys.v[c * series_size + k]);
+  }
+  for (int i = 0; i < sys.speeds; ++i) {
+    add_product(s, row[2 * n + 1 + i], sys.x[i * series_size + k]);
+    add_product(s, row[first_V + i], sys.V[i * series_size + k]);
+  }
+  for (int c = 0; c < count; ++c)
+    add_product(s, row[first_V + sys.speeds + curved[c]], sys.force[curved[c] * series_size + k]);
+  for (int a = 0; a < sys.stuck_count; ++a) {
+    const int speed = sys.contact[sys.stuck[a]].speed;
+    if (speed < 0 || sys.rail[speed].steady) continue;
+    add_product(s, -sys.stiff[h * sys.stuck_count + a],
+                sys.V[speed * series_size + k + 1] * static_cast<double>(k + 1));
+  }
+  return s;
+}
+
 }  // namespace stickslip::inline STICKSLIP_ISA

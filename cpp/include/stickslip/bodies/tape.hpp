@@ -5,6 +5,7 @@
 #include "stickslip/bodies/arena.hpp"
 #include "stickslip/bodies/functions.hpp"
 #include "stickslip/bodies/interface.hpp"
+#include "stickslip/bodies/interval.hpp"
 #include "stickslip/series.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -62,6 +63,8 @@ struct NodeFacts {
   T *own, *aux;
   Real<T> now;     // value at the start of the piece
   Real<T> weight;  // derivative of the force by it, there
+  Crossings<T>* crossings;
+  const Instruction<T>* made;  // what fills its series
 };
 
 constexpr int aux_series = 3;  // most that an operation keeps beside its own, but for whole powers
@@ -92,7 +95,11 @@ struct Tape {
   int surface_count = 0;
   bool jumps = false;  // a surface is that of a sign
   T* surface_series = nullptr;
-  bool* wanted = nullptr;
+  bool *wanted = nullptr, *marks = nullptr;
+  Range* ranges = nullptr;  // room to evaluate surfaces in
+  Real<T>* reals = nullptr;
+  Dual<4>* slopes = nullptr;
+  T* numbers = nullptr;
   int first_id = 0;  // of its switching functions: one a node
 
   const Node& at(int i) const { return formulas->nodes[i]; }
@@ -105,6 +112,11 @@ struct Tape {
     inner = arena.take<Instruction<T>>(2 * n);
     outer = arena.take<Instruction<T>>(3 * n);
     wanted = arena.take<bool>(n);
+    marks = arena.take<bool>(n);
+    ranges = arena.take<Range>(n);
+    reals = arena.take<Real<T>>(n);
+    slopes = arena.take<Dual<4>>(n);
+    numbers = arena.take<T>(n);
     for (int i = 0; i < n; ++i) {
       const Node& one = tape.nodes[i];
       if (is_piecewise(one.op)) ++pieces;
@@ -112,7 +124,10 @@ struct Tape {
       const bool special = one.op >= Op::exponential || one.op == Op::power || one.op == Op::divide;
       T* own = arena.take<T>(series_size);
       T* aux = special ? arena.take<T>(series_size * (p > 0 ? 2 * squarings(p) : aux_series)) : nullptr;
+      Crossings<T>* crossings = is_piecewise(one.op) ? arena.take<Crossings<T>>(1) : nullptr;
       if (arena.base == nullptr) continue;
+      if (crossings != nullptr) *crossings = {};
+      node[i].crossings = crossings;
       node[i].own = own;
       node[i].aux = aux;
       node[i].side = 0;
