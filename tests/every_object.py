@@ -34,11 +34,11 @@ def stribeck() -> ss.StribeckFriction:
     return ss.StribeckFriction(F_s="8 N", F_c="5 N", v_s="10 mm/s")
 
 
-def block_run(speed: float = 0.005, seed: int = 0) -> ss.Recording:
+def block_run(speed: float = 0.005, seed: int = 0, t_end: float = 6.0) -> ss.Recording:
     """A block that sticks and slips, recorded in mm with 1 um of noise."""
     model = ss.Model(BLOCK, friction=COULOMB)
-    t = np.arange(0.0, 6.0, 0.002)
-    x = ss.simulate(model, belt_speed=speed, t_end=6.0, t_eval=t).x1
+    t = np.arange(0.0, t_end, 0.002)
+    x = ss.simulate(model, belt_speed=speed, t_end=t_end, t_eval=t).x1
     x = 1e3 * x + 1e-3 * np.random.default_rng(seed).standard_normal(t.size)
     return ss.load_recording(
         {"t": t, "x1": x}, BLOCK, channels=CHANNELS, belt_speed=speed, noise={"x1": 1e-3}, name="block"

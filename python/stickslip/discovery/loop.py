@@ -11,8 +11,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
-from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.units import Channel
 from stickslip.discovery import outcome, rig_numbers
 from stickslip.discovery.choice import Choice, choose
 from stickslip.discovery.cleaning import cleaned
@@ -41,6 +43,8 @@ from stickslip.errors import InputError, number
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
 from stickslip.measured.case import Case
+from stickslip.measured.memory_case import Columns, case_in_memory
+from stickslip.measured.recording import Recording
 from stickslip.measured.thinning import sentences, thinned_case
 
 MOST_SAMPLES = 40_000  # of the train runs, and of the others: 44 000 took 141 s and 0.9 GB
@@ -55,8 +59,13 @@ LATE, BRIEF = 0.8, 10.0  # share of the budget from which these must be brief, a
 
 @arguments.explained
 def discover(
-    case: Case,
+    case: Case | Recording | Sequence[Recording] | Columns,
     *,
+    rig: AnyRig | None = None,
+    channels: Mapping[str, Channel] | None = None,
+    belt_speed: float | str | None = None,
+    noise: Mapping[str, float] | None = None,
+    friction: FrictionLaw | None = None,
     progress: Callable[[str], None] | None = None,
     threads: int | None = None,
     seed: int = 0,
@@ -67,7 +76,12 @@ def discover(
     Parameters
     ----------
     case
-        From `stickslip.load_case`; needs train and validate runs and the rig of (2.1).
+        From `stickslip.load_case`, with train and validate runs; or recordings, or the columns of one in memory, as a
+        data frame has them. Of recordings none of which is to validate, the last third of each is.
+    rig, channels, belt_speed, noise
+        Of columns in memory, as `load_recording` takes them.
+    friction
+        The declared law of recordings or columns; nothing is declared if absent.
     progress
         Told what is being tried, a sentence at a time.
     threads
@@ -91,7 +105,33 @@ def discover(
     StickslipError
         The declared model cannot be simulated.
     """
-    arguments.must_be("case", case, Case, "load_case(path) gives one")
+    if isinstance(case, Case):
+        given = {
+            "rig": rig,
+            "channels": channels,
+            "belt_speed": belt_speed,
+            "noise": noise,
+            "friction": friction,
+        }
+        if wrong := [name for name, one in given.items() if one is not None]:
+            raise InputError("is for recordings and columns in memory; a case has its own", key=wrong[0])
+    else:
+        if not hasattr(case, "keys") and not isinstance(case, Recording | list | tuple):
+            arguments.must_be("case", case, Case, "load_case(path) gives one")
+        case = case_in_memory(
+            case, rig, channels=channels, belt_speed=belt_speed, noise=noise, friction=friction
+        )
+    return _discover_case(case, progress, threads, seed, budget)
+
+
+def _discover_case(
+    case: Case,
+    progress: Callable[[str], None] | None,
+    threads: int | None,
+    seed: int,
+    budget: float | None,
+) -> Found:
+    """Check what was asked for, and search."""
     seed = arguments.whole_number("seed", seed, least=0)
     if budget is not None and not isinstance(case.rig, Rig):
         raise InputError(

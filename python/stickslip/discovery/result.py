@@ -367,7 +367,10 @@ class Found(Drawn):
         """
         if self.case is None:
             raise InputError("holds no case, as one that `discover` returns does", key="found")
-        return reporter()(self, self.case, out, force=force)
+        command = (
+            None if self.case.path.exists() else "stickslip.discover(...), in Python, of what was in memory"
+        )
+        return reporter()(self, self.case, out, force=force, command=command)
 
     @property
     def report(self) -> dict[str, Json]:

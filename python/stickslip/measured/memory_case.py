@@ -1,0 +1,96 @@
+"""A case without files: recordings, or columns in memory, with their rig."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+
+from stickslip.arguments import must_be
+from stickslip.declared.friction.coulomb import CoulombFriction
+from stickslip.declared.friction.paper import PaperFriction
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.units import Channel
+from stickslip.errors import InputError
+from stickslip.measured.case import Case
+from stickslip.measured.recording import Recording, load_recording
+
+SHARE = 2 / 3  # of a run's time that is trained on, where nothing is there to validate on
+IN_MEMORY = Path("columns in memory")  # in place of rig.toml
+Columns = Mapping[str, ArrayLike]
+
+
+def case_in_memory(
+    source: Recording | Sequence[Recording] | Columns,
+    rig: AnyRig | None,
+    *,
+    channels: Mapping[str, Channel] | None = None,
+    belt_speed: float | str | None = None,
+    noise: Mapping[str, float] | None = None,
+    friction: FrictionLaw | None = None,
+) -> Case:
+    """Return a case of what is in memory.
+
+    Parameters
+    ----------
+    source
+        Recordings, or the columns (n,) of one by name, as a data frame has them.
+    rig
+        What it was recorded on; that of the recordings if absent.
+    channels, belt_speed, noise
+        Of columns, as `load_recording` takes them.
+    friction
+        The declared law; nothing is declared if absent.
+
+    Returns
+    -------
+    Case
+        Where no recording has the role "validate", the last third of each is one.
+
+    Raises
+    ------
+    InputError
+        Columns without a rig, recordings of several rigs or kinds of channels, or what else `load_recording` refuses.
+    """
+    if hasattr(source, "keys"):  # a data frame is no Mapping
+        if rig is None:
+            raise InputError(
+                "columns in memory need their rig; give rig=BlockOnBelt(...) or Rig(...)", key="rig"
+            )
+        columns: Columns = dict(source)  # type: ignore[arg-type]
+        speed = 0.0 if belt_speed is None else belt_speed
+        given = [
+            load_recording(columns, rig, channels=channels, belt_speed=speed, noise=noise, friction=friction)
+        ]
+    else:
+        for name, one in (("channels", channels), ("belt_speed", belt_speed), ("noise", noise)):
+            if one is not None:
+                raise InputError("is for columns in memory; recordings have their own", key=name)
+        given = [source] if isinstance(source, Recording) else [*source]
+        for run in given:
+            must_be(
+                "case", run, Recording, "load_case(path) gives a case, load_recording(path, rig) a recording"
+            )
+    if not given:
+        raise InputError("is empty; give recordings", key="case")
+    first = given[0]
+    if any(run.channels != first.channels for run in given):
+        raise InputError("the recordings have different channels; record them alike", key="case")
+    if all(run.role == "train" for run in given):
+        given = [part for run in given for part in _cut(run)]
+    law = friction or (PaperFriction() if isinstance(first.rig, Rig) else CoulombFriction())
+    silent = () if friction else tuple(one.name for one in fields(law))
+    known = {name: first.noise.get("x1" if name == "spring_force" else name) for name in first.channels}
+    own = {name: size / abs(first.factors[name]) for name, size in known.items() if size is not None}
+    return Case(first.name, rig or first.rig, law, own, tuple(given), first.channels, IN_MEMORY, silent)
+
+
+def _cut(run: Recording) -> tuple[Recording, Recording]:
+    """The first part of a run to train on, the rest to validate on."""
+    start, end = float(run.t[0]), float(run.t[-1])
+    at = start + SHARE * (end - start)
+    late = replace(run.window(at, end + 1), role="validate", name=f"{run.name}_late")
+    return replace(run.window(start, at), name=f"{run.name}_early"), late

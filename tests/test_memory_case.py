@@ -1,0 +1,81 @@
+"""Discovery of what is in memory: a data frame, recordings; and what is said of what cannot be searched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import stickslip as ss
+from every_object import BLOCK, CHANNELS, COULOMB, block_run, objects
+from stickslip.measured.memory_case import IN_MEMORY, case_in_memory
+
+RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+
+
+def frame() -> pd.DataFrame:
+    return block_run().to_dataframe()
+
+
+def test_a_frame_becomes_a_case_whose_last_third_is_validated() -> None:
+    whole = block_run()
+    case = case_in_memory(frame(), BLOCK, channels=CHANNELS, belt_speed="5 mm/s", noise={"x1": 1e-3})
+    assert [run.role for run in case.runs] == ["train", "validate"]
+    np.testing.assert_array_equal(np.concatenate([run.t for run in case.runs]), whole.t)
+    np.testing.assert_array_equal(np.concatenate([run.x1 for run in case.runs]), whole.x1)
+    assert len(case.train[0]) == pytest.approx(2 / 3 * len(whole), abs=1)
+    assert all(run.belt_speed == 0.005 for run in case.runs)
+    assert case.noise == pytest.approx({"x1": 1e-3})
+    assert case.declared_numbers == {}
+
+
+def test_recordings_keep_their_roles() -> None:
+    train, validate = block_run(), replace(block_run(seed=1), role="validate", name="other")
+    case = case_in_memory([train, validate], None, friction=COULOMB)
+    assert case.runs == (train, validate)
+    assert case.rig == BLOCK
+    assert case.declared_law == COULOMB
+
+
+@pytest.mark.parametrize(
+    ("given", "named", "words"),
+    [
+        ({"t": [0.0], "x1": [0.0]}, {}, "columns in memory need their rig"),
+        ([], {}, "is empty; give recordings"),
+        (block_run(), {"belt_speed": 0.1}, "is for columns in memory"),
+        (["a"], {}, "must be a Recording, not str"),
+        (5, {}, "must be a Case, not int"),
+        ("case", {}, "must be a Case, not str"),
+    ],
+)
+def test_what_is_no_case_is_one_line(given: object, named: dict[str, object], words: str) -> None:
+    with pytest.raises(ss.InputError, match=words) as caught:
+        ss.discover(given, **named)  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)
+
+
+def test_recordings_with_other_channels_are_refused() -> None:
+    other = replace(block_run(), channels={**CHANNELS, "x1": ss.Channel("x", "mm")})
+    with pytest.raises(ss.InputError, match="different channels"):
+        ss.discover([block_run(), other])
+
+
+def test_a_case_has_its_own_rig() -> None:
+    case = case_in_memory(block_run(), None)
+    with pytest.raises(ss.InputError, match="rig: is for recordings and columns in memory"):
+        ss.discover(case, rig=BLOCK)
+
+
+def test_a_frame_reaches_the_search() -> None:
+    with pytest.raises(ss.InputError, match=r"5 slips between sticks found in the train runs; 8 are needed"):
+        ss.discover(
+            frame(), rig=BLOCK, channels=CHANNELS, belt_speed=0.005, noise={"x1": 1e-3}, friction=COULOMB
+        )
+
+
+def test_the_report_of_what_was_in_memory_says_so(tmp_path) -> None:
+    found, case = objects()["Found"], objects()["Case"]
+    written = replace(found, case=replace(case, path=IN_MEMORY)).write_report(tmp_path / "out")
+    assert "in Python, of what was in memory" in written[0].read_text(encoding="utf-8")
