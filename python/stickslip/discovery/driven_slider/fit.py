@@ -14,8 +14,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.motion import Motion, moved, spread
-from stickslip.discovery.driven_slider.noise import Noise, Rows, Sampling, Whitener, fitted
+from stickslip.discovery.driven_slider.motion import Motion, moved, rounded, spread
+from stickslip.discovery.driven_slider.noise import HIGHEST, Noise, Rows, Sampling, Whitener, fitted
 from stickslip.discovery.driven_slider.terms import Law, Term
 
 Floats = NDArray[np.float64]
@@ -51,9 +51,9 @@ class Fit:
     """A fitted motion.
 
     `choices` are the candidates in it, `amplitudes` their coefficients, `law` the declared law's numbers,
-    `coefficients` those of all columns over the mass, `white` (n',) the residual in white units, `chi2` its sum of
-    squares with that of the declared mass, `freedom` how many numbers were fitted, `noise` that in whose white units;
-    `deviance` is -2 log likelihood.
+    `coefficients` those of all columns over the mass, `white` (n',) the residual in white units, 0 where friction is
+    in doubt, the `count` of others being what is fitted, `chi2` its sum of squares with that of the declared mass,
+    `freedom` how many numbers were fitted, `noise` that in whose white units; `deviance` is -2 log likelihood.
     """
 
     choices: tuple[Choice, ...]
@@ -62,6 +62,7 @@ class Fit:
     coefficients: Floats
     white: Floats
     chi2: float
+    count: int
     freedom: int
     noise: Noise
     deviance: float
@@ -74,7 +75,12 @@ class Fit:
     @property
     def per_reading(self) -> float:
         """chi2 over its degrees of freedom."""
-        return self.chi2 / max(len(self.white) - self.freedom, 1)
+        return self.chi2 / max(self.count - self.freedom, 1)
+
+    @property
+    def price(self) -> float:
+        """Of a number in -2 log likelihood (BIC)."""
+        return float(np.log(max(self.count, 1)))
 
     def parameters(self) -> dict[str, dict[str, float]]:
         """Every candidate's numbers under its catalogue names."""
@@ -117,9 +123,34 @@ class Balance:
         self.noise = noise
         self.whiteners = [Whitener(noise, s, d) for s, d in zip(self.samplings, self.doubts, strict=True)]
         self._determinant = sum(one.log_determinant for one in self.whiteners)
+        self._count = sum(one.count for one in self.whiteners)
         self._white_base = self.whitened(np.column_stack([self.drive, -self.base]))
         self._white_response = self.whitened(self.response)
         self._kept: dict[tuple[object, ...], Floats] = {}
+
+    @property
+    def sure(self) -> NDArray[np.bool_]:
+        """Rows (n',) in white units that say something."""
+        return np.concatenate([one.sure[HIGHEST:] for one in self.whiteners])
+
+    def read_again(self, count: int, seed: int) -> Floats:
+        """White residuals (n', count) of the noise alone, as other readings of the same motion would leave them.
+
+        An encoder's rounding goes with the motion: its errors are those at other places of its scale, passed at the
+        same speeds (B. Widrow, I. Kollar, "Quantization noise", 2008, chapter 20). What is left of the noise is drawn.
+        """
+        generator = np.random.default_rng(seed)
+        out = generator.standard_normal((len(self._white_response), count)) * self.sure[:, None]
+        if not any(run.step for run in self.runs):
+            return out
+        rows = []
+        for run, sampling in zip(self.runs, self.samplings, strict=True):
+            e = rounded(run, self.noise, count, generator)
+            coming, now, last = sampling.position
+            rows.append(coming * e[2:] + now * e[1:-1] + last * e[:-2])
+        own = self.whitened(np.concatenate(rows))
+        power = np.sum(own**2, axis=0) / max(self._count, 1)
+        return np.asarray(own + np.sqrt(np.clip(1 - power, 0, None)) * out, dtype=np.float64)
 
     def settle(self) -> Fit:
         """Estimate the noise, the motion and the declared law from each other; the last fit."""
@@ -132,10 +163,14 @@ class Balance:
         for _ in range(ROUNDS):
             self._lay()
             self.take(noise)
-            for _ in range(ROUNDS):
+            fit = self.fit(law=self.law)
+            # a better law may show another noise: it is sought anew, from everywhere
+            noise = fitted(self._rows(self.residual(fit)), self.least)
+            for _ in range(ROUNDS - 1):
+                self.take(noise)
                 fit = self.fit(law=self.law)
                 noise = fitted(self._rows(self.residual(fit)), self.least, noise)
-                self.take(noise)
+            self.take(noise)
             fit = self.fit(law=self.law)
             rows = self._rows(self.residual(fit))
             self.law = fit.law
@@ -254,7 +289,7 @@ class Balance:
         inside = sum(len(one.inside) for one in choices)
         return Fit(
             tuple(choices), self.law_of(b), self.amplitudes(choices, b), b, white[: len(self._white_response)],
-            chi2, int(rank) + inside, self.noise, chi2 + self._determinant,
+            chi2, self._count, int(rank) + inside, self.noise, chi2 + self._determinant,
         )  # fmt: skip
 
     def law_of(self, b: Floats) -> Law:

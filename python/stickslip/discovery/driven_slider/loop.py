@@ -86,8 +86,8 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
         after=after,
         law=_law(own),
         law_before=_law(intervals(search.balance, search.null).law),
-        residual_before=describe(search.balance, bare, bare.white),
-        residual_after=describe(search.balance, chosen, chosen.white),
+        residual_before=describe(search.balance, bare),
+        residual_after=describe(search.balance, chosen),
         error=error_block(case, shown, search.null, chosen, before, after),
         ranking=ranking(search, chosen),
         experiments=(),
@@ -259,7 +259,7 @@ def evidence(
         held = float(np.sqrt(share(_power(validate, best), base)))
         words += f"; on the validate runs the error falls to {ratio:.3f} of what it was"
         words += f", with {name} instead to {held:.3f}"
-    penalty = float(np.log(len(chosen.white))) * (chosen.freedom - less.freedom)
+    penalty = chosen.price * (chosen.freedom - less.freedom)
     return Evidence(drop, drop - penalty, ratio, control, name, search.gate.threshold, words)
 
 
@@ -338,7 +338,7 @@ def remarks(search: Search, chosen: Fit, loop: Feedback) -> tuple[str, ...]:
     """What a person should know of the verdict."""
     noise, mass = chosen.noise, chosen.law.mass
     out = [
-        f"Noise: {noise.std * mass:.3g} N of force, {noise.sigma * noise.reading:.3g} m of the readings.",
+        f"Noise: {noise.std * mass:.3g} N of force, {noise.reading:.3g} m of the readings.",
     ]
     if loop.closed:
         out.append(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,7 @@ from stickslip.discovery.driven_slider.noise import (
     fitted,
 )
 from stickslip.errors import InputError
+from stickslip.measured.signals import quantisation
 
 Floats = NDArray[np.float64]
 
@@ -102,14 +103,15 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
 class Motion:
     """One run: (n,) arrays at the sampling rate, SI.
 
-    `reading` is the position as read, `x` and `v` position and velocity as smoothed, `a` the acceleration from second
-    differences of the readings, `command` the drive as recorded and `drive` as it acts at the samples, `rest` where the
-    sign of the velocity is in doubt.
+    `reading` is the position as read, `step` that of its encoder or file (0: none), `x` and `v` position and velocity
+    as smoothed, `a` the acceleration from second differences of the readings, `command` the drive as recorded and
+    `drive` as it acts at the samples, `rest` where the sign of the velocity is in doubt.
     """
 
     name: str
     t: Floats
     reading: Floats
+    step: float
     x: Floats
     v: Floats
     a: Floats
@@ -130,9 +132,9 @@ class Motion:
 
     @property
     def least(self) -> tuple[float, float]:
-        """The least noise of the readings [m] and of the drive [N] that a record may claim."""
+        """The least noise of the readings [m], rounding included, and of the drive [N] that a record may claim."""
         return (
-            LEAST_READING * float(np.ptp(self.reading)),
+            max(LEAST_READING * float(np.ptp(self.reading)), self.step / float(np.sqrt(12))),
             LEAST_FORCE * float(np.sqrt(np.mean(self.command**2))),
         )
 
@@ -177,7 +179,7 @@ def motion(name: str, t: Floats, x: Floats, force: Floats, mass: float) -> Motio
     a[0], a[-1] = a[1], a[-2]
     held = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
     none = np.zeros(len(x), dtype=bool)
-    raw = Motion(name, t, x, x, x, instant(a), force, instant(held), none, dt)
+    raw = Motion(name, t, x, quantisation(x).step, x, x, instant(a), force, instant(held), none, dt)
     sampling = Sampling(dt, 0.0)
     rows = Rows(raw.accelerations(sampling) - raw.driven(sampling) / mass, sampling, np.zeros(len(x)))
     reading, least = raw.least
@@ -193,7 +195,7 @@ def moved(run: Motion, noise: Noise, rows: Rows) -> Motion:
     turn = np.zeros(len(v), dtype=bool)
     turn[1:] = np.sign(v[1:]) != np.sign(v[:-1])
     near = scipy.ndimage.binary_dilation(slow | turn | np.append(turn[1:], False), iterations=2)
-    return Motion(run.name, run.t, run.reading, x, v, run.a, run.command, run.drive, near, run.dt)
+    return replace(run, x=x, v=v, rest=near)
 
 
 def _deviation(noise: Noise, rows: Rows, dt: float) -> float:
@@ -204,6 +206,16 @@ def _deviation(noise: Noise, rows: Rows, dt: float) -> float:
     residual += np.convolve(d, rows.sampling.held)[1:-2]
     known = Whitener(noise, rows.sampling, np.zeros(n)).reading_noise(residual)
     return float(np.std(np.gradient(e - known, dt)))
+
+
+def rounded(run: Motion, noise: Noise, count: int, generator: np.random.Generator) -> Floats:
+    """Errors (n, count) of rounding to the run's step, had its scale been mounted elsewhere; other noise dithers it."""
+    if not run.step:
+        return np.zeros((len(run.t), count))
+    other = float(np.sqrt(max(noise.reading**2 - run.step**2 / 12, 0.0)))
+    x = run.x[:, None] + run.step * generator.random(count)
+    x = (x + other * generator.standard_normal(x.shape)) / run.step
+    return np.asarray(run.step * (np.rint(x) - x), dtype=np.float64)
 
 
 def instant(mean: Floats) -> Floats:

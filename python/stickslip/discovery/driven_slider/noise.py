@@ -9,10 +9,13 @@ so that the residual of that line is `P e + B d`, P and B short filters. Its cov
 Cholesky factor, lower triangular in time, is the Kalman filter of the record: row k of the solution is what reading
 k + 1 adds to all before it. That is why a drive that answers to the readings does not bias a fit: it answers to earlier
 ones. While the sign of the velocity is in doubt friction may be anything up to its limit: there d has a white part of
-that size more. What colour the innovations keep is taken out by an autoregression of their own.
+that size more, and what such rows add to the others says nothing of the noise or of a force: they are left out, so that
+the likelihood is that of the sure rows given all that came before them (a partial likelihood). What colour the
+innovations keep is taken out by an autoregression of their own.
 
 Sources: banded factor as filter, A. Harvey, "Forecasting, structural time series models and the Kalman filter", 1989,
-chapter 3; closed loops, L. Ljung, "System identification", 1999, section 13.4.
+chapter 3; partial likelihood, D. R. Cox, Biometrika 62, 1975, 269; closed loops, L. Ljung, "System identification",
+1999, section 13.4.
 """
 
 from __future__ import annotations
@@ -80,25 +83,24 @@ class Noise:
     """The noise of a record.
 
     `reading` [m] is the standard deviation of e, `force` [m/s^2] that of what is new in d, `pole` d's memory per
-    sample; `filter` (1, h[1], ..., h[m]) and `sigma` whiten the innovations that are left.
+    sample; `filter` (1, h[1], ..., h[m]) whitens the innovations that are left.
     """
 
     reading: float
     force: float
     pole: float = 0.0
     filter: tuple[float, ...] = (1.0,)
-    sigma: float = 1.0
 
     @property
     def std(self) -> float:
         """Standard deviation of d [m/s^2]."""
-        return self.sigma * self.force / float(np.sqrt(1 - self.pole**2))
+        return self.force / float(np.sqrt(1 - self.pole**2))
 
     def drawn(self, n: int, generator: np.random.Generator) -> tuple[Floats, Floats]:
         """Realisations (n,) of e and d."""
-        e = self.sigma * self.reading * generator.standard_normal(n)
+        e = self.reading * generator.standard_normal(n)
         w = generator.standard_normal(n + 4000)
-        d = scipy.signal.lfilter([self.sigma * self.force], [1.0, -self.pole], w)
+        d = scipy.signal.lfilter([self.force], [1.0, -self.pole], w)
         return e, np.asarray(d[-n:], dtype=np.float64)
 
 
@@ -115,7 +117,8 @@ class Whitener:
 
     Notes
     -----
-    Residuals are (n - 2,), one a sample but the first and the last; of the white ones `1 + HIGHEST` are lost.
+    Residuals are (n - 2,), one a sample but the first and the last; of the white ones `1 + HIGHEST` are lost. They are
+    0 where friction in doubt reaches; `sure` is where it does not, `count` how many of them are kept.
     """
 
     def __init__(self, noise: Noise, sampling: Sampling, doubt: Floats) -> None:
@@ -133,13 +136,18 @@ class Whitener:
             for i in range(3 - j):
                 # row r is of sample r + 2, and holds force number i of the interval that begins at r + 2 - i
                 self.band[j] += c_q[i] * c_q[i + j] * doubt[2 - i : 2 - i + n]
+        self.sure = (doubt[2:-1] == 0) & (doubt[1:-2] == 0) & (doubt[:-3] == 0)
         self.factor = scipy.linalg.cholesky_banded(self.band, lower=True, check_finite=False)
 
     @property
+    def count(self) -> int:
+        """White residuals that say something."""
+        return int(np.count_nonzero(self.sure[HIGHEST:]))
+
+    @property
     def log_determinant(self) -> float:
-        """Of the factor that is divided by, squared, over the rows that are kept."""
-        kept = self.factor[0][HIGHEST:]
-        return 2 * float(np.sum(np.log(kept)) + len(kept) * np.log(self.noise.sigma))
+        """Of the factor that is divided by, squared, over the rows that say something."""
+        return 2 * float(np.sum(np.log(self.factor[0][HIGHEST:][self.sure[HIGHEST:]])))
 
     def innovations(self, rows: Floats) -> Floats:
         """White but for what colour is left: (n - 3, m) of residuals (n - 2, m)."""
@@ -171,11 +179,12 @@ class Whitener:
         out = w[HIGHEST:].copy()
         for j, h in enumerate(self.noise.filter[1:], 1):
             out += h * w[HIGHEST - j : len(w) - j]
-        return np.asarray(out / self.noise.sigma, dtype=np.float64)
+        out[~self.sure[HIGHEST:]] = 0.0
+        return np.asarray(out, dtype=np.float64)
 
     def coloured(self, white: Floats) -> Floats:
         """A residual (n - 2,) of white numbers (n - 3,): the inverse, but for what came before."""
-        v = scipy.signal.lfilter([self.noise.sigma], self.noise.filter, white)
+        v = scipy.signal.lfilter([1.0], self.noise.filter, white)
         own = self.factor[0] * v
         for j in range(1, 4):
             own[j:] += self.factor[j, :-j] * v[:-j]
@@ -223,7 +232,7 @@ def fitted(runs: Sequence[Rows], least: Noise, start: Noise | None = None) -> No
     def deviance(z: Floats) -> float:
         return _deviance(at(z), runs)
 
-    one = start or min(_starts(runs, least), key=lambda one: _deviance(one, runs))
+    one = _sized(start, runs, least) if start else min(_starts(runs, least), key=lambda one: _deviance(one, runs))
     z = np.array([np.log(one.reading), np.log(one.force), np.arctanh(one.pole)])
     simplex = z + np.vstack([np.zeros(3), (0.3 if start else 0.7) * np.eye(3)])
     found = scipy.optimize.minimize(
@@ -231,6 +240,19 @@ def fitted(runs: Sequence[Rows], least: Noise, start: Noise | None = None) -> No
         options={"initial_simplex": simplex, "xatol": 0.01, "fatol": 0.05, "maxfev": 60 if start else 150},
     )  # fmt: skip
     return whitened(at(found.x), runs)
+
+
+def _sized(noise: Noise, runs: Sequence[Rows], least: Noise) -> Noise:
+    """The noise made as large as it is, its colour kept."""
+    power, n = 0.0, 1
+    for one in runs:
+        white = Whitener(noise, one.sampling, one.doubt)
+        w = white.innovations(one.residual)[white.sure]
+        power, n = power + float(w @ w), n + len(w)
+    size = float(np.sqrt(power / n))
+    return replace(
+        noise, reading=max(size * noise.reading, least.reading), force=max(size * noise.force, least.force)
+    )
 
 
 def _starts(runs: Sequence[Rows], least: Noise) -> list[Noise]:
@@ -260,23 +282,22 @@ def whitened(noise: Noise, runs: Sequence[Rows]) -> Noise:
 
 def _whitened(noise: Noise, runs: Sequence[Rows]) -> tuple[Noise, float]:
     """That noise, and -2 log likelihood with the price of the order."""
-    r, n, fixed = np.zeros(HIGHEST + 1), 0, 0.0
+    r, n, fixed = np.zeros(HIGHEST + 1), 1, 0.0
     for one in runs:
         white = Whitener(noise, one.sampling, one.doubt)
-        w = white.innovations(one.residual)
+        w = np.where(white.sure, white.innovations(one.residual), 0.0)
         r += [float(w[k:] @ w[: len(w) - k]) for k in range(HIGHEST + 1)]
-        n += len(w)
-        fixed += 2 * float(np.sum(np.log(white.factor[0])))
+        n += int(np.count_nonzero(white.sure))
+        fixed += 2 * float(np.sum(np.log(white.factor[0][white.sure])))
     r /= n
     if r[0] < 0.5:  # less is left than the least noise
         return noise, n * float(r[0]) + fixed
-    best, h, power = np.inf, np.ones(1), 1.0
+    best, h = np.inf, np.ones(1)
     for order in range(HIGHEST + 1):
         own = np.ones(1)
         if order:
             own = np.concatenate([[1.0], -scipy.linalg.solve_toeplitz(r[:order], r[1 : order + 1])])
-        size = float(own @ r[: order + 1])
-        score = n * np.log(size) + np.log(n) * order
+        score = n * float(own @ r[: order + 1]) + float(np.log(n)) * order
         if score < best:
-            best, h, power = score, own, size
-    return replace(noise, filter=tuple(map(float, h)), sigma=float(np.sqrt(power))), n + float(best) + fixed
+            best, h = score, own
+    return replace(noise, filter=tuple(map(float, h))), best + fixed

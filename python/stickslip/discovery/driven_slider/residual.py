@@ -91,17 +91,18 @@ def free(run: Motion, step: int) -> Floats:
     return np.column_stack(out)
 
 
-def describe(balance: Balance, fit: Fit, white: Floats) -> Residual:
+def describe(balance: Balance, fit: Fit) -> Residual:
     """The residual of a fit, in white units, against the noise: over all, by direction, speed, place and time."""
-    w = white
-    chi2 = float(w @ w) / max(len(w) - fit.freedom, 1)
-    error = float(np.sqrt(2 / len(w)))
-    centred = w - w.mean()
+    w = fit.white
+    chi2 = float(w @ w) / max(fit.count - fit.freedom, 1)
+    error = float(np.sqrt(2 / max(fit.count, 1)))
+    sure = balance.sure
+    centred = np.where(sure, w - np.mean(w[sure]), 0.0) if fit.count else w
     r = [float(centred[k:] @ centred[: len(w) - k]) for k in range(LAGS)]
-    whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(len(w)) / 1.96
+    whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(max(fit.count, 1)) / 1.96
     parts = _parts(balance, w)
-    worst = max(parts, key=lambda one: one.chi2)
-    where = f"most of it at {worst.what} {worst.name} ({worst.chi2:.3g})"
+    worst = max(parts, key=lambda one: one.chi2, default=None)
+    where = f"most of it at {worst.what} {worst.name} ({worst.chi2:.3g})" if worst else ""
     if chi2 < CLEAN:
         words = f"what is left is noise: chi-squared per reading is {chi2:.3g}"
     else:
@@ -110,7 +111,11 @@ def describe(balance: Balance, fit: Fit, white: Floats) -> Residual:
 
 
 def _parts(balance: Balance, w: Floats) -> tuple[Part, ...]:
-    x, v, t = (_rows(balance, name) for name in ("x", "v", "t"))
+    sure = balance.sure
+    w = w[sure]
+    x, v, t = (_rows(balance, name)[sure] for name in ("x", "v", "t"))
+    if not w.size:
+        return ()
     groups: list[tuple[str, str, NDArray[np.bool_]]] = [
         ("direction", "x2 > 0", v > 0),
         ("direction", "x2 < 0", v < 0),
@@ -136,10 +141,11 @@ def _rows(balance: Balance, name: str) -> Floats:
 def spectrum(balance: Balance, before: Floats, after: Floats) -> dict[str, Floats]:
     """Power of white residuals over angular frequency, 1 for white noise."""
     rate = 1 / balance.runs[0].dt
+    unit = rate / 2 / max(float(np.mean(balance.sure)), 1e-300)  # the other rows are 0
     size = int(min(512, len(before) // 4))
     f, was = scipy.signal.welch(before, fs=rate, nperseg=size)
     _, now = scipy.signal.welch(after, fs=rate, nperseg=size)
-    return {"frequency": 2 * np.pi * f[1:], "before": was[1:] * rate / 2, "after": now[1:] * rate / 2}
+    return {"frequency": 2 * np.pi * f[1:], "before": was[1:] * unit, "after": now[1:] * unit}
 
 
 def views(role: str, shown: Shown, before: Fit, after: Fit) -> tuple[ForceView, ...]:

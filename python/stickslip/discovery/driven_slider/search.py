@@ -72,9 +72,7 @@ class Search:
         self.null = self.balance.settle()
         self.dictionary = Dictionary(self.balance)
         self.tell("drawing the gate")
-        generator = np.random.default_rng(self.seed)
-        draws = generator.standard_normal((len(self.null.white), DRAWS))
-        (first,) = self.dictionary.scores([self.null], draws)
+        (first,) = self.dictionary.scores([self.null], self.balance.read_again(DRAWS, self.seed))
         self._scored: list[tuple[Fit, Floats]] = [(self.null, first.gains)]
         self.gate = Gate(extreme(first.drawn, LEVEL), first.drawn)
         self.curves = curves(self.balance.runs)
@@ -101,7 +99,7 @@ class Search:
         A declared constant is one number that is asked for by name: it is held against its own uncertainty.
         """
         joined = set(after.names) - set(before.names)
-        price = float(np.log(len(after.white))) * (after.freedom - before.freedom)
+        price = after.price * (after.freedom - before.freedom)
         least = max(self.gate.threshold, price)
         known = self.balance.declared.uncertainty
         if joined == {"rig_mass"} and known > 0:
@@ -118,7 +116,7 @@ class Search:
         """The candidates that the score puts first beside a fit, and the mass."""
         gains, names = self.scores(fit), self.dictionary.names
         size = np.array([one.term.size for one in self.dictionary.entries])
-        worth = gains - np.log(len(fit.white)) * size
+        worth = gains - fit.price * size
         out = {*taken, *fit.names}
         ripple = next((one for one in RIPPLES if one not in out), None)
         worth[np.isin(names, [one for one in out if one not in RIPPLES])] = -np.inf
@@ -153,7 +151,7 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """-2 log likelihood with the price of the numbers."""
-        return fit.deviance + float(np.log(len(fit.white))) * fit.freedom
+        return fit.deviance + fit.price * fit.freedom
 
     def renoised(self, fit: Fit) -> Fit:
         """The fit, its scanned numbers and its noise fitted too."""
