@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "bench" / "discovery"))
+from driven_draw import draw as draw
 from driven_draw import exact
 
 sys.path.pop(0)
@@ -39,13 +40,23 @@ def reference(t):
 
 
 def record(
-    seconds, *, seed=0, noise=0.25, colour=0.8, reading=0.0, closed=True, force=None, friction=None, delay=0
+    seconds,
+    *,
+    seed=0,
+    noise=0.25,
+    colour=0.8,
+    reading=0.0,
+    closed=True,
+    force=None,
+    friction=None,
+    delay=0,
+    step=QUANTUM,
 ):
     """Times, positions and commands [V] (n,).
 
     `noise` [N] is the standard deviation of the force noise, `colour` its memory per sample. Readings have an encoder's
-    steps or, with `reading` [m], white noise of that size, which the loop feeds back. Not `closed`: three sines drive
-    the slider. `force(x, t)` acts on it beside the rest, `friction(x)` multiplies friction, `delay` is in samples.
+    `step` [m] or, with `reading` [m], white noise of that size, which the loop feeds back. Not `closed`: three sines
+    drive the slider. `force(x, t)` acts on it too, `friction(x)` multiplies friction, `delay` counts samples.
     """
     generator = np.random.default_rng(seed)
     t = np.arange(round(seconds * RATE)) / RATE
@@ -56,7 +67,7 @@ def record(
     out, commands = np.empty(len(t)), np.empty(len(t))
     disturbance = 0.0
     for k in range(len(t)):
-        read = x + reading * generator.standard_normal() if reading else QUANTUM * round(x / QUANTUM)
+        read = x + reading * generator.standard_normal() if reading else step * round(x / step)
         u = KP * KV * (goal[k] - read) - KV * 0.5 * (read - before) * RATE if closed else plan[k]
         before, last = last, read
         out[k], commands[k] = read, u

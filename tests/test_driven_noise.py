@@ -12,7 +12,8 @@ from stickslip.discovery.driven_slider.dictionary import mass_term
 from stickslip.discovery.driven_slider.feedback import feedback
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared
 from stickslip.discovery.driven_slider.motion import motion, spread
-from stickslip.discovery.driven_slider.noise import HIGHEST, MANY, Noise, Sampling, Whitener
+from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.search import extreme
 
 
@@ -61,23 +62,23 @@ def test_the_filter_is_the_cholesky_factor_of_the_plain_covariance(small) -> Non
     noise, sampling, doubt = small
     white = Whitener(noise, sampling, doubt)
     L = np.linalg.cholesky(covariance(noise, sampling, doubt))
-    rows = np.random.default_rng(1).standard_normal((58, MANY))
+    rows = np.random.default_rng(1).standard_normal((58, STEER.together))
     expected = np.linalg.solve(L, rows[1:] - 0.7 * rows[:-1])
     np.testing.assert_allclose(white.innovations(rows), expected, rtol=1e-8)
     np.testing.assert_allclose(white.innovations(rows[:, 0]), expected[:, 0], rtol=1e-8)
-    expected = expected[HIGHEST:] - 0.4 * expected[HIGHEST - 1 : -1]
+    expected = expected[STEER.order :] - 0.4 * expected[STEER.order - 1 : -1]
     # row r is of the intervals that begin at samples r to r + 2; friction is in doubt in those from 20 to 24
-    sure = np.array([r + 2 < 20 or r > 24 for r in range(HIGHEST, 57)])
+    sure = np.array([r + 2 < 20 or r > 24 for r in range(STEER.order, 57)])
     np.testing.assert_allclose(white(rows), np.where(sure[:, None], expected, 0.0), rtol=1e-8)
     assert white.count == np.count_nonzero(sure)
-    assert white.log_determinant == pytest.approx(2 * np.sum(np.log(np.diag(L)[HIGHEST:][sure])))
+    assert white.log_determinant == pytest.approx(2 * np.sum(np.log(np.diag(L)[STEER.order :][sure])))
 
 
 def test_colour_put_in_is_taken_out(small) -> None:
     noise, sampling, doubt = small
     white = Whitener(noise, sampling, 0 * doubt)
     z = np.random.default_rng(2).standard_normal(57)
-    np.testing.assert_allclose(white(white.coloured(z)), z[HIGHEST:], atol=1e-9)
+    np.testing.assert_allclose(white(white.coloured(z)), z[STEER.order :], atol=1e-9)
 
 
 def test_the_smoother_is_the_mean_of_the_readings_noise_given_the_residual(small) -> None:
@@ -122,6 +123,42 @@ def test_sizes_and_colour_of_the_noise_are_recovered() -> None:
     assert fit.per_reading == pytest.approx(1, abs=0.05)
 
 
+def test_friction_in_doubt_is_not_taken_for_force_noise() -> None:
+    # friction is in doubt at a fifth of these readings: once a force noise of 44 N was found where the drive is 22 N
+    drawn = truth.draw(np.random.default_rng([9, 6]), closed=False, coloured=True, level=0.01)
+    half, slider = len(drawn.t) // 2, drawn.slider
+    run = motion("run", drawn.t[:half], drawn.x[:half], drawn.drive[:half], drawn.declared)
+    fit = Balance([run], Declared(drawn.declared, 0.0166)).settle()
+    assert fit.noise.reading == pytest.approx(drawn.reading, rel=0.03)
+    force = drawn.level * np.sqrt(np.mean(drawn.drive**2))
+    assert fit.noise.std * fit.law.mass == pytest.approx(force, rel=0.5)
+    assert fit.per_reading == pytest.approx(1, abs=0.03)
+    law = (fit.law.mass, fit.law.damping, fit.law.minus, fit.law.plus)
+    assert law == pytest.approx((slider.mass, slider.damping, slider.minus, slider.plus), rel=0.01)
+
+
+def test_rounding_is_drawn_as_other_places_of_the_encoder_s_scale_leave_it() -> None:
+    step, count = 2e-5, 20
+    t, x, u = truth.record(12.0, noise=0.0, step=1e-12)
+    zero = np.random.default_rng(0).random(count)
+    rounded = [step * (np.rint(x / step + z) - (x / step + z)) for z in zero]
+    run = motion("run", t, x + rounded[0], truth.GAIN * u, truth.MASS)
+    balance = Balance([run], Declared(truth.MASS, 0.0166))
+    balance.settle()
+    assert run.step == pytest.approx(step, rel=1e-3)
+    (sampling,), (white,) = balance.samplings, balance.whiteners
+
+    def lines(rows):
+        power = np.abs(np.fft.rfft(rows, axis=0)[: len(rows) // 10]) ** 2  # where forces are sought
+        return np.median(power.max(axis=0) / power.mean(axis=0))
+
+    real = lines(white(sampling.read(np.column_stack(rounded))))
+    own = lines(balance.read_again(count, 1))
+    plain = lines(np.random.default_rng(2).standard_normal((len(balance.sure), count)))
+    assert real > 1.5 * plain  # the rounding of this motion has lines
+    assert own == pytest.approx(real, rel=0.2)
+
+
 def test_a_record_without_force_noise_leaves_that_of_the_readings() -> None:
     _, fit = settled(noise=0.0)
     assert fit.noise.reading == pytest.approx(truth.QUANTUM / np.sqrt(12), rel=0.05)
@@ -161,6 +198,7 @@ QUIET = {
     "open loop, white readings": {"closed": False, "reading": 5e-6},
     "open loop, no force noise": {"closed": False, "noise": 0.0, "reading": 1e-6},
     "readings fed back": {"reading": 5e-5},
+    "a coarse encoder fed back, no force noise": {"noise": 0.0, "step": 2e-5},
 }
 
 
@@ -171,7 +209,7 @@ def test_a_record_that_the_declared_law_explains_names_nothing(kind, tmp_path) -
     assert found.verdict.value == "no_effect"
     assert found.effects == ()
     assert found.constants["mass"].value == pytest.approx(truth.MASS, rel=0.02)
-    assert any("answers to noise" in one for one in found.messages) is (kind == "readings fed back") or (
+    assert any("answers to noise" in one for one in found.messages) is ("fed back" in kind) or (
         "open" not in kind
     )
 

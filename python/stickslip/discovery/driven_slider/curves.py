@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.discovery.driven_slider.motion import Motion
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.terms import Law, Term
 from stickslip.discovery.result import Curve
 
 Floats = NDArray[np.float64]
-
-KNOTS = 9
-MIDDLE = 0.04  # of the fastest velocity: below, friction at rest and friction in motion are not told apart
-SPEEDS = np.array([-1.0, -0.6, -0.3, -0.12, -MIDDLE, MIDDLE, 0.12, 0.3, 0.6, 1.0])
 
 
 class CurveTerm:
@@ -86,10 +83,13 @@ def curves(runs: Sequence[Motion]) -> tuple[CurveTerm, ...]:
     fastest = max(float(np.percentile(np.abs(run.v), 99.5)) for run in runs)
     low, high = min(float(run.x.min()) for run in runs), max(float(run.x.max()) for run in runs)
     start, end = float(runs[0].t[0]), float(runs[-1].t[-1])
-    middle = [4, 5]
+    # closer towards rest, where friction bends; nearer than the first knot rest and motion are not told apart
+    half = np.geomspace(STEER.middle, 1.0, STEER.knots // 2 + 1)
+    speeds = np.concatenate([-half[::-1], half])
+    middle = [len(half) - 1, len(half)]
     return (
-        CurveTerm("block", "x1", np.linspace(low, high, KNOTS), [0]),
-        CurveTerm("contact", "x1", np.linspace(low, high, KNOTS), [0]),
-        CurveTerm("contact", "v_w", fastest * SPEEDS, middle),
-        CurveTerm("block", "t", np.linspace(start, end, KNOTS), [0]),
+        CurveTerm("block", "x1", np.linspace(low, high, STEER.knots), [0]),
+        CurveTerm("contact", "x1", np.linspace(low, high, STEER.knots), [0]),
+        CurveTerm("contact", "v_w", fastest * speeds, middle),
+        CurveTerm("block", "t", np.linspace(start, end, STEER.knots), [0]),
     )

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.terms import Law, Term
 
 Floats = NDArray[np.float64]
 
-CHUNK = 768  # columns computed at once
-TINY = 1e-6  # share of a column's power that must be new beside what is fitted
+TINY = 1e-6  # share of a column's power that is none: what rounding leaves of one that is fitted already
 
 
 def mass_term(declared: float) -> Term:
@@ -54,7 +54,7 @@ class Dictionary:
             if term.name in POSITION_RIPPLES[1:]:  # the same columns, another name
                 continue
             insides = [np.array([v]) for v in self.grids[term.scanned[0]]] if term.scanned else [np.zeros(0)]
-            width = CHUNK // term.amplitudes
+            width = STEER.at_once // term.amplitudes
             for start in range(0, len(insides), width):
                 self._chunks.append((term, insides[start : start + width]))
             self.entries += [Choice(term, one) for one in insides]
@@ -119,7 +119,7 @@ def _gains(term: Term, white: Floats, power: Floats, inside: Floats, p: Floats, 
     ab = np.einsum("ij,ij->j", white[:, a], white[:, b]) - np.einsum("ij,ij->j", inside[:, a], inside[:, b])
     aa, bb = own[a], own[b]
     det = aa * bb - ab**2
-    sound = (seen[a] & seen[b] & (det > 1e-6 * aa * bb))[:, None]
+    sound = (seen[a] & seen[b] & (det > TINY * aa * bb))[:, None]
     safe = np.where(sound[:, 0], det, 1.0)[:, None]
     both = p[a] ** 2 * bb[:, None] - 2 * p[a] * p[b] * ab[:, None] + p[b] ** 2 * aa[:, None]
     return np.asarray(np.where(sound, both / safe, 0.0))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery.driven_slider.fit import Fit
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.residual import Shown
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.measured.case import Case, Recording
@@ -14,8 +15,6 @@ from stickslip.simulated.driven_slider import forecast
 
 Floats = NDArray[np.float64]
 
-AHEAD = 0.25  # s
-WINDOW = 24  # samples before its start from which a forecast takes its state
 NAN = float("nan")
 METRIC = (
     "norm of the force that the model leaves unexplained over that of the drive, on the validate runs, within the"
@@ -37,9 +36,9 @@ def error_block(
         force = {k: share(float(np.linalg.norm(v[part])), total) for k, v in left.items()}
         force["floor"] = share(floor * float(np.sqrt(length)), total)
         position = {
-            "before": forecasts(before, run, AHEAD),
-            "after": forecasts(after, run, AHEAD),
-            "floor": floor_of_forecast(chosen, run, AHEAD),
+            "before": forecasts(before, run, STEER.ahead),
+            "after": forecasts(after, run, STEER.ahead),
+            "floor": floor_of_forecast(chosen, run, STEER.ahead),
         }
         none = {"before": NAN, "after": NAN, "floor": NAN}
         unit = {"x1": run.unit("x1"), "drive": "1"}
@@ -74,11 +73,11 @@ def share(part: float, whole: float) -> float:
 def starts(run: Recording, steps: int) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Where forecasts begin, and the state there from a cubic through the readings before: samples, x, v (m,)."""
     assert run.drive is not None
-    at = np.arange(WINDOW, len(run.t) - steps - 1, max(steps // 2, 1))
+    at = np.arange(STEER.past, len(run.t) - steps - 1, max(steps // 2, 1))
     dt = float(np.median(np.diff(run.t)))
-    tau = np.arange(-WINDOW + 1, 1) * dt
+    tau = np.arange(-STEER.past + 1, 1) * dt
     powers = np.vander(tau, 4, increasing=True)
-    windows = run.x1[at[:, None] + np.arange(-WINDOW + 1, 1)]
+    windows = run.x1[at[:, None] + np.arange(-STEER.past + 1, 1)]
     b = np.linalg.lstsq(powers / tau[0] ** np.arange(4), windows.T, rcond=None)[0]
     return at, b[0], b[1] / tau[0]
 

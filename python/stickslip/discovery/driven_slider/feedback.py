@@ -9,12 +9,9 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.fit import Balance, Fit
-from stickslip.discovery.driven_slider.noise import HIGHEST
+from stickslip.discovery.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
-
-READINGS = 3  # the latest, to which a drive may answer
-SURE = 1e-6  # chance at which a drive that answers to nothing is taken for one that does
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class Feedback:
     @property
     def closed(self) -> bool:
         """Whether the drive answers to the readings."""
-        return self.chance < SURE
+        return self.chance < STEER.chance
 
 
 def feedback(balance: Balance, fit: Fit) -> Feedback:
@@ -40,18 +37,18 @@ def feedback(balance: Balance, fit: Fit) -> Feedback:
     What its own past does not say of the drive is independent of what is new in the readings so far, unless the drive
     is made from them.
     """
-    run = balance.runs[0]
-    new = fit.white[: len(run.t) - 3 - HIGHEST]  # row r is of reading r + HIGHEST + 3
-    first = HIGHEST + 3 + READINGS
-    past = np.column_stack([run.command[first - j : len(run.command) - j] for j in range(1, HIGHEST + 1)])
+    run, order, answers = balance.runs[0], STEER.order, STEER.answers
+    new = fit.white[: len(run.t) - 3 - order]  # row r is of reading r + order + 3
+    first = order + 3 + answers
+    past = np.column_stack([run.command[first - j : len(run.command) - j] for j in range(1, order + 1)])
     own = run.command[first:]
     past = np.column_stack([past, np.ones(len(past))])
     own = own - past @ np.linalg.lstsq(past, own, rcond=None)[0]
-    X = np.column_stack([new[READINGS - i : len(new) - i] for i in range(READINGS)])
+    X = np.column_stack([new[answers - i : len(new) - i] for i in range(answers)])
     left = own - X @ np.linalg.lstsq(X, own, rcond=None)[0]
     total = float(own @ own)
     share = 1 - float(left @ left) / total if total > 0 else 0.0
-    chance = float(scipy.stats.chi2.sf(len(own) * share, READINGS))
+    chance = float(scipy.stats.chi2.sf(len(own) * share, answers))
     return Feedback(share, chance, plain_mass(balance))
 
 

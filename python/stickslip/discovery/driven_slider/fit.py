@@ -15,14 +15,14 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.motion import Motion, moved, rounded, spread
-from stickslip.discovery.driven_slider.noise import HIGHEST, Noise, Rows, Sampling, Whitener, fitted
+from stickslip.discovery.driven_slider.noise import Noise, Rows, Sampling, Whitener, fitted
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.terms import Law, Term
+from stickslip.likelihoods.policy import POLICY
 
 Floats = NDArray[np.float64]
 
-REMEMBERED = 200  # candidates whose columns are kept at hand
-ROUNDS = 3  # of a fit and its noise in turn; candidates that scale with friction use that of the round before
-STEP = 0.01  # of a derivative by differences
+STEP = 0.01  # of a derivative by differences, in natural steps of a scanned number
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class Balance:
     @property
     def sure(self) -> NDArray[np.bool_]:
         """Rows (n',) in white units that say something."""
-        return np.concatenate([one.sure[HIGHEST:] for one in self.whiteners])
+        return np.concatenate([one.sure[STEER.order :] for one in self.whiteners])
 
     def read_again(self, count: int, seed: int) -> Floats:
         """White residuals (n', count) of the noise alone, as other readings of the same motion would leave them.
@@ -140,17 +140,18 @@ class Balance:
         same speeds (B. Widrow, I. Kollar, "Quantization noise", 2008, chapter 20). What is left of the noise is drawn.
         """
         generator = np.random.default_rng(seed)
-        out = generator.standard_normal((len(self._white_response), count)) * self.sure[:, None]
-        if not any(run.step for run in self.runs):
-            return out
-        rows = []
-        for run, sampling in zip(self.runs, self.samplings, strict=True):
-            e = rounded(run, self.noise, count, generator)
-            coming, now, last = sampling.position
-            rows.append(coming * e[2:] + now * e[1:-1] + last * e[:-2])
-        own = self.whitened(np.concatenate(rows))
-        power = np.sum(own**2, axis=0) / max(self._count, 1)
-        return np.asarray(own + np.sqrt(np.clip(1 - power, 0, None)) * out, dtype=np.float64)
+        out = []
+        for run, sampling, white in zip(self.runs, self.samplings, self.whiteners, strict=True):
+            if run.step:
+                rounding = rounded(run, self.noise, count, generator)
+                d = np.stack([self.noise.drawn(len(run.t), generator)[1] for _ in range(count)], axis=1)
+                # what colour the innovations keep belongs to the force: the rounding has its own
+                force = white.innovations(sampling.forced(d))[STEER.order :] * white.sure[STEER.order :, None]
+                out.append(white(sampling.read(rounding)) + force)
+            else:
+                z = generator.standard_normal((len(run.t) - 3 - STEER.order, count))
+                out.append(z * white.sure[STEER.order :, None])
+        return np.concatenate(out)
 
     def settle(self) -> Fit:
         """Estimate the noise, the motion and the declared law from each other; the last fit."""
@@ -160,13 +161,13 @@ class Balance:
         self.law = self._plain()
         self._lay()
         noise = fitted(self._rows(self._left(self.law)), self.least)
-        for _ in range(ROUNDS):
+        for _ in range(STEER.rounds):
             self._lay()
             self.take(noise)
             fit = self.fit(law=self.law)
             # a better law may show another noise: it is sought anew, from everywhere
             noise = fitted(self._rows(self.residual(fit)), self.least)
-            for _ in range(ROUNDS - 1):
+            for _ in range(STEER.rounds - 1):
                 self.take(noise)
                 fit = self.fit(law=self.law)
                 noise = fitted(self._rows(self.residual(fit)), self.least, noise)
@@ -199,7 +200,7 @@ class Balance:
         parts = np.split(residual, np.cumsum(self.lengths)[:-1])
         return [Rows(r, s, d) for r, s, d in zip(parts, self.samplings, self.doubts, strict=True)]
 
-    def renoised(self, fit: Fit, rounds: int = ROUNDS - 1) -> Fit:
+    def renoised(self, fit: Fit, rounds: int = STEER.rounds - 1) -> Fit:
         """The fit with the noise that goes with it: in turn, as the noise hardly moves the fit."""
         for _ in range(rounds):
             noise = fitted(self._rows(self.residual(fit)), self.least, fit.noise)
@@ -217,7 +218,7 @@ class Balance:
         """The same in white units; the last ones are remembered."""
         key = (term.name, inside.tobytes(), law if term.scaled else None)
         if key not in self._kept:
-            if len(self._kept) > REMEMBERED:
+            if len(self._kept) > STEER.remembered:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = self.whitened(self.columns(term, inside, law))
         return self._kept[key]
@@ -356,7 +357,13 @@ class Balance:
 
         still, small = np.zeros(len(start)), np.full(len(start), STEP)
         solved = scipy.optimize.least_squares(
-            white, still, diff_step=small, bounds=(-6, 6), max_nfev=8, ftol=1e-5, xtol=1e-3
+            white,
+            still,
+            diff_step=small,
+            bounds=(-6, 6),
+            max_nfev=POLICY.candidate_steps,
+            ftol=1e-5,
+            xtol=1e-3,
         )
         return self.fit(at(solved.x), law)
 

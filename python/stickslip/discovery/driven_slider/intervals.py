@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import STEP, Balance, Choice, Fit, lengths
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 
 Floats = NDArray[np.float64]
 
-DRAWS = 500
 LAW = {"mass": "mass", "damping": "damping", "kinetic": "minus", "kinetic_plus": "plus"}
 
 
@@ -86,7 +86,7 @@ def derivatives(balance: Balance, fit: Fit) -> tuple[Floats, Floats, Floats]:
 
 
 def _drawn(balance: Balance, fit: Fit, X: Floats, used: int) -> Floats:
-    """Draws (DRAWS, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
+    """Draws (draws, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
 
     A mass that is held stays; a shift is endless both ways where nothing moves.
     """
@@ -100,14 +100,16 @@ def _drawn(balance: Balance, fit: Fit, X: Floats, used: int) -> Floats:
     generator = np.random.default_rng(0)
     # semidefinite but for rounding, whatever the sizes of its entries
     spread = q * max(fit.per_reading, 1.0)
-    out = generator.multivariate_normal(best, spread, DRAWS, check_valid="ignore", method="eigh")
+    out = generator.multivariate_normal(
+        best, spread, STEER.interval_draws, check_valid="ignore", method="eigh"
+    )
     silent = used + np.flatnonzero(~X[:, used:].any(axis=0))
     out[::2, silent], out[1::2, silent] = -np.inf, np.inf
     return out
 
 
 def _shifted(one: Choice, logs: Floats, grids: Mapping[str, Floats]) -> Floats:
-    """Scanned numbers (DRAWS, k) whose logarithms are shifted, within what is tried of them."""
+    """Scanned numbers (draws, k) whose logarithms are shifted, within what is tried of them."""
     for i, (name, inside) in enumerate(zip(one.term.scanned, np.abs(one.inside), strict=True)):
         tried = np.append(np.abs(grids[name]), inside)
         # where either sign is tried, so is 0 between them

@@ -20,9 +20,11 @@ from stickslip.discovery.driven_slider.feedback import Feedback, feedback
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared, Fit
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import band, motion
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.residual import Shown, describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
-from stickslip.discovery.driven_slider.search import CLOSE, Search
+from stickslip.discovery.driven_slider.search import Search
+from stickslip.discovery.evidence import TIED
 from stickslip.discovery.result import Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
 from stickslip.discovery.result import Gate as FoundGate
 from stickslip.errors import InputError
@@ -31,7 +33,6 @@ from stickslip.measured.findings import FindingKind
 
 Floats = NDArray[np.float64]
 
-APART = 0.05  # relative difference of two wavelengths that are not the same
 EXACT = {
     "rig_mass": (
         "drive_gain",
@@ -270,7 +271,8 @@ def elsewhere(search: Search, less: Fit, one: Choice) -> tuple[float, str]:
     own = RIPPLES[0] if one.name in RIPPLES else one.name
     entries = [(i, e) for i, e in enumerate(search.dictionary.entries) if e.name == own]
     away = np.array([abs(np.log(float(e.inside[0] / one.inside[0]))) for _, e in entries])
-    far = (away > APART) & (np.abs(away - np.log(2)) > APART) & (np.abs(away - np.log(4)) > APART)
+    same = STEER.same_wave
+    far = (away > same) & (np.abs(away - np.log(2)) > same) & (np.abs(away - np.log(4)) > same)
     gains = search.scores(less)[[i for i, _ in entries]]
     best = int(np.argmax(np.where(far, gains, -np.inf)))
     value = entries[best][1].inside[0]
@@ -294,7 +296,7 @@ def _power(balance: Balance, fit: Fit) -> float:
 
 
 def _tied(search: Search, chosen: Fit, rival: Fit) -> bool:
-    return search.score(rival) - search.score(chosen) < CLOSE
+    return search.score(rival) - search.score(chosen) < TIED
 
 
 def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]) -> list[Alternative]:
@@ -305,7 +307,7 @@ def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]
         out.append(Alternative(name, 1.0, 0.0, True, True, reason, {}, 1.0))
     for rival in rivals:
         delta = search.score(rival) - search.score(chosen)
-        tied = delta < CLOSE
+        tied = delta < TIED
         gap = f"it leaves -2 log likelihood {delta:.3g} higher, its numbers priced"
         held = {k: Interval(v, None, None) for k, v in rival.parameters()[rival.names[-1]].items()}
         out.append(

@@ -11,26 +11,19 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.noise import (
-    LEAST_FORCE,
-    LEAST_READING,
     Noise,
     Rows,
     Sampling,
     Whitener,
     fitted,
 )
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.errors import InputError
 from stickslip.measured.signals import quantisation
 
 Floats = NDArray[np.float64]
 
-COHERENT = 0.5  # coherence of drive and acceleration at which the band ends
-WIDER = 1.2  # the band is taken this much wider
-FLOOR_CYCLES = 40  # the band is at least so many periods of the record wide
-TAPS_PER_BAND = 3.3  # taps of a Hamming window over the width of its edge
-EDGE = 0.3  # width of the band's edge over its limit
-SURE = 4.0  # standard deviations of the velocity below which the slider may be at rest
-FEWEST = 200  # samples of a run
+HAMMING = 3.3  # taps of a Hamming window over the width of its edge
 
 
 @dataclass(frozen=True)
@@ -76,7 +69,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     Notes
     -----
     The limit is the last frequency at which the coherence of drive and second difference of the position is above
-    a half, and a fifth more; beyond, the position's quantisation and noise hide the motion. Nothing is fitted in it.
+    a half; beyond, the position's quantisation and noise hide the motion. Nothing is fitted in it.
     """
     dt = float(np.median(np.diff(t)))
     a = mass * np.diff(x, 2) / dt**2
@@ -88,12 +81,12 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
     size = int(min(1024, max(64, len(a) // 16)))
     f, c = scipy.signal.coherence(force[1:-1], a, fs=1 / dt, nperseg=size)
     c = scipy.ndimage.median_filter(c, size=5)
-    low = FLOOR_CYCLES / (t[-1] - t[0])
-    under = np.flatnonzero((c < COHERENT) & (f > low))
+    low = STEER.cycles / (t[-1] - t[0])
+    under = np.flatnonzero((c < STEER.coherent) & (f > low))
     limit = float(f[under[0]]) if under.size else float(f[-1])
-    cutoff = float(np.clip(WIDER * limit, low, 0.4 / dt))
-    half = int(np.ceil(TAPS_PER_BAND / (EDGE * cutoff * dt) / 2))
-    if 6 * half > len(x) or len(x) < FEWEST:
+    cutoff = float(np.clip(limit, low, 0.4 / dt))
+    half = int(np.ceil(HAMMING / (STEER.edge * cutoff * dt) / 2))
+    if 6 * half > len(x) or len(x) < 10 * STEER.order:
         raise InputError(f"{len(x)} samples are too few for a band of {cutoff:.3g} Hz", key="t")
     taps = scipy.signal.firwin(2 * half + 1, cutoff, fs=1 / dt)
     return Band(cutoff, np.asarray(taps, dtype=np.float64), max(int(1 / (2.5 * cutoff * dt)), 1))
@@ -134,17 +127,17 @@ class Motion:
     def least(self) -> tuple[float, float]:
         """The least noise of the readings [m], rounding included, and of the drive [N] that a record may claim."""
         return (
-            max(LEAST_READING * float(np.ptp(self.reading)), self.step / float(np.sqrt(12))),
-            LEAST_FORCE * float(np.sqrt(np.mean(self.command**2))),
+            max(STEER.least_reading * float(np.ptp(self.reading)), self.step / float(np.sqrt(12))),
+            STEER.least_force * float(np.sqrt(np.mean(self.command**2))),
         )
 
     def accelerations(self, sampling: Sampling) -> Floats:
         """What the readings say (n - 2,), as in `noise`."""
-        return np.convolve(self.reading, sampling.position, mode="valid")
+        return sampling.read(self.reading)
 
     def driven(self, sampling: Sampling) -> Floats:
         """The drive (n - 2,) as it acts on them: exact for one that is held."""
-        return np.convolve(self.command, sampling.held)[1:-2]
+        return sampling.forced(self.command)
 
     def doubt(self, accelerated: float) -> Floats:
         """Variance (n,) of friction over the mass in the interval after each sample, `accelerated` being its limit.
@@ -190,7 +183,7 @@ def moved(run: Motion, noise: Noise, rows: Rows) -> Motion:
     """The motion smoothed by a noise and the residual of what is known of the forces; where it is sure of its sign."""
     x = run.reading - Whitener(noise, rows.sampling, rows.doubt).reading_noise(rows.residual)
     v = np.gradient(x, run.dt)
-    change = np.abs(np.gradient(v)) + SURE * _deviation(noise, rows, run.dt)
+    change = np.abs(np.gradient(v)) + STEER.doubt * _deviation(noise, rows, run.dt)
     slow = np.abs(v) <= scipy.ndimage.maximum_filter1d(change, 3)
     turn = np.zeros(len(v), dtype=bool)
     turn[1:] = np.sign(v[1:]) != np.sign(v[:-1])
@@ -202,8 +195,7 @@ def _deviation(noise: Noise, rows: Rows, dt: float) -> float:
     """Standard deviation of the smoothed velocity: the smoother on a drawn residual of known reading noise."""
     n = len(rows.doubt)
     e, d = noise.drawn(n, np.random.default_rng(0))
-    residual = np.convolve(e, rows.sampling.position, mode="valid")
-    residual += np.convolve(d, rows.sampling.held)[1:-2]
+    residual = rows.sampling.read(e) + rows.sampling.forced(d)
     known = Whitener(noise, rows.sampling, np.zeros(n)).reading_noise(residual)
     return float(np.std(np.gradient(e - known, dt)))
 

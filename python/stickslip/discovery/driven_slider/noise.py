@@ -28,11 +28,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from stickslip.discovery.driven_slider.policy import STEER
 
-HIGHEST = 20  # order of the autoregression of the innovations
-MANY = 48  # columns from which all are solved for together, sample by sample
-LEAST_FORCE, LEAST_READING = 1e-5, 1e-9  # noise at least: of the drive's size, of the way
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -77,6 +75,16 @@ class Sampling:
         """Weights (3,) of x[k+1], x[k], x[k-1]: an acceleration."""
         return np.array([1.0, -(1 + self.alpha), self.alpha]) / self.size
 
+    def read(self, x: Floats) -> Floats:
+        """What positions (n, ..) say (n - 2, ..)."""
+        coming, now, last = self.position
+        return np.asarray(coming * x[2:] + now * x[1:-1] + last * x[:-2], dtype=np.float64)
+
+    def forced(self, d: Floats) -> Floats:
+        """What forces (n, ..), held over the interval after each sample, add to that (n - 2, ..)."""
+        after, before = self.held
+        return np.asarray(after * d[1:-1] + before * d[:-2], dtype=np.float64)
+
 
 @dataclass(frozen=True, eq=False)
 class Noise:
@@ -117,7 +125,7 @@ class Whitener:
 
     Notes
     -----
-    Residuals are (n - 2,), one a sample but the first and the last; of the white ones `1 + HIGHEST` are lost. They are
+    Residuals are (n - 2,), one a sample but the first and the last; of the white ones `1 + order` are lost. They are
     0 where friction in doubt reaches; `sure` is where it does not, `count` how many of them are kept.
     """
 
@@ -142,17 +150,17 @@ class Whitener:
     @property
     def count(self) -> int:
         """White residuals that say something."""
-        return int(np.count_nonzero(self.sure[HIGHEST:]))
+        return int(np.count_nonzero(self.sure[STEER.order :]))
 
     @property
     def log_determinant(self) -> float:
         """Of the factor that is divided by, squared, over the rows that say something."""
-        return 2 * float(np.sum(np.log(self.factor[0][HIGHEST:][self.sure[HIGHEST:]])))
+        return 2 * float(np.sum(np.log(self.factor[0][STEER.order :][self.sure[STEER.order :]])))
 
     def innovations(self, rows: Floats) -> Floats:
         """White but for what colour is left: (n - 3, m) of residuals (n - 2, m)."""
         own = rows[1:] - self.noise.pole * rows[:-1]
-        if own.ndim == 2 and own.shape[1] >= MANY:
+        if own.ndim == 2 and own.shape[1] >= STEER.together:
             return self._together(own)
         return self._solved(own)
 
@@ -174,21 +182,22 @@ class Whitener:
         return out
 
     def __call__(self, rows: Floats) -> Floats:
-        """White residuals (n - 3 - HIGHEST, m) of residuals (n - 2, m)."""
+        """White residuals (n - 3 - order, m) of residuals (n - 2, m)."""
         w = self.innovations(rows)
-        out = w[HIGHEST:].copy()
+        out = w[STEER.order :].copy()
         for j, h in enumerate(self.noise.filter[1:], 1):
-            out += h * w[HIGHEST - j : len(w) - j]
-        out[~self.sure[HIGHEST:]] = 0.0
+            out += h * w[STEER.order - j : len(w) - j]
+        out[~self.sure[STEER.order :]] = 0.0
         return np.asarray(out, dtype=np.float64)
 
     def coloured(self, white: Floats) -> Floats:
-        """A residual (n - 2,) of white numbers (n - 3,): the inverse, but for what came before."""
-        v = scipy.signal.lfilter([1.0], self.noise.filter, white)
-        own = self.factor[0] * v
+        """A residual (n - 2, ..) of white numbers (n - 3, ..): the inverse, but for what came before."""
+        v = scipy.signal.lfilter([1.0], self.noise.filter, white, axis=0).T
+        own = np.zeros((*v.shape[:-1], v.shape[-1] + 1))
+        own[..., 1:] = self.factor[0] * v
         for j in range(1, 4):
-            own[j:] += self.factor[j, :-j] * v[:-j]
-        return np.asarray(scipy.signal.lfilter([1.0], [1.0, -self.noise.pole], np.append(0.0, own)))
+            own[..., 1 + j :] += self.factor[j, :-j] * v[..., :-j]
+        return np.asarray(scipy.signal.lfilter([1.0], [1.0, -self.noise.pole], own).T)
 
     def reading_noise(self, rows: Floats) -> Floats:
         """The expected e (n,) behind residuals (n - 2,): what a smoother takes off the readings."""
@@ -232,7 +241,11 @@ def fitted(runs: Sequence[Rows], least: Noise, start: Noise | None = None) -> No
     def deviance(z: Floats) -> float:
         return _deviance(at(z), runs)
 
-    one = _sized(start, runs, least) if start else min(_starts(runs, least), key=lambda one: _deviance(one, runs))
+    one = (
+        _sized(start, runs, least)
+        if start
+        else min(_starts(runs, least), key=lambda one: _deviance(one, runs))
+    )
     z = np.array([np.log(one.reading), np.log(one.force), np.arctanh(one.pole)])
     simplex = z + np.vstack([np.zeros(3), (0.3 if start else 0.7) * np.eye(3)])
     found = scipy.optimize.minimize(
@@ -282,18 +295,18 @@ def whitened(noise: Noise, runs: Sequence[Rows]) -> Noise:
 
 def _whitened(noise: Noise, runs: Sequence[Rows]) -> tuple[Noise, float]:
     """That noise, and -2 log likelihood with the price of the order."""
-    r, n, fixed = np.zeros(HIGHEST + 1), 1, 0.0
+    r, n, fixed = np.zeros(STEER.order + 1), 1, 0.0
     for one in runs:
         white = Whitener(noise, one.sampling, one.doubt)
         w = np.where(white.sure, white.innovations(one.residual), 0.0)
-        r += [float(w[k:] @ w[: len(w) - k]) for k in range(HIGHEST + 1)]
+        r += [float(w[k:] @ w[: len(w) - k]) for k in range(STEER.order + 1)]
         n += int(np.count_nonzero(white.sure))
         fixed += 2 * float(np.sum(np.log(white.factor[0][white.sure])))
     r /= n
     if r[0] < 0.5:  # less is left than the least noise
         return noise, n * float(r[0]) + fixed
     best, h = np.inf, np.ones(1)
-    for order in range(HIGHEST + 1):
+    for order in range(STEER.order + 1):
         own = np.ones(1)
         if order:
             own = np.concatenate([[1.0], -scipy.linalg.solve_toeplitz(r[:order], r[1 : order + 1])])

@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.fit import Balance, Fit
 from stickslip.discovery.driven_slider.motion import Band, Motion, stacked
-from stickslip.discovery.driven_slider.noise import HIGHEST, Sampling, Whitener
+from stickslip.discovery.driven_slider.noise import Whitener
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.result import ForceView
 from stickslip.discovery.result import Part, Residual
+from stickslip.likelihoods.policy import POLICY
 
 Floats = NDArray[np.float64]
 
-LAGS = 40
-CLEAN = 1.1  # chi-squared per reading below which nothing is said to be left
-PARTS = 4
-FLOOR_DRAWS = 20
+PARTS = 4  # of speeds, places and times that are told apart
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Shown:
     @cached_property
     def _free(self) -> Floats:
         blocks = [self.band(free(run, self.band.step)) for run in self.balance.runs]
-        return np.asarray(scipy.linalg.block_diag(*blocks), dtype=np.float64)
+        return np.asarray(scipy.linalg.block_diag(*map(basis, blocks)), dtype=np.float64)
 
     def unexplained(self, fit: Fit) -> Floats:
         """What a fit leaves of the force (n,): nothing is fitted here but friction while its sign is in doubt."""
@@ -57,21 +56,24 @@ class Shown:
     def floor(self, fit: Fit) -> float:
         """Root mean square of what the noise of a fit alone leaves [N]: drawn."""
         generator = np.random.default_rng(0)
-        powers = []
-        none = [Whitener(fit.noise, s, 0.0 * d) for s, d in self._sampled]
-        for _ in range(FLOOR_DRAWS):
-            drawn = [one.coloured(generator.standard_normal(one.band.shape[1])) for one in none]
-            powers.append(np.mean(self._left(fit.law.mass * np.concatenate(drawn)) ** 2))
-        return float(np.sqrt(np.mean(powers)))
-
-    @property
-    def _sampled(self) -> list[tuple[Sampling, Floats]]:
-        return list(zip(self.balance.samplings, self.balance.doubts, strict=True))
+        drawn = []
+        for sampling, doubt in zip(self.balance.samplings, self.balance.doubts, strict=True):
+            none = Whitener(fit.noise, sampling, 0.0 * doubt)
+            drawn.append(none.coloured(generator.standard_normal((none.band.shape[1], POLICY.draws))))
+        left = self._left(fit.law.mass * np.concatenate(drawn))
+        return float(np.sqrt(np.mean(left**2)))
 
     def _left(self, residual: Floats) -> Floats:
         parts = np.split(residual, np.cumsum(self.balance.lengths)[:-1])
-        y = np.concatenate([self.band(np.pad(one, 1, mode="edge")) for one in parts])
-        return np.asarray(y - self._free @ np.linalg.lstsq(self._free, y, rcond=None)[0], dtype=np.float64)
+        y = np.concatenate([self.band(np.concatenate([one[:1], one, one[-1:]])) for one in parts])
+        return np.asarray(y - self._free @ (self._free.T @ y), dtype=np.float64)
+
+
+def basis(columns: Floats) -> Floats:
+    """Orthonormal columns (n, r) that span some (n, m)."""
+    u, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    least = max(columns.shape) * np.finfo(np.float64).eps * max(sizes, default=0.0)
+    return np.asarray(u[:, sizes > least], dtype=np.float64)
 
 
 def free(run: Motion, step: int) -> Floats:
@@ -98,16 +100,16 @@ def describe(balance: Balance, fit: Fit) -> Residual:
     error = float(np.sqrt(2 / max(fit.count, 1)))
     sure = balance.sure
     centred = np.where(sure, w - np.mean(w[sure]), 0.0) if fit.count else w
-    r = [float(centred[k:] @ centred[: len(w) - k]) for k in range(LAGS)]
+    r = [float(centred[k:] @ centred[: len(w) - k]) for k in range(2 * STEER.order)]
     whiteness = max(map(abs, r[1:])) / max(r[0], 1e-300) * np.sqrt(max(fit.count, 1)) / 1.96
-    parts = _parts(balance, w)
+    parts, clean = _parts(balance, w), chi2 < 1 + 1.96 * error
     worst = max(parts, key=lambda one: one.chi2, default=None)
     where = f"most of it at {worst.what} {worst.name} ({worst.chi2:.3g})" if worst else ""
-    if chi2 < CLEAN:
+    if clean:
         words = f"what is left is noise: chi-squared per reading is {chi2:.3g}"
     else:
         words = f"chi-squared per reading is {chi2:.3g} where the noise leaves 1; {where}"
-    return Residual(chi2, error, float(whiteness), chi2 < CLEAN, parts, words)
+    return Residual(chi2, error, float(whiteness), clean, parts, words)
 
 
 def _parts(balance: Balance, w: Floats) -> tuple[Part, ...]:
@@ -135,7 +137,7 @@ def _parts(balance: Balance, w: Floats) -> tuple[Part, ...]:
 
 def _rows(balance: Balance, name: str) -> Floats:
     """A quantity of the runs at the white rows (n',)."""
-    return np.concatenate([getattr(run, name)[HIGHEST + 2 : -1] for run in balance.runs])
+    return np.concatenate([getattr(run, name)[STEER.order + 2 : -1] for run in balance.runs])
 
 
 def spectrum(balance: Balance, before: Floats, after: Floats) -> dict[str, Floats]:

@@ -14,22 +14,16 @@ from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
 from stickslip.discovery.driven_slider.dictionary import Dictionary, mass_term, tried
 from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
+from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
+from stickslip.likelihoods.policy import POLICY
 
 Floats = NDArray[np.float64]
-
-MOST = 10  # effects at most
-TRIED = 4  # candidates fitted whole at every step, of those that the score puts first
-DRAWS = 100
-LEVEL = 0.99  # of the gate
-FAITHFUL = 0.5  # share of what a curve gains that a name must gain to be preferred to it
-CLOSE = 12.0  # fall of -2 log likelihood by which a rival must lose to be ruled out
-FAR = 3.0  # standard uncertainties by which a declared constant must be off to be an effect
 
 
 @dataclass(frozen=True)
 class Gate:
-    """The largest gain of any candidate on noise drawn from the fitted null, and what 1 % of the draws pass."""
+    """The largest gain of any candidate on noise drawn from the fitted null, and what the false ones seldom pass."""
 
     threshold: float
     draws: Floats
@@ -72,9 +66,9 @@ class Search:
         self.null = self.balance.settle()
         self.dictionary = Dictionary(self.balance)
         self.tell("drawing the gate")
-        (first,) = self.dictionary.scores([self.null], self.balance.read_again(DRAWS, self.seed))
+        (first,) = self.dictionary.scores([self.null], self.balance.read_again(POLICY.draws, self.seed))
         self._scored: list[tuple[Fit, Floats]] = [(self.null, first.gains)]
-        self.gate = Gate(extreme(first.drawn, LEVEL), first.drawn)
+        self.gate = Gate(extreme(first.drawn, 1 - POLICY.false_alarm), first.drawn)
         self.curves = curves(self.balance.runs)
 
     def scores(self, fit: Fit) -> Floats:
@@ -103,9 +97,9 @@ class Search:
         least = max(self.gate.threshold, price)
         known = self.balance.declared.uncertainty
         if joined == {"rig_mass"} and known > 0:
-            if abs(after.parameters()["rig_mass"]["e"]) <= FAR * known:
+            if abs(after.parameters()["rig_mass"]["e"]) <= STEER.far * known:
                 return False
-            least = FAR**2
+            least = STEER.far**2
         return self.gain(before, after) > least
 
     def joined(self, fit: Fit, taken: Sequence[str] = ()) -> tuple[Fit, ...]:
@@ -127,7 +121,9 @@ class Search:
         # a wave is told by its score; what is smooth in time may be taken for noise as long as that is not refitted
         smooth = {one.name for one in self.dictionary.entries if one.term.scanned not in (("L",), ("w",))}
         ranked = sorted(best.values(), key=lambda i: -worth[i])
-        first = [i for rank, i in enumerate(ranked) if rank < TRIED or (every and names[i] in smooth)]
+        first = [
+            i for rank, i in enumerate(ranked) if rank < POLICY.fullest or (every and names[i] in smooth)
+        ]
         choices = [self.dictionary.entries[i] for i in first]
         choices = [
             replace(one, term=_term(ripple)) if ripple and one.name == RIPPLES[0] else one for one in choices
@@ -167,14 +163,14 @@ class Search:
     def run(self) -> Fit:
         """Let candidates join while they pay, then learned curves; then drop those that no longer do."""
         fit = self.null
-        while len(fit.choices) < MOST:
+        while len(fit.choices) < STEER.most:
             self.balance.at(fit)
             tried = self.fitted(fit, self.first(fit, (), every=True))
             rivals = tuple(sorted((self.quickly(one) for one in tried), key=self.score))
             learned = self.learned(fit)
             if learned and (not rivals or self.clearly(fit, learned[0], rivals[0])):
                 rivals = (learned[0], *rivals)
-            ranked = sorted((self.renoised(one) for one in rivals[:3]), key=self.score)
+            ranked = sorted((self.renoised(one) for one in rivals[: POLICY.fullest]), key=self.score)
             # a curve stays ahead of the name that it was put before
             if ranked and rivals[0].names[-1].startswith("tabulated"):
                 ranked.sort(key=lambda one: not one.names[-1].startswith("tabulated"))
@@ -200,7 +196,7 @@ class Search:
     def clearly(self, fit: Fit, curve: Fit, named: Fit) -> bool:
         """Does a curve do so much better than the best name that the name would only be the nearest word for it?"""
         drop, best = self.gain(fit, curve), self.gain(fit, named)
-        return self.score(curve) < self.score(named) and best < FAITHFUL * drop
+        return self.score(curve) < self.score(named) and best < STEER.faithful * drop
 
     def bare(self, fit: Fit) -> Fit:
         """The declared law alone, in the noise of a fit."""

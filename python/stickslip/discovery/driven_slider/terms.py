@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider.motion import Motion, instant
+from stickslip.discovery.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
-FEWEST_WAVES = 3.0  # periods within the reach below which a position-periodic force is none
-HIGHEST = 0.1  # of the sampling rate: frequency up to which forces are sought
-MOST_WAVES = 1000  # of one kind that are tried
 
 
 @dataclass(frozen=True)
@@ -240,14 +238,16 @@ def grids(runs: Sequence[Motion]) -> dict[str, Floats]:
     reach = max(float(np.ptp(run.x)) for run in runs)
     span = sum(float(run.t[-1] - run.t[0]) for run in runs)
     dt = runs[0].dt
-    highest = HIGHEST / dt
-    waves = np.arange(FEWEST_WAVES / reach, highest / slow, 0.7 / reach)[:MOST_WAVES]
-    delays = np.linspace(-2 * dt, 6 * dt, 17)
+    highest = STEER.highest / dt
+    first, apart, most = STEER.fewest_waves, STEER.apart, STEER.most_waves
+    waves = np.arange(first / reach, highest / slow, apart / reach)[:most]
+    late = STEER.late * dt
+    delays = np.linspace(-late / 3, late, STEER.values + 1)
     return {
-        "v_s": np.geomspace(0.003 * fastest, fastest, 16),
-        "d": np.geomspace(3e-5 * reach, 0.03 * reach, 16),
-        "tau": np.geomspace(0.1 * dt, 1 / (2 * np.pi * highest) * 8, 12),
+        "v_s": np.geomspace(STEER.slowest * fastest, fastest, STEER.values),
+        "d": np.geomspace(STEER.bristle[0] * reach, STEER.bristle[1] * reach, STEER.values),
+        "tau": np.geomspace(0.1 * dt, 2 * late, STEER.values),
         "delay": delays[np.abs(delays) > 1e-9],
         "L": 1 / waves,
-        "w": 2 * np.pi * np.arange(3.0 / span, highest, 0.7 / span)[:MOST_WAVES],
+        "w": 2 * np.pi * np.arange(first / span, highest, apart / span)[:most],
     }
