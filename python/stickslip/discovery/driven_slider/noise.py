@@ -33,6 +33,9 @@ from stickslip.discovery.driven_slider.policy import STEER
 Floats = NDArray[np.float64]
 
 
+POLES = (0.0, 0.8, 0.98)  # memory of the force noise where its likelihood is sought from
+
+
 @dataclass(frozen=True)
 class Sampling:
     """How a slider with damping/mass = `rate` [1/s] moves from sample to sample, `dt` s apart.
@@ -276,7 +279,7 @@ def _starts(runs: Sequence[Rows], least: Noise) -> list[Noise]:
         Noise(max(share * size / position, 2 * least.reading), float(force), pole)
         for share in (1.0, 0.01)
         for force in np.geomspace(2 * least.force, max(size, 4 * least.force), 12)
-        for pole in (0.0, 0.8, 0.98)
+        for pole in POLES
     ]
 
 

@@ -153,7 +153,7 @@ class Search:
         """The fit, its scanned numbers and its noise fitted too."""
         self.balance.at(fit)
         sharper = self.balance.sharpen(fit.choices, fit.law)
-        return self.balance.renoised(sharper if self.possible(sharper) else fit)
+        return self.balance.shorter(self.balance.renoised(sharper if self.possible(sharper) else fit))
 
     def quickly(self, fit: Fit) -> Fit:
         """The fit in a noise of its own, its scanned numbers held."""
@@ -190,7 +190,7 @@ class Search:
         none = np.zeros(0)
         self.balance.at(fit)
         fits = [self.balance.fit((*fit.choices, Choice(one.term(), none)), fit.law) for one in fresh]
-        fits = [self.quickly(one) for one in fits]
+        fits = [self.balance.shorter(self.quickly(one)) for one in fits]
         return tuple(sorted(fits, key=self.score))
 
     def clearly(self, fit: Fit, curve: Fit, named: Fit) -> bool:
