@@ -10,7 +10,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class DrivenPolicy:
     """
-    What steers noise, candidates and what is shown; the table of docs/emps.md says what each moves.
+    What steers noise, candidates and what is shown. What halving or doubling each would move is not measured yet.
 
     Parameters
     ----------
