@@ -335,3 +335,27 @@ def test_a_chain_grows_without_new_names(tmp_path: Path) -> None:
     assert run.status.ok
     assert run.mode.shape[1] == 8
     assert all(a <= b for a, b in pairwise(run.transitions.t))
+
+
+@pytest.mark.parametrize("delta", [0.7, 1.0, 1.5, 2.0, 3.0])
+def test_the_derivative_by_an_exponent_is_that_of_differences(delta: float) -> None:
+    """By one that makes the force a polynomial too: steps were as long as that allows, across the zero of log u."""
+    rig = ss.BodiesRig(
+        body={"a": ss.Body(mass=1.0)},
+        link=[ss.Link(between=("a", "ground"), stiffness=1.0, damping=0.02)],
+        contact=[ss.Contact(body="a", against="belt", law="law")],
+    )
+    t = np.linspace(0.5, 16.0, 32)
+
+    def run(at: float, sensitivity: tuple[str, ...] = ()) -> ss.Trajectory:
+        law = ss.StribeckFriction(F_c=1.0, F_s=1.5, v_s=0.3, delta=at)
+        model = ss.Model(rig, friction={"law": law})
+        return ss.simulate(
+            model, belt_speed=0.2, t_end=t[-1], t_eval=t, sensitivity=sensitivity, rtol=1e-11, atol=1e-12
+        )
+
+    step = 1e-5
+    found = run(delta, ("law.delta",))
+    want = (run(delta + step).state - run(delta - step).state) / (2 * step)
+    assert len(found.transitions) > 2
+    assert np.abs(found.sensitivity[:, :, 0] - want).max() < 1e-4 * np.abs(want).max()

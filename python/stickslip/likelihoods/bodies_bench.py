@@ -8,9 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.declared.bodies_model import law_of
-from stickslip.declared.contact_laws import ContactLaws
-from stickslip.declared.formula.tree import Apply, names, nodes
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
@@ -23,10 +20,8 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
-from stickslip.simulated.general import form_of
 
 STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
-BESIDE = 1e-5  # in the logarithm
 WIDE = 2.3  # width of the prior of a number of a law that is identified, in the logarithm: a factor of ten
 
 
@@ -61,14 +56,12 @@ class BodiesBench:
 
     def of_law(self) -> list[Number]:
         """Return the numbers of the laws, held loosely about what is declared."""
-        out, powers = [], exponents(self.model)
+        out = []
         for name, value in self.model.friction.numbers.items():
             if name.rpartition(".")[2] in HELD:
                 continue
             if value > 0:
                 at = math.log(value)
-                # the core has no derivative by a whole exponent of what is 0 at the start of a slip
-                at += BESIDE if name in powers and value == round(value) else 0.0
                 out.append(Number(name, at, at, self.law_spread, True, stride=STRIDE_LAW))
             else:
                 out.append(Number(name, value, value, self.law_spread, low=0.0))
@@ -83,23 +76,6 @@ class BodiesBench:
             else:
                 out.append(Number(name, 0.0, 0.0, math.inf, True, stride=STRIDE_CONSTANT))
         return out
-
-
-def exponents(model: Model) -> set[str]:
-    """Return the numbers of a model's laws that formulas have as exponents."""
-    out = set[str]()
-    assert isinstance(model.rig, GeneralRig)
-    for contact in model.rig.equations.contacts:
-        law = law_of(model.friction, contact)
-        prefix = ""
-        if isinstance(model.friction, ContactLaws):
-            prefix = f"{contact.law or model.friction.laws[0][0]}."
-        form = form_of(law)
-        for tree in (*form.minus.trees(), *form.plus.trees()):
-            for node in nodes(tree):
-                if isinstance(node, Apply) and node.operation == "power":
-                    out |= {prefix + one for one in names(node.operands[1])}
-    return out
 
 
 def bench_of(
