@@ -21,6 +21,12 @@ BINARY: dict[type[ast.operator], str] = {
     ast.Pow: "power",
 }
 GROUND = -1
+# what a formula reads of the rig: q0, v0 a coordinate and its speed, x0 where the first belt is
+RIG = {
+    f"{name}{i}": (operation, i)
+    for name, operation in (("q", "coordinate"), ("v", "velocity"), ("x", "distance"))
+    for i in range(4)
+}
 
 
 class Writer:
@@ -46,6 +52,8 @@ class Writer:
                 return self.put("parameter", list(self.parameters).index(repr(float(value))))
             case ast.Name(id=name) if name in ("u", "v", "t", "dwell"):
                 return self.put(name)
+            case ast.Name(id=name) if name in RIG and name not in self.parameters:
+                return self.put(*RIG[name])
             case ast.Name(id=name) if name in self.states:
                 return self.put("state", self.states.index(name))
             case ast.Name(id=name):
@@ -83,6 +91,20 @@ class Law:
 
 
 @dataclass
+class Push:
+    """A force on a direction, and rates of states of its own."""
+
+    direction: Sequence[float]
+    force: str
+    rates: Mapping[str, str] = field(default_factory=dict)
+
+    def lowered(self, parameters: dict[str, float]) -> _core.Formulas:
+        w = Writer(parameters, list(self.rates))
+        out = w.add(self.force)
+        return _core.Formulas(nodes=w.rows, force=out, rates=[w.add(one) for one in self.rates.values()])
+
+
+@dataclass
 class Bodies:
     """A rig: M q'' + C q' + K q = force + pulls - D' T."""
 
@@ -97,6 +119,7 @@ class Bodies:
     force: Floats | None = None
     pull_x: Floats | None = None
     pull_v: Floats | None = None
+    pushes: Sequence[Push] = ()
 
     def run(self, initial: Sequence[float], t_end: float, **options: object) -> dict[str, object]:
         """Simulate; `options`: t_eval, rtol, atol, modes, dwell, seeds (names or places to weights)."""
@@ -111,13 +134,17 @@ class Bodies:
                 out = w.add(text)
                 formulas.append(_core.Formulas(nodes=w.rows, force=out))
             speeds.append(_core.PrescribedSpeed(begins=[t for t, _ in pieces], pieces=formulas))
-        states = sum(len(law.rates) for law in self.laws)
-        self.at = _core.bodies_layout(n=n, contacts=m, speeds=s, parameters=len(parameters), states=states)
+        pushes = [one.lowered(parameters) for one in self.pushes]
+        states = sum(len(one.rates) for one in (*self.laws, *self.pushes))
+        self.at = _core.bodies_layout(
+            n=n, contacts=m, speeds=s, pushes=len(pushes), parameters=len(parameters), states=states
+        )
         start = np.zeros(2 * n + states + s)
         start[: len(initial)] = initial
         zero = np.zeros((s, n))
         parts = [
             self.M, self.C, self.K, np.zeros(n) if self.force is None else self.force, self.D,
+            np.reshape([one.direction for one in self.pushes], (-1, n)),
             zero if self.pull_x is None else self.pull_x, zero if self.pull_v is None else self.pull_v,
             list(parameters.values()), start, options.get("dwell", np.zeros(m)),
         ]  # fmt: skip
@@ -138,7 +165,7 @@ class Bodies:
         t_eval = options.get("t_eval")
         belts = [0] * m if self.contact_speed is None else self.contact_speed
         return _core.simulate_bodies(
-            n=n, laws=laws, contact_speed=np.array(belts, np.int32), speeds=speeds,
+            n=n, laws=laws, contact_speed=np.array(belts, np.int32), speeds=speeds, pushes=pushes,
             parameters=len(parameters), values=values, modes=options.get("modes", [2] * m),
             t_start=0.0, t_end=t_end, t_eval=None if t_eval is None else np.asarray(t_eval, float),
             rtol=options.get("rtol", 1e-10), atol=options.get("atol", 1e-12),

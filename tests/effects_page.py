@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN
+from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.laws import LAWS
 
@@ -58,6 +58,20 @@ Numbers may be such that friction turns negative: a `friction_drift` beyond 1 + 
 with friction that drives the block, and `simulate` gives a `ModelWarning` that says from where on (the command prints
 it). `normal_force_feedback` alone stops at zero: a contact does not pull.
 
+## On rigs of bodies and matrices
+
+An effect of the catalogue acts where `where` puts it ([rigs.md](rigs.md#effects)); numbers in SI, R the law's.
+
+| name | put to | what it does there |
+|---|---|---|
+ANYWHERE
+
+The others act on no such rig:
+
+| name | instead |
+|---|---|
+NOWHERE
+
 ## Friction laws
 
 | law | R(u), u = \\|v_w\\| | at rest |
@@ -66,6 +80,28 @@ LAWS
 
 `..._plus` parameters are those of slip with v_w > 0; left out, both directions share a number.
 """
+
+
+PUT_TO = {"force": "a body or link", "factor": "a contact", "contact": "a contact", "reading": "a channel"}
+ADDS = {
+    "force": "force {}",
+    "factor": "friction times {}",
+    "peak": "R and the static limits plus {}",
+    "aging": "static limits plus {}",
+    "bristle": "T = {}, without stick",
+    "reading": "reads {}",
+}
+
+
+def anywhere(kind: EffectKind) -> str:
+    """Return one line of the table of effects on any rig."""
+    acts = kind.anywhere
+    assert acts.place is not None
+    place = "belt or drive" if acts.of_belt else PUT_TO[acts.place]
+    said = "; ".join(words.format(f"`{text}`") for key, words in ADDS.items() if (text := getattr(acts, key)))
+    said = said.replace("friction times", "speed times") if acts.of_belt else said
+    said += "".join(f", {name}' = `{rate}`" for name, (rate, _) in acts.states.items())
+    return f"| `{kind.name}` | {place} | {said} |"
 
 
 def row(kind: EffectKind) -> str:
@@ -89,7 +125,11 @@ def page() -> str:
     shared = ", ".join(f"`{name}`" for name in DRIVEN if name in CATALOGUE or name in CONSTANTS)
     driven = DRIVEN_HEAD.replace("SHARED", shared) + "\n".join(others)
     laws = [f"| `{law.__name__}` | {law.formula} | {law.at_rest} |" for law in LAWS.values()]
-    tail = TAIL.replace("LAWS", "\n".join(laws))
+    every = KINDS.values()
+    acting = [anywhere(kind) for kind in every if not kind.anywhere.refused]
+    idle = [f"| `{kind.name}` | {kind.anywhere.refused} |" for kind in every if kind.anywhere.refused]
+    tail = TAIL.replace("LAWS", "\n".join(laws)).replace("ANYWHERE", "\n".join(acting))
+    tail = tail.replace("NOWHERE", "\n".join(idle))
     parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, tail)
     return "\n".join(parts)
 

@@ -275,11 +275,19 @@ def test_calls_that_cannot_be_meant_are_refused_in_a_line() -> None:
     ]:
         with pytest.raises(InputError, match=words):
             call()
-    effect = ss.Model(
-        ss.BlockOnBelt(), friction=ss.CoulombFriction(), effects=[ss.effect("constant_load", f=1)]
-    )
-    with pytest.raises(InputError, match="acts where the belt's speed is a number"):
-        ss.simulate(effect, belt_speed="sin(t)", t_end=1)
+
+
+def test_a_load_acts_where_the_belt_has_a_formula_too() -> None:
+    """A constant force moves where the spring rests: the same motion elsewhere."""
+    law, load = ss.CoulombFriction(), 0.3
+    rig = ss.BlockOnBelt(mass=1.0, stiffness=2.0)
+    t = np.linspace(0.1, 12.0, 60)
+    settings = {"belt_speed": "0.4*sin(0.7*t)", "t_end": 12.0, "t_eval": t, "rtol": 1e-11, "atol": 1e-12}
+    loaded = ss.Model(rig, friction=law, effects=[ss.effect("constant_load", f=load)])
+    moved = ss.simulate(loaded, initial=(0.5 + load / 2.0, 0.0), **settings)
+    plain = ss.simulate(ss.Model(rig, friction=law), initial=(0.5, 0.0), **settings)
+    assert len(plain.transitions) > 1
+    np.testing.assert_allclose(moved.state[:, 0] - load / 2.0, plain.state[:, 0], atol=1e-9)
 
 
 def command(*words: str) -> str:

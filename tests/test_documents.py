@@ -130,11 +130,18 @@ def test_the_page_of_rigs_runs_from_top_to_bottom(
     assert f"{2 * 0.0016 / 0.01 + slip:.6f}" in told  # the pulled slider's period, in closed form
     grown = [float(one) for one in re.findall(r"is (\S+) times what it was", told)]
     assert grown[0] < 0.9 < 1.1 < grown[1]
-    assert float(told.split()[-1]) < 1e-9  # LuGre built in, and as a formula
-    drill, matrices, formula = snippets("rigs", "toml")
+    assert float(re.findall(r"difference (\S+)", told)[0]) < 1e-9  # LuGre built in, and as a formula
+    assert re.search(r"by the numbers of effects: -?\d", told)
+    drill, matrices, formula, effects = (
+        one for one in snippets("rigs", "toml") if re.search(r"^\[+(rig|effect)\]", one, re.M)
+    )
     for name, text in (("drill", drill), ("matrices", matrices), ("formula", formula)):
         (tmp_path / f"{name}.toml").write_text(text)
     assert ss.load_model("drill.toml") == shown["model"]
+    (tmp_path / "dragged.toml").write_text(drill + effects)
+    mud = ss.load_model("dragged.toml").effects[1]
+    assert mud.formula == shown["mud"].formula
+    assert mud.parameters == shown["mud"].parameters
     named = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
     core = ss.simulate(named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=40)
     run = ss.simulate(ss.load_model("matrices.toml"), belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=40)

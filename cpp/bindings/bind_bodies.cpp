@@ -34,13 +34,14 @@ py::dict as_dict(BodiesRecord&& r) {
 }
 
 py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>& laws,
-                         const IndexVector& contact_speed, const std::vector<Speed>& speeds, int parameters,
-                         const ConstVector& values, const std::vector<int>& modes, double t_start, double t_end,
+                         const IndexVector& contact_speed, const std::vector<Speed>& speeds,
+                         const std::vector<Formulas>& pushes, int parameters, const ConstVector& values,
+                         const std::vector<int>& modes, double t_start, double t_end,
                          const std::optional<ConstVector>& t_eval, double rtol, double atol, Locator locator,
                          const ConstMatrix& seeds, long max_transitions, long max_steps) {
   check(contact_speed.size() == static_cast<Eigen::Index>(laws.size()) && modes.size() == laws.size(),
         "a speed and a mode for every contact");
-  const Model model = model_of(n, laws, contact_speed, speeds, parameters);
+  const Model model = model_of(n, laws, contact_speed, speeds, pushes, parameters);
   const int size = layout_of(model.bodies).size;
   check(parameters >= 0 && values.size() == size, "values must hold every number of bodies_layout");
   check(seeds.rows() == 0 || seeds.cols() == size, "seeds must have a column for every value");
@@ -90,13 +91,15 @@ void bind_bodies(py::module_& m) {
   m.attr("OPERATIONS") = py::tuple(names);
   m.def(
       "bodies_layout",
-      [](int n, int contacts, int speeds, int parameters, int states) {
-        const BodiesLayout l = layout_of(Bodies{n, contacts, speeds, parameters, states, nullptr, nullptr, nullptr});
+      [](int n, int contacts, int speeds, int pushes, int parameters, int states) {
+        const BodiesLayout l =
+            layout_of(Bodies{n, contacts, speeds, parameters, states, nullptr, nullptr, nullptr, pushes, nullptr});
         return std::map<std::string, int>{{"M", l.M},
                                           {"C", l.C},
                                           {"K", l.K},
                                           {"force", l.force},
                                           {"D", l.D},
+                                          {"G", l.G},
                                           {"pull_x", l.pull_x},
                                           {"pull_v", l.pull_v},
                                           {"parameters", l.parameters},
@@ -105,12 +108,13 @@ void bind_bodies(py::module_& m) {
                                           {"size", l.size}};
       },
       "Where each array begins among the values, row by row, and how many values there are.", py::kw_only(),
-      py::arg("n"), py::arg("contacts"), py::arg("speeds"), py::arg("parameters"), py::arg("states"));
+      py::arg("n"), py::arg("contacts"), py::arg("speeds"), py::arg("pushes") = 0, py::arg("parameters"),
+      py::arg("states"));
   m.def("simulate_bodies", &simulate_bodies, py::kw_only(), py::arg("n"), py::arg("laws"),
-        py::arg("contact_speed").noconvert(), py::arg("speeds"), py::arg("parameters"), py::arg("values").noconvert(),
-        py::arg("modes"), py::arg("t_start"), py::arg("t_end"), py::arg("t_eval").noconvert(), py::arg("rtol"),
-        py::arg("atol"), py::arg("locator"), py::arg("seeds").noconvert(), py::arg("max_transitions"),
-        py::arg("max_steps") = most_steps);
+        py::arg("contact_speed").noconvert(), py::arg("speeds"), py::arg("pushes") = std::vector<Formulas>{},
+        py::arg("parameters"), py::arg("values").noconvert(), py::arg("modes"), py::arg("t_start"), py::arg("t_end"),
+        py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),
+        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("max_steps") = most_steps);
 }
 
 }  // namespace stickslip::bindings

@@ -13,10 +13,11 @@ namespace stickslip::bindings {
 
 using namespace stickslip_abi;  // NOLINT(google-build-using-namespace): plain data shared by every build
 
-constexpr int most_coordinates = 64, most_contacts = 64;
+constexpr int most_coordinates = 64, most_contacts = 64, most_pushes = 64;
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(Op::count)> op_names{
-    "parameter", "u",   "v",   "t",    "dwell", "state", "add",  "subtract", "multiply", "divide", "power", "negate",
-    "abs",       "min", "max", "sign", "exp",   "log",   "sqrt", "sin",      "cos",      "tan",    "tanh",  "asinh"};
+    "parameter", "u",        "v",        "t",      "dwell", "state",  "coordinate", "velocity", "distance",
+    "add",       "subtract", "multiply", "divide", "power", "negate", "abs",        "min",      "max",
+    "sign",      "exp",      "log",      "sqrt",   "sin",   "cos",    "tan",        "tanh",     "asinh"};
 
 using Rows = std::vector<std::array<int, 3>>;
 
@@ -34,9 +35,9 @@ struct Formulas {
       const Node node{static_cast<Op>(op), a, b};
       const bool binary =
           (node.op >= Op::add && node.op <= Op::power) || node.op == Op::minimum || node.op == Op::maximum;
-      if (node.op > Op::state && (a < 0 || a >= i || (binary && (b < 0 || b >= i))))
+      if (node.op > Op::distance && (a < 0 || a >= i || (binary && (b < 0 || b >= i))))
         throw py::value_error("a node must read nodes before it");
-      if ((node.op == Op::parameter || node.op == Op::state) && a < 0)
+      if ((node.op == Op::parameter || (node.op >= Op::state && node.op <= Op::distance)) && a < 0)
         throw py::value_error("a place must not be negative");
       nodes.push_back(node);
     }
@@ -55,6 +56,12 @@ struct Formulas {
   }
 };
 
+// Nodes read what a rig of n coordinates and some speeds has.
+inline bool reads_rig(const Formulas& one, int parameters, int states, int n, int speeds) {
+  return one.largest(Op::parameter) < parameters && one.largest(Op::state) < states &&
+         one.largest(Op::coordinate) < n && one.largest(Op::velocity) < n && one.largest(Op::distance) < speeds;
+}
+
 struct Speed {
   std::vector<double> begins;
   std::vector<Formulas> pieces;
@@ -63,6 +70,7 @@ struct Speed {
 // Everything that a request points into.
 struct Model {
   std::vector<LawTape> laws;
+  std::vector<PushTape> pushes;
   std::vector<std::vector<BranchTape>> pieces;
   std::vector<SpeedTape> speeds;
   Bodies bodies{};
@@ -73,7 +81,7 @@ inline void check(bool good, const char* words) {
 }
 
 inline Model model_of(int n, const std::vector<std::pair<Formulas, Formulas>>& laws, const IndexVector& contact_speed,
-                      const std::vector<Speed>& speeds, int parameters) {
+                      const std::vector<Speed>& speeds, const std::vector<Formulas>& pushes, int parameters) {
   Model m;
   check(n >= 1 && n <= most_coordinates && laws.size() <= most_contacts, "1 to 64 coordinates, at most 64 contacts");
   int states = 0;
@@ -81,18 +89,28 @@ inline Model model_of(int n, const std::vector<std::pair<Formulas, Formulas>>& l
     check(minus.rates.size() == plus.rates.size() && (minus.limit < 0) == (plus.limit < 0),
           "both directions of a law have the same states, and stick or do not");
     for (const Formulas* one : {&minus, &plus})
-      check(one->largest(Op::parameter) < parameters && one->largest(Op::state) < static_cast<int>(one->rates.size()),
-            "a law reads a parameter or a state that is not there");
+      check(reads_rig(*one, parameters, static_cast<int>(one->rates.size()), n, static_cast<int>(speeds.size())),
+            "a law reads what is not there");
     m.laws.push_back({{minus.view(), plus.view()}, static_cast<int>(minus.rates.size())});
     states += static_cast<int>(minus.rates.size());
+  }
+  check(pushes.size() <= most_pushes, "at most 64 pushes");
+  for (const Formulas& one : pushes) {
+    const int own = static_cast<int>(one.rates.size());
+    check(reads_rig(one, parameters, own, n, static_cast<int>(speeds.size())), "a push reads what is not there");
+    for (const Node& node : one.nodes)
+      check(node.op != Op::u && node.op != Op::v && node.op != Op::dwell, "a push reads no u, v or dwell");
+    m.pushes.push_back({one.view(), own});
+    states += own;
   }
   for (const Speed& one : speeds) {
     std::vector<BranchTape> pieces;
     for (const Formulas& piece : one.pieces) {
       check(piece.largest(Op::parameter) < parameters, "a speed reads a parameter that is not there");
       for (const Node& node : piece.nodes)
-        check(node.op != Op::u && node.op != Op::v && node.op != Op::dwell && node.op != Op::state &&
-                  node.op != Op::sign && node.op != Op::absolute && node.op != Op::minimum && node.op != Op::maximum,
+        check(node.op != Op::u && node.op != Op::v && node.op != Op::dwell &&
+                  (node.op < Op::state || node.op > Op::distance) && node.op != Op::sign && node.op != Op::absolute &&
+                  node.op != Op::minimum && node.op != Op::maximum,
               "a speed is a formula of t without abs, sign, min, max; give it in pieces");
       pieces.push_back(piece.view());
     }
@@ -108,7 +126,9 @@ inline Model model_of(int n, const std::vector<std::pair<Formulas, Formulas>>& l
               states,
               m.laws.data(),
               contact_speed.data(),
-              m.speeds.data()};
+              m.speeds.data(),
+              static_cast<int>(m.pushes.size()),
+              m.pushes.data()};
   return m;
 }
 

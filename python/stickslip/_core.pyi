@@ -105,6 +105,7 @@ def bodies_layout(
     n: typing.SupportsInt | typing.SupportsIndex,
     contacts: typing.SupportsInt | typing.SupportsIndex,
     speeds: typing.SupportsInt | typing.SupportsIndex,
+    pushes: typing.SupportsInt | typing.SupportsIndex = 0,
     parameters: typing.SupportsInt | typing.SupportsIndex,
     states: typing.SupportsInt | typing.SupportsIndex,
 ) -> dict[str, int]:
@@ -155,6 +156,7 @@ def simulate_bodies(
     laws: collections.abc.Sequence[tuple[Formulas, Formulas]],
     contact_speed: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
     speeds: collections.abc.Sequence[PrescribedSpeed],
+    pushes: collections.abc.Sequence[Formulas] = [],
     parameters: typing.SupportsInt | typing.SupportsIndex,
     values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
     modes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.declared.contact_laws import ContactLaws
-from stickslip.declared.effect import AnyEffect
+from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import check_law
 from stickslip.declared.laws import LAWS
+from stickslip.declared.placed import Places, placed
 from stickslip.declared.rig import AnyRig, Rig, only_simulated
-from stickslip.declared.rigs.general import ContactRow, GeneralRig
+from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
 from stickslip.errors import InputError, did_you_mean
 
 
@@ -49,9 +50,6 @@ def check_general(
     if not isinstance(rig, GeneralRig):
         _check_named(rig, friction, effects)
         return
-    if effects:
-        words = f"'{effects[0].name}' is for a named rig; on this one declare a body, a link, a contact or a formula"
-        raise InputError(words, key="effects")
     for channel in read:
         if channel not in rig.channel_units:
             hint = did_you_mean(channel, rig.channel_units)
@@ -68,16 +66,35 @@ def check_general(
             except InputError as error:
                 name = f"{one.law}.{error.key}" if isinstance(friction, ContactLaws) else error.key
                 raise InputError(error.what, key=name, value=error.value) from None
+    check_placed(rig, rig.equations, range(2 * len(rig.equations.names)), effects)
+
+
+def check_placed(rig: AnyRig, own: Equations, order: Sequence[int], effects: Sequence[AnyEffect]) -> None:
+    """Refuse an effect that acts on no such rig, or at no such place of it.
+
+    Raises
+    ------
+    InputError
+        As said, with the nearest name.
+    """
+    places = Places(rig, own, order)
+    for one in effects:
+        placed(one, places)
 
 
 def _check_named(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect]) -> None:
     if isinstance(friction, ContactLaws):
         raise InputError("a named rig has one contact, and one law", key="friction")
+    for one in effects:
+        if isinstance(one, Effect) and one.placed:
+            words = f"effect '{one.name}' acts on the {one.kind.where} of a named rig; leave it out"
+            raise InputError(words, key="where", value=one.where)
     if not isinstance(friction, LawByFormula):
         return
-    if effects:
+    others = [one for one in effects if not isinstance(one, FormulaEffect)]
+    if others:
         words = (
-            f"'{effects[0].name}' does not act under the law '{friction.kind}' as yet; put it into a formula"
+            f"'{others[0].name}' does not act under the law '{friction.kind}' as yet; put it into a formula"
         )
         raise InputError(words, key="effects")
     if isinstance(rig, Rig) and friction.declared_units:
@@ -120,8 +137,8 @@ def check_names_of_laws(contacts: Sequence[ContactRow], known: Collection[str]) 
             raise InputError("no contact names it; give it to one, or leave it out", key=f"law.{name}")
 
 
-def check_closed_form(rig: AnyRig, friction: FrictionLaw) -> None:
-    """Refuse what can be simulated and no more as yet: rigs of bodies or matrices, and laws that are formulas.
+def check_closed_form(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect] = ()) -> None:
+    """Refuse what can be simulated and no more as yet: rigs of bodies or matrices, laws and effects that are formulas.
 
     Raises
     ------
@@ -130,6 +147,10 @@ def check_closed_form(rig: AnyRig, friction: FrictionLaw) -> None:
     """
     if isinstance(rig, GeneralRig):
         raise only_simulated(rig)
+    for one in effects:
+        if isinstance(one, FormulaEffect):
+            words = f"the effect '{one.name}', a formula, can be simulated on a named rig, and no more as yet"
+            raise InputError(words, key="effects")
     if type(friction) not in LAWS.values():
         kinds = ", ".join(LAWS)
         words = f"the law '{friction.kind}' can be simulated, and no more as yet; this needs {kinds}"

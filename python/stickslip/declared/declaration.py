@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 from stickslip.declared.bodies_model import check_names_of_laws
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.contact_laws import ContactLaws
-from stickslip.declared.effect import AnyEffect, Tabulated, effect, tabulated
+from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated, effect, tabulated
+from stickslip.declared.formula_effect import formula_effect
 from stickslip.declared.formula_law import quantity
 from stickslip.declared.formula_laws.formula import FormulaFriction
 from stickslip.declared.friction_law import FrictionLaw
@@ -115,15 +116,19 @@ def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
     name = given.pop("name", None)
     if name == "tabulated":
         return _made(document, keys, tabulated, given)
+    if given.get("kind") == "formula" or name == "formula":
+        given.pop("kind", None)
+        with document.at(*keys):
+            return formula_effect(called=str(name or "formula"), **given)  # type: ignore[arg-type]  # it looks
     if not isinstance(name, str) or name not in KINDS:
         hint = did_you_mean(str(name), [*KINDS, "tabulated"]) if name is not None else "missing"
         raise document.error(hint if name is None else f"unknown effect; {hint}", *keys, "name", value=name)
     for key in given:
-        if key not in KINDS[name].parameter_names:
+        if key not in KINDS[name].parameter_names and key != "where":
             hint = did_you_mean(key, KINDS[name].parameter_names)
             raise document.error(f"unknown; {hint}", *keys, key)
     with document.at(*keys):
-        return effect(name, **given)  # type: ignore[arg-type]  # `effect` checks every number
+        return effect(name, **given)
 
 
 def read_channel(document: Document, *keys: Key, table: Table) -> Channel:
@@ -159,8 +164,11 @@ def friction_table(law: FrictionLaw) -> dict[str, object]:
 
 def effect_table(one: AnyEffect) -> dict[str, object]:
     """Return the table that `read_effect` makes the effect of."""
+    if isinstance(one, FormulaEffect):
+        return one.table()
     if not isinstance(one, Tabulated):
-        return {"name": one.name, **one.parameters}
+        where = {"where": one.where} if one.placed else {}
+        return {"name": one.name, **where, **one.parameters}
     table: dict[str, object] = {"name": "tabulated", "where": one.where, "depends_on": one.variable}
     table |= {"knots": list(one.knots), "values": list(one.values)}
     if one.period is not None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.arguments import explained, listed
+from stickslip.arguments import explained, listed, must_be
+from stickslip.declared.acts import Acts
 from stickslip.declared.catalogue import (
     CATALOGUE,
     CONSTANTS,
@@ -20,6 +22,7 @@ from stickslip.declared.catalogue import (
     POSITION_RIPPLES,
 )
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
+from stickslip.declared.formula_effect import FormulaEffect, formula_effect
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 from stickslip.objects import Displayed, Drawn
 
@@ -31,6 +34,7 @@ __all__ = [
     "AnyEffect",
     "Effect",
     "EffectKind",
+    "FormulaEffect",
     "ParameterInfo",
     "Tabulated",
     "effect",
@@ -59,30 +63,60 @@ class Effect(Displayed):
         """Variables the effect adds to the model."""
         return self.kind.depends_on
 
+    @property
+    def placed(self) -> bool:
+        """It acts at a place that was given, of a rig of bodies or matrices."""
+        return self.where != self.kind.where
+
+    @property
+    def label(self) -> str:
+        """What its numbers are called by: its name, and its place where one was given."""
+        return f"{self.name}@{self.where}" if self.placed else self.name
+
+    @property
+    def as_acts(self) -> Acts:
+        """How it acts on a rig of any kind."""
+        return self.kind.anywhere
+
     def replace(self, **parameters: float) -> Effect:
         """Return the effect with some parameters changed."""
-        return effect(self.name, **{**self.parameters, **parameters})
+        changed = effect(self.name, **{**self.parameters, **parameters})
+        return dataclasses.replace(changed, where=self.where)
 
 
+@overload
+def effect(name: Literal["formula"], **parameters: Any) -> FormulaEffect: ...
+@overload
+def effect(name: str, **parameters: Any) -> Effect: ...
 @explained
-def effect(name: str, **parameters: float) -> Effect:
-    """Declare an effect of the catalogue.
+def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
+    """Declare an effect of the catalogue, or one of your own by a formula.
 
     Parameters
     ----------
     name
-        A name of `CATALOGUE`, `CONSTANTS` or `DRIVEN`.
+        A name of `CATALOGUE`, `CONSTANTS` or `DRIVEN`; or "formula".
     **parameters
         Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
+        `where` puts it to a place of a rig of bodies or matrices: a body, a link, a contact, a channel.
+        Of "formula": `where`; one of `force`, `factor`, `reading`; its numbers, bare in SI or with a unit ("0.1 N");
+        `states` and `ranges` by name; `called`, its name in the model where there are several.
+
+    Returns
+    -------
+    Effect or FormulaEffect
 
     Raises
     ------
     InputError
         Unknown effect or parameter (with the nearest known one), a missing parameter, or one out of bounds.
     """
+    if name == "formula":
+        return formula_effect(**parameters)
     if name not in KINDS:
-        raise unknown("effect", str(name), KINDS)
+        raise unknown("effect", str(name), [*KINDS, "formula"])
     kind = KINDS[name]
+    where = must_be("where", parameters.pop("where", kind.where), str)
     for given in parameters:
         kind.parameter(given)
     values: dict[str, float] = {}
@@ -98,7 +132,7 @@ def effect(name: str, **parameters: float) -> Effect:
         values[info.name] = number(
             f"{name}.{info.name}", parameters[info.name], most=high, why=info.meaning, **bound
         )
-    return Effect(name, kind.where, values)
+    return Effect(name, where, values)
 
 
 @dataclass(frozen=True)
@@ -246,4 +280,12 @@ def _member(key: str, value: str, known: tuple[str, ...]) -> str:
     raise InputError(f"must be one of {', '.join(known)}{tail}", key=key, value=value)
 
 
-AnyEffect = Effect | Tabulated
+AnyEffect = Effect | Tabulated | FormulaEffect
+
+
+def with_numbers(one: AnyEffect, numbers: Mapping[str, float]) -> AnyEffect:
+    """Return an effect with those of some numbers that are its own, by full name."""
+    if isinstance(one, Tabulated):
+        return one
+    own = {name: f"{one.label}.{name}" for name in one.parameters}
+    return one.replace(**{name: numbers[full] for name, full in own.items() if full in numbers})

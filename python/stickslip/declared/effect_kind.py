@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import ANGULAR_FREQUENCY, LENGTH, NUMBER, TIME, Dimension
 from stickslip.declared.effect_terms import Adds, Behaves
 from stickslip.errors import InputError, did_you_mean
@@ -114,6 +115,8 @@ class EffectKind:
         Of a periodic effect.
     adds, behaves
         Its formulas, and what else one may ask of it.
+    anywhere
+        How it acts on a rig of bodies or matrices, at any place of it.
     """
 
     name: str
@@ -133,6 +136,7 @@ class EffectKind:
     wave: Wave | None = None
     adds: Adds = field(default_factory=Adds)
     behaves: Behaves = field(default_factory=Behaves)
+    anywhere: Acts = field(kw_only=True)
 
     @property
     def physics(self) -> Physics:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.declared.effect import Tabulated
+from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.lacking_friction import DRIVES
 from stickslip.declared.model import Model
 
@@ -20,8 +20,10 @@ def driving_friction(model: Model, start: float, end: float) -> list[str]:
     for term in model.effects:
         if isinstance(term, Tabulated):
             said += _by_curve(term, start, end)
-        elif (drives := term.kind.behaves.drives) and (
-            words := drives(term.parameters, model.friction, start, end)
+        elif (
+            isinstance(term, Effect)
+            and (drives := term.kind.behaves.drives)
+            and (words := drives(term.parameters, model.friction, start, end))
         ):
             said.append(words)
     return said

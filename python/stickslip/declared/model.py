@@ -23,7 +23,7 @@ from stickslip.declared.declaration import (
     read_rig,
     rig_table,
 )
-from stickslip.declared.effect import AnyEffect, Effect, Tabulated
+from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulated, with_numbers
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
@@ -66,7 +66,7 @@ class Model(Drawn):
         `StribeckFriction`, `TabulatedFriction`, `LuGreFriction`, `DahlFriction`, `RateAndStateFriction`,
         `FormulaFriction`. Where contacts name their laws, a table of laws by name.
     effects
-        From `effect` and `tabulated`, each name once.
+        From `effect` and `tabulated`, each name once; on a rig of bodies or matrices once a place.
     channels
         Columns and units in which readings are recorded (keys t, x1, y1, belt, spring_force), for a model
         that was identified; None: nondimensional readings in columns of these names.
@@ -90,16 +90,17 @@ class Model(Drawn):
         must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
         object.__setattr__(self, "friction", named_laws(self.friction))
         must_be("friction", self.friction, FrictionLaw, "like CoulombFriction(static=1, kinetic=0.5)")
-        if isinstance(self.effects, (Effect, Tabulated, str)):
+        if isinstance(self.effects, (Effect, Tabulated, FormulaEffect, str)):
             raise InputError("must be a list of effects; put it in [ ]", key="effects")
         object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))
         for one in self.effects:
-            must_be("effects", one, (Effect, Tabulated), "effect(name, ...) makes one")
-        names = [one.name for one in self.effects]
-        for name in names:
-            if names.count(name) > 1:
+            must_be("effects", one, (Effect, Tabulated, FormulaEffect), "effect(name, ...) makes one")
+        labels = [one.name if isinstance(one, Tabulated) else one.label for one in self.effects]
+        for name in labels:
+            if labels.count(name) > 1:
                 raise InputError(f"effect '{name}' is there twice; give it once")
-        if why := idle(self.friction, names):
+        names = [one.name for one in self.effects]
+        if not isinstance(self.rig, GeneralRig) and (why := idle(self.friction, names)):
             raise InputError(why, key="effects")
         self._check_readings()
         check_general(self.rig, self.friction, self.effects, {**(self.channels or {}), **(self.noise or {})})
@@ -135,13 +136,15 @@ class Model(Drawn):
         "<effect>.<parameter>". Optional numbers that are not set are left out.
         """
         if isinstance(self.rig, GeneralRig):
-            return {**self.rig.numbers, **self.friction.numbers}
+            return {**self.rig.numbers, **self.friction.numbers, **self._of_effects()}
         values = {one.name: getattr(self.rig, one.name) for one in dataclasses.fields(self.rig)}
         flat = {name: value for name, value in values.items() if isinstance(value, float)}
         flat |= self.friction.numbers
-        for one in self.effects:
-            flat |= {f"{one.name}.{name}": value for name, value in one.parameters.items()}
-        return flat
+        return flat | self._of_effects()
+
+    def _of_effects(self) -> dict[str, float]:
+        named = [(one.name if isinstance(one, Tabulated) else one.label, one) for one in self.effects]
+        return {f"{name}.{key}": size for name, one in named for key, size in one.parameters.items()}
 
     def parameter_name(self, name: str) -> str:
         """Return the full name of a parameter; "effect.c" stands for the only effect that has a `c`.
@@ -217,11 +220,14 @@ class Model(Drawn):
     def _replaced(self, values: Mapping[str, float], own: GeneralRig) -> Self:
         """Return a model of bodies or matrices with some numbers changed."""
         rig, law, optional = dict[str, float](), dict[str, float](), self._optional()
+        effects, added = dict[str, float](), self._of_effects()
         for given, value in values.items():
             name = given if given in optional else self._named(given, self.parameters)
-            (rig if name in own.numbers else law)[name] = value
+            group = rig if name in own.numbers else effects if name in added else law
+            group[name] = value
         return dataclasses.replace(
             self,
+            effects=tuple(with_numbers(one, effects) for one in self.effects),
             rig=own.with_numbers(rig),
             friction=self.friction.with_numbers(law) if law else self.friction,
         )
@@ -358,6 +364,9 @@ def _check_driven(law: FrictionLaw, effects: Iterable[AnyEffect]) -> None:
             raise InputError(
                 f"effect '{one.name}' is not one of a DrivenSlider; {did_you_mean(one.name, DRIVEN)}"
             )
+        if isinstance(one, FormulaEffect):
+            words = f"effect '{one.name}' is a formula, for rigs on a belt and rigs of bodies or matrices"
+            raise InputError(words, key="effects")
         if isinstance(one, Effect):
             continue
         if _needs_angle_body(one):
@@ -384,6 +393,8 @@ def _check_belt(effects: Iterable[AnyEffect]) -> None:
 
 
 def _needs_angle_body(one: AnyEffect) -> bool:
+    if isinstance(one, FormulaEffect):
+        return False
     if isinstance(one, Effect):
         return one.kind.two_degree
     return one.where in ("angle_body", "y1 channel") or one.variable in ("y1", "y2")

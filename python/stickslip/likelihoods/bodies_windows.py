@@ -65,6 +65,9 @@ class BodiesWindows:
         policy: Policy = POLICY,
     ) -> None:
         assert isinstance(model.rig, GeneralRig)
+        if model.effects:
+            words = "effects on a rig of bodies or matrices can be simulated, and no more as yet"
+            raise InputError(words, key="effects")
         self.model, self.rig, self.policy = model, model.rig, policy
         self.data, self.stretches, self.numbers = list(data), list(stretches), tuple(numbers)
         self.prior = Prior(numbers, declared, policy.tail)

@@ -15,15 +15,18 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.declared.contact_laws import ContactLaws
+from stickslip.declared.effect import Effect, FormulaEffect
 from stickslip.declared.formula.derivative import derivative
-from stickslip.declared.formula.tree import Name, Number, Tree, names
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import VARIABLES, BranchForm
 from stickslip.declared.model import Model
+from stickslip.declared.placed import coordinate, distance, velocity
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
-from stickslip.errors import unknown
+from stickslip.errors import InputError, unknown
 from stickslip.simulated.general import General, rig_equations
+from stickslip.simulated.placed_effects import NO_EFFECTS, Push
 
 Floats = NDArray[np.float64]
 OPERATIONS: Mapping[str, int] = {name: i for i, name in enumerate(_core.OPERATIONS)}
@@ -60,6 +63,7 @@ class _Tape:
     parameters: _Parameters
     numbers: Mapping[str, int]
     states: Mapping[str, int] = field(default_factory=dict)
+    of_rig: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     rows: list[tuple[int, int, int]] = field(default_factory=list)
     known: dict[Tree, int] = field(default_factory=dict)
 
@@ -77,6 +81,9 @@ class _Tape:
         if isinstance(tree, Name):
             if tree.name in self.states:
                 return OPERATIONS["state"], self.states[tree.name], 0
+            if tree.name in self.of_rig:
+                operation, place = self.of_rig[tree.name]
+                return OPERATIONS[operation], place, 0
             if tree.name in VARIABLES:
                 return OPERATIONS[tree.name], 0, 0
             return OPERATIONS["parameter"], self.numbers[tree.name], 0
@@ -146,6 +153,7 @@ class LoweredBodies:
         elif name in self.places:
             row[self.layout["parameters"] + self.places[name]] = 1.0
         elif name in self.model.parameters and name not in self.model.friction.numbers:
+            self._refuse_lengths(name)
             row[: self.layout["parameters"]] = self._rig_moves(name)
         else:
             raise unknown("parameter", name, [*self.model.parameters, *self.places, *initial])
@@ -169,22 +177,48 @@ class LoweredBodies:
         """Add how the start of a law's state moves with a number, or with the sliding speed at the start."""
         own, n = self.own, len(self.own.equations.names)
         at = self.layout["initial"] + 2 * n
-        hidden = iter(own.hidden)
+        hidden, seen = iter(own.hidden), own.seen(z, 0.0)
         shares = dict(zip(own.state_names, own.order, strict=True))
         for contact, law in zip(own.equations.contacts, own.laws, strict=True):
             belt = float(own.belt(0.0)) if contact.against == "belt" else 0.0
             v = float(contact.direction @ z[n : 2 * n]) - belt
-            dv = -1.0 if name == "belt_speed" and contact.against == "belt" else 0.0
+            dv = -self._share_of_belt() if name == "belt_speed" and contact.against == "belt" else 0.0
             place = shares.get(name.removeprefix("initial."), -1) if name.startswith("initial.") else -1
             dv += float(contact.direction[place - n]) if place >= n else 0.0
             for one in law.states:
                 if next(hidden) not in given:
-                    of = {**law.numbers, "u": abs(v), "v": v}
+                    of = {**seen, **law.numbers, "u": abs(v), "v": v}
                     slope = dv * np.sign(v) * _at(one.start, "u", of) + dv * _at(one.start, "v", of)
                     number = self._of_law(name, contact.law)
-                    slope += 0.0 if number is None else _at(one.start, number, of)
-                    row[at] += slope
+                    row[at] += slope + _at(one.start, self._seen_as(name) if number is None else number, of)
                 at += 1
+        for push in own.effects.pushes:
+            for state in push.states:
+                if state.name not in given:
+                    row[at] += _at(state.start, self._seen_as(name), {**seen, **own.effects.numbers})
+                at += 1
+
+    def _share_of_belt(self) -> float:
+        """Return what effects multiply the belt's speed by at the start."""
+        factor = self.own.effects.factor("belt_speed")
+        return 1.0 if factor is None else float(value(factor, {**self.own.effects.numbers, "t": 0.0}))
+
+    def _seen_as(self, name: str) -> str:
+        """Return what a tree of an effect calls a coordinate or a speed at the start; a number as it is."""
+        n = len(self.own.equations.names)
+        for one, k in zip(self.own.state_names, self.own.order, strict=True):
+            if name == f"initial.{one}":
+                return coordinate(k).name if k < n else velocity(k - n).name
+        return name
+
+    def _refuse_lengths(self, name: str) -> None:
+        """Refuse a lever arm, a gear or a rest by which an effect would move too: only the matrices are followed."""
+        owner, _, key = name.rpartition(".")
+        places = {one.where for one in self.model.effects if isinstance(one, (Effect, FormulaEffect))}
+        at_contact = any(one.contact is not None for one in self.own.effects.all)
+        arm = name.startswith("contact_") and at_contact
+        if arm or (key in ("gear", "rest") and owner in places):
+            raise InputError("an effect acts there; no derivative by this number is known", key=name)
 
     def _of_law(self, name: str, law: str) -> str | None:
         """Return what a contact's law calls a number of the model."""
@@ -204,20 +238,29 @@ def lower_bodies(own: General, model: Model) -> LoweredBodies:
     parameters = _Parameters()
     eq = own.equations
     moving = [(key, one) for key, one, used in _speeds(own) if used]
+    of_rig = _of_rig(len(eq.names), [key for key, _ in moving])
+    added = {name: parameters.named(name, size) for name, size in own.effects.numbers.items()}
     laws = []
     for contact, law in zip(eq.contacts, own.laws, strict=True):
         several = isinstance(model.friction, ContactLaws)
         prefix = f"{contact.law or dict(model.friction.laws).popitem()[0]}." if several else ""  # type: ignore[attr-defined]
-        places = {name: parameters.named(prefix + name, size) for name, size in law.numbers.items()}
+        places = {
+            name: added[name] if name in added else parameters.named(prefix + name, size)
+            for name, size in law.numbers.items()
+        }
         states = {one.name: k for k, one in enumerate(law.states)}
-        laws.append(tuple(_formulas(law.branch(s), _Tape(parameters, places, states)) for s in (-1, 1)))
-    speeds = [_speed(one, key, parameters) for key, one in moving]
+        laws.append(
+            tuple(_formulas(law.branch(s), _Tape(parameters, places, states, of_rig)) for s in (-1, 1))
+        )
+    pushes = [_push(one, parameters, added, of_rig) for one in own.effects.pushes]
+    speeds = [_speed(one, key, parameters, added, own.effects.factor(key)) for key, one in moving]
     keys = [key for key, _ in moving]
     rubs = [keys.index("belt_speed") if one.against == "belt" else -1 for one in eq.contacts]
     layout = _core.bodies_layout(
         n=len(eq.names),
         contacts=len(eq.contacts),
         speeds=len(speeds),
+        pushes=len(pushes),
         parameters=len(parameters.values),
         states=len(own.hidden),
     )
@@ -229,13 +272,33 @@ def lower_bodies(own: General, model: Model) -> LoweredBodies:
         "laws": laws,
         "contact_speed": np.array(rubs, dtype=np.intc),
         "speeds": speeds,
+        "pushes": pushes,
         "parameters": len(parameters.values),
     }
     return LoweredBodies(own, model, arguments, values, layout, parameters.places)
 
 
 def _speeds(own: General) -> list[tuple[str, Speed, bool]]:
-    return [("belt_speed", own.belt, own.equations.on_belt), ("drive_speed", own.drive, own.equations.driven)]
+    """Return the prescribed speeds as they were given: what effects make of them is a formula of the tape."""
+    given = (own.belt, own.drive) if own.effects is NO_EFFECTS else own.effects.prescribed
+    return list(zip(own.effects.keys, given, (own.equations.on_belt, own.equations.driven), strict=True))
+
+
+def _of_rig(n: int, keys: list[str]) -> dict[str, tuple[str, int]]:
+    """Return what names of trees read of the rig: operations and places."""
+    out = {coordinate(i).name: ("coordinate", i) for i in range(n)}
+    out |= {velocity(i).name: ("velocity", i) for i in range(n)}
+    return out | {distance(key).name: ("distance", i) for i, key in enumerate(keys)}
+
+
+def _push(
+    one: Push, parameters: _Parameters, added: Mapping[str, int], of_rig: Mapping[str, tuple[str, int]]
+) -> _core.Formulas:
+    states = {each.name: k for k, each in enumerate(one.states)}
+    tape = _Tape(parameters, added, states, of_rig)
+    rates = [tape.add(each.rate) for each in one.states]
+    force = tape.add(one.force)
+    return _core.Formulas(nodes=tape.rows, force=force, rates=rates)
 
 
 def _formulas(branch: BranchForm, tape: _Tape) -> _core.Formulas:
@@ -245,13 +308,15 @@ def _formulas(branch: BranchForm, tape: _Tape) -> _core.Formulas:
     return _core.Formulas(nodes=tape.rows, force=force, limit=limit, rates=rates)
 
 
-def _speed(speed: Speed, key: str, parameters: _Parameters) -> _core.PrescribedSpeed:
+def _speed(
+    speed: Speed, key: str, parameters: _Parameters, added: Mapping[str, int], factor: Tree | None
+) -> _core.PrescribedSpeed:
     pieces = []
     for one in speed.pieces:
-        tape = _Tape(
-            parameters, {key: parameters.named(key, speed.constant)} if speed.constant is not None else {}
-        )
-        force = tape.add(Name(key) if speed.constant is not None else one)
+        numbers = {key: parameters.named(key, speed.constant)} if speed.constant is not None else {}
+        tape = _Tape(parameters, {**numbers, **added})
+        tree: Tree = Name(key) if speed.constant is not None else one
+        force = tape.add(tree if factor is None else Apply("multiply", (tree, factor)))
         pieces.append(_core.Formulas(nodes=tape.rows, force=force))
     return _core.PrescribedSpeed(begins=list(speed.begins), pieces=pieces)
 
@@ -268,6 +333,7 @@ def _matrices(eq: Equations, own: General, layout: Mapping[str, int]) -> Floats:
         "K": eq.K,
         "force": eq.force,
         "D": eq.directions,
+        "G": [one.direction for one in own.effects.pushes],
         "pull_x": pull_x,
         "pull_v": pull_v,
     }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import law_of
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Name, Tree, substituted
 from stickslip.declared.formula.value import value
@@ -19,10 +20,12 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
+from stickslip.declared.placed import Places, seen
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig, Unit
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
+from stickslip.simulated.placed_effects import NO_EFFECTS, Effects, effects_of
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +46,9 @@ class General:
         Place of each of the rig's own states among (q, v).
     state_names, hidden
         The rig's states, and those of the laws: by their own names where there is one contact, else
-        "<contact>.<state>".
+        "<contact>.<state>". After them those of effects, "<effect>.<state>".
+    effects
+        What the model's effects add beside changes of the laws.
     """
 
     equations: Equations
@@ -52,16 +57,22 @@ class General:
     drive: Speed
     order: tuple[int, ...]
     state_names: tuple[str, ...]
+    effects: Effects = field(default_factory=lambda: NO_EFFECTS)
 
     @property
     def hidden(self) -> tuple[str, ...]:
         """Names of the laws' states."""
         alone = len(self.laws) == 1
-        return tuple(
-            one.name if alone else f"{contact.name}.{one.name}"
+        of_laws = (
+            one.name if alone or "." in one.name else f"{contact.name}.{one.name}"
             for contact, law in zip(self.equations.contacts, self.laws, strict=True)
             for one in law.states
         )
+        return (*of_laws, *(one.name for push in self.effects.pushes for one in push.states))
+
+    def seen(self, z: Floats, t: float) -> dict[str, float]:
+        """Return what formulas may read of the rig at the start (q, v): its coordinates, speeds and time."""
+        return seen(z, len(self.equations.names), t, 0.0, 0.0)
 
     def start(self, initial: Floats, given: Mapping[str, float], t: float) -> Floats:
         """Return (q, v, states of the laws) at the start; states that are not given as the laws start.
@@ -75,6 +86,7 @@ class General:
         z = np.zeros(2 * n)
         z[list(self.order)] = initial
         hidden, names = list[float](), iter(self.hidden)
+        rig = self.seen(z, t)
         for contact, law in zip(self.equations.contacts, self.laws, strict=True):
             belt = float(self.belt(t)) if contact.against == "belt" else 0.0
             v = float(contact.direction @ z[n:]) - belt
@@ -83,13 +95,17 @@ class General:
                 size = given.get(name)
                 if size is None:
                     with np.errstate(divide="ignore"):
-                        size = float(value(one.start, {**law.numbers, "u": abs(v), "v": v}))
+                        size = float(value(one.start, {**rig, **law.numbers, "u": abs(v), "v": v}))
                 if not np.isfinite(size):
                     words = (
                         f"the law's state {name} is not finite in steady motion at v = {v:g}; give its start"
                     )
                     raise InputError(words, key="hidden")
                 hidden.append(size)
+        for push in self.effects.pushes:
+            for own in push.states:
+                usual = float(value(own.start, {**rig, **self.effects.numbers}))
+                hidden.append(given.get(own.name, usual))
         return np.array([*z, *hidden])
 
 
@@ -99,13 +115,19 @@ def general(model: Model, belt_speed: object, drive_speed: object = None) -> Gen
     Raises
     ------
     InputError
-        A speed is missing, or given where nothing moves at it; the model is of a driven slider, or has effects.
+        A speed is missing, or given where nothing moves at it; the model is of a driven slider, or an effect acts on no
+        such rig.
     """
     rig = model.rig
-    if model.effects:
-        raise InputError(f"'{model.effects[0].name}' acts where the belt's speed is a number", key="effects")
     own, order = rig_equations(rig)
-    laws = tuple(form_of(law_of(model.friction, one)) for one in own.contacts)
+    if any(isinstance(one, Tabulated) for one in model.effects):
+        raise InputError(
+            "a curve acts where all speeds are numbers and no law or effect is a formula", key="effects"
+        )
+    effects = effects_of(model.effects, Places(rig, own, order))
+    laws = tuple(
+        effects.changed(j, form_of(law_of(model.friction, one))) for j, one in enumerate(own.contacts)
+    )
     speeds = []
     for key, given, needed in (
         ("belt_speed", belt_speed, own.on_belt),
@@ -118,7 +140,9 @@ def general(model: Model, belt_speed: object, drive_speed: object = None) -> Gen
             what = "no contact rubs on a belt" if key == "belt_speed" else "nothing is pulled by a drive"
             raise InputError(f"{what} in this rig; leave it out", key=key)
         speeds.append(Speed.of(0.0 if given is None else given, key))
-    return General(own, laws, speeds[0], speeds[1], order, rig.state_names)
+    effects = replace(effects, prescribed=(speeds[0], speeds[1]))
+    belt, drive = (effects.moved(key, one) for key, one in zip(effects.keys, speeds, strict=True))
+    return General(own, laws, belt, drive, order, rig.state_names, effects)
 
 
 def rig_equations(rig: object) -> tuple[Equations, tuple[int, ...]]:

@@ -127,7 +127,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
             parameters[place] = value
         slots[name] = places
 
-    check_closed_form(model.rig, model.friction)
+    check_closed_form(model.rig, model.friction, model.effects)
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
@@ -148,6 +148,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                 for key in ("w", "phi"):
                     put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
             continue
+        assert isinstance(term, Effect)  # formulas were refused above
         if term.name in CONSTANTS:
             _correct(term, parameters, slots, factors)
             continue

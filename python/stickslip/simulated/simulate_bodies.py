@@ -11,8 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip.arguments import vector
+from stickslip.declared.effect import FormulaEffect
+from stickslip.declared.formula.value import value
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.model import Model
+from stickslip.declared.placed import seen
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, number
@@ -26,7 +29,8 @@ Floats = NDArray[np.float64]
 def needs_bodies(model: Model, belt_speed: object, drive_speed: object) -> bool:
     """Say whether only the core of general rigs can simulate this: another rig or law, a speed that is no number."""
     formulas = isinstance(belt_speed, (str, Speed)) and Speed.of(belt_speed).constant is None
-    general_rig = isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula)
+    formula = any(isinstance(one, FormulaEffect) for one in model.effects)
+    general_rig = isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula) or formula
     if drive_speed is not None and not isinstance(model.rig, GeneralRig):
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="drive_speed")
     return general_rig or formulas
@@ -136,7 +140,17 @@ def _trajectory(
         model=lowered.model,
         belt_speed=None if belt_speed is None else Speed.of(belt_speed),
         contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
+        readings=_readings(own, raw["t"], raw["state"].T),
     )
+
+
+def _readings(own: General, t: Floats, z: Floats) -> dict[str, Floats]:
+    """Return what sensors read that effects act on, of states (q, v, hidden, ...) by time."""
+    n = len(own.equations.names)
+    of = {**seen(z, n, t, 0.0, 0.0), **own.effects.numbers, **dict(zip(own.hidden, z[2 * n :], strict=False))}
+    return {
+        name: np.broadcast_to(value(tree, of), t.shape).copy() for name, tree in own.effects.readings.items()
+    }
 
 
 def constant_speed(given: object) -> float:

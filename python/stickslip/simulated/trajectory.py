@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -100,6 +100,7 @@ class Trajectory(Sampled):
     sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
     hidden_names : hidden states that an effect or a law of the model has; of the others nothing hangs.
     contact_names : contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
+    readings : channel -> (n,) what its sensor reads, of each that an effect of a rig of bodies or matrices acts on.
     model, belt_speed : what was simulated.
 
     States and hidden states go by their names, too: `run.x1` is the column of `state`.
@@ -119,6 +120,7 @@ class Trajectory(Sampled):
     state_names: tuple[str, ...]
     hidden_names: tuple[str, ...]
     contact_names: tuple[str, ...] = ()
+    readings: dict[str, Floats] = field(default_factory=dict)
     model: Model | None = None
     belt_speed: float | Speed | None = None
 

@@ -40,6 +40,11 @@ void build(BodiesSystem<T>& sys) {
     put(2 * n + 1 + 2 * sys.speeds + j, sys.D(j), 1, -1.0);
     for (int i = 0; i < n; ++i) sys.reach[j * n + i] = -sys.free[i * sys.columns + 2 * n + 1 + 2 * sys.speeds + j];
   }
+  for (int e = 0; e < sys.pushes; ++e) {
+    put(2 * n + 1 + 2 * sys.speeds + sys.contacts + e, sys.G(e), 1, 1.0);
+    for (int i = 0; i < n; ++i)
+      sys.push[e].moves = sys.push[e].moves || !is_plain(sys.G(e)[i]) || value(sys.G(e)[i]) != 0;
+  }
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

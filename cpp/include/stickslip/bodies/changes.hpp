@@ -67,12 +67,14 @@ void change_contact(BodiesSystem<T>& sys, BodiesState<T>& s, int id, Side side, 
 
 template <class T>
 void change_surface(BodiesSystem<T>& sys, BodiesState<T>& s, int id, Side side, Side* on) {
+  const auto turn = [&](Tape<T>& tape) {
+    const int node = id - tape.first_id;
+    if (node < 0 || node >= tape.formulas->count) return;
+    tape.node[node].side = static_cast<signed char>(-tape.node[node].side);
+  };
   for (int j = 0; j < sys.contacts; ++j)
-    for (Tape<T>& tape : sys.contact[j].tape) {
-      const int node = id - tape.first_id;
-      if (node < 0 || node >= tape.formulas->count) continue;
-      tape.node[node].side = static_cast<signed char>(-tape.node[node].side);
-    }
+    for (Tape<T>& tape : sys.contact[j].tape) turn(tape);
+  for (int e = 0; e < sys.pushes; ++e) turn(sys.push[e].tape);
   on[id] = opposite(side);
   look(sys, s);
 }
@@ -119,18 +121,19 @@ int list_watches(const BodiesSystem<T>& sys, Watch<T>* watch) {
       w.rounding = largest(
           w.rounding, Real<T>(magnitude(value(sys.D(j)[i] * sys.q[i * series_size])) * sys.frequency * rest_rounding));
   }
+  const auto add_surfaces = [&](const Tape<T>& tape) {
+    for (int i = 0; i < tape.surface_count; ++i) {
+      const int node = tape.surfaces[i];
+      Watch<T>& w = add(tape.surface_series + i * series_size, tape.first_id + node);
+      (tape.node[node].side > 0 ? w.has_lo : w.has_hi) = true;
+    }
+  };
   for (int j = 0; j < sys.contacts; ++j) {
     const Contact<T>& c = sys.contact[j];
-    for (const int side : {0, 1}) {
-      if (c.mode != sticks && side != (c.mode > 0)) continue;
-      const Tape<T>& tape = c.tape[side];
-      for (int i = 0; i < tape.surface_count; ++i) {
-        const int node = tape.surfaces[i];
-        Watch<T>& w = add(tape.surface_series + i * series_size, tape.first_id + node);
-        (tape.node[node].side > 0 ? w.has_lo : w.has_hi) = true;
-      }
-    }
+    for (const int side : {0, 1})
+      if (c.mode == sticks || side == (c.mode > 0)) add_surfaces(c.tape[side]);
   }
+  for (int e = 0; e < sys.pushes; ++e) add_surfaces(sys.push[e].tape);
   return watches;
 }
 

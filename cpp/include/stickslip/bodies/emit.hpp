@@ -5,6 +5,8 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
+constexpr double zero_share = 1e-13;
+
 template <class T>
 struct Emitter {
   Tape<T>& tape;
@@ -66,6 +68,8 @@ struct Emitter {
     add_term(sum, first, x);
     if (second >= 0) add_term(sum, second, y);
   }
+  // Below what share of its largest value the base of a power is 0: a tape whose base is time reads what lands on 0.
+  T rounding() const { return T(tape.reads.base == tape.reads.time ? zero_share : 0.0); }
   void power(int i, const Node& one) {
     const NodeFacts<T>&a = facts(one.a), &b = facts(one.b);
     NodeFacts<T>& f = tape.node[i];
@@ -86,6 +90,7 @@ struct Emitter {
       Instruction<T>& out = put(whole ? Code::whole_power : Code::power, f, i);
       out.a = base;
       out.x = b.level;
+      if (!whole) out.y = rounding();
     } else if (a.form == Form::constant) {
       const T rate = logarithm(a.level);
       Instruction<T>& out = put(Code::exponential, f, i);
@@ -136,7 +141,9 @@ struct Emitter {
                               Code::tangent,   Code::tanh,  Code::asinh};
     Instruction<T>& out = put(codes[static_cast<int>(one.op) - static_cast<int>(Op::logarithm)], f, i);
     out.a = a;
-    if (one.op == Op::square_root) out.x = T(0.5);
+    if (one.op != Op::square_root) return;
+    out.x = T(0.5);
+    out.y = rounding();
   }
   void wanted_nodes() {
     for (int i = 0; i < tape.formulas->count; ++i)

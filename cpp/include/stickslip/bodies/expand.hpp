@@ -1,10 +1,12 @@
 // The series of a piece: every coordinate, every law's state, the force that holds what sticks.
 #pragma once
 
+#include "stickslip/bodies/push.hpp"
 #include "stickslip/bodies/short_motion.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
 
+constexpr int most_forces = 128;     // contacts and pushes
 constexpr int polynomial_order = 4;  // enough where all is stuck on belts whose speed is linear in t
 
 // u = |v| of a contact in slip.
@@ -18,7 +20,7 @@ T speed_coefficient(const BodiesSystem<T>& sys, int j, int k) {
   return s * static_cast<double>(c.mode);
 }
 
-// Coefficient k of the forces and rates of all laws, u known.
+// Coefficient k of the forces and rates of all laws and pushes, u known.
 template <class T>
 void laws_next(BodiesSystem<T>& sys, int k, bool rates) {
   for (int j = 0; j < sys.contacts; ++j) {
@@ -35,6 +37,7 @@ void laws_next(BodiesSystem<T>& sys, int k, bool rates) {
       sys.z[(c.first_state + i) * series_size + k + 1] =
           coefficient(tape, tape.formulas->rates[i], k) * inverse<T>(k + 1);
   }
+  for (int e = 0; e < sys.pushes; ++e) push_next(sys, e, k, rates);
 }
 
 // The recurrence, N coordinates (0: as many as there are).
@@ -93,20 +96,15 @@ void expand_speeds(BodiesSystem<T>& sys, int order) {
   }
 }
 
-// To what order the surfaces of a formula are expanded. Where the force goes over continuously an error in the time of it
-// counts by its square.
-template <class T>
-int watched_order(const BodiesSystem<T>& sys, int j, const Tape<T>& tape, int order) {
-  return sys.contact[j].mode == sticks || tape.jumps || order < sys.surface_order ? order : sys.surface_order;
-}
-
 // All series from their first coefficients, which the caller has set: t, q, q', z, x and the dwell.
 template <class T>
 void expand_bodies(BodiesSystem<T>& sys, int order) {
-  int curved[64] = {};
+  int curved[most_forces] = {};
   int count = 0;
   for (int j = 0; j < sys.contacts; ++j)
     if (!sys.contact[j].linear) curved[count++] = j;
+  for (int e = 0; e < sys.pushes; ++e)
+    if (sys.push[e].moves) curved[count++] = sys.contacts + e;
   expand_speeds(sys, order);
   expand_motion(sys, curved, count, order);
   laws_next(sys, order, false);
@@ -118,10 +116,7 @@ void expand_bodies(BodiesSystem<T>& sys, int order) {
     for (int s = 0; s < 2; ++s) {
       if (c.mode != sticks && s != (c.mode > 0)) continue;
       Tape<T>& tape = c.tape[s];
-      const int top = watched_order(sys, j, tape, order);
-      for (int k = 0; k <= top; ++k) run(tape.outer, tape.outers, k);
-      for (int i = 0; i < tape.surface_count; ++i)
-        for (int k = top + 1; k <= order; ++k) tape.surface_series[i * series_size + k] = T(0.0);
+      expand_surfaces(tape, watched_order(sys, j, tape, order), order);
       if (c.mode != sticks) continue;
       T* margin = sys.margin + (2 * j + s) * series_size;  // of T above -limit_minus, below limit_plus
       const T* friction = sys.friction + j * series_size;
@@ -129,6 +124,8 @@ void expand_bodies(BodiesSystem<T>& sys, int order) {
         margin[k] = coefficient(tape, tape.formulas->limit, k) + (s == 0 ? friction[k] : -friction[k]);
     }
   }
+  for (int e = 0; e < sys.pushes; ++e)
+    expand_surfaces(sys.push[e].tape, watched_order(sys, sys.push[e].tape, order), order);
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

@@ -2,6 +2,7 @@
 //
 //   M q'' + C q' + K q = force + sum over speeds s of (pull_x_s x_s + pull_v_s V_s(t)) - sum over contacts j of d_j T_j
 //   x_s' = V_s,  v_j = d_j . q' - V_(speed of j)
+//   and on the right + sum over pushes e of g_e F_e(q, q', x, t), the forces that effects add.
 //
 // A law is a tape: nodes, each an operation on nodes before it. No templates and nothing of the standard library, as in
 // interface.hpp.
@@ -16,8 +17,11 @@ enum class Op : int {
   u,              // |v|
   v,
   t,
-  dwell,  // time since the contact came to rest
-  state,  // a: which of the law's own
+  dwell,       // time since the contact came to rest
+  state,       // a: which of the law's, or of the push's, own
+  coordinate,  // a: which; q
+  velocity,    // a: which; q'
+  distance,    // a: of which speed; x
   add,
   subtract,
   multiply,
@@ -58,6 +62,13 @@ struct LawTape {
   int states;
 };
 
+// A force F that an effect adds on a direction g, and states of its own; both read q, q', x and t. One whose g is zero
+// moves nothing: its states follow the motion.
+struct PushTape {
+  BranchTape formulas;
+  int states;
+};
+
 // V(t), a formula of t from begins[i] on; the first holds before too.
 struct SpeedTape {
   const double* begins;
@@ -68,16 +79,18 @@ struct SpeedTape {
 constexpr int most_law_states = 16;
 
 struct Bodies {
-  int n, contacts, speeds, parameters, states;  // states: of all laws together
+  int n, contacts, speeds, parameters, states;  // states: of all laws, then of all pushes
   const LawTape* laws;                          // a law for every contact
   const int* contact_speed;                     // which speed it rubs on; -1: ground
   const SpeedTape* speed;
+  int pushes = 0;
+  const PushTape* push = nullptr;
 };
 
-// The numbers of a rig in a row, and the same places for seeds: M, C, K (n x n), force (n), D (contacts x n), pull_x, pull_v
-// (speeds x n), parameters, then the start: q, q', states of the laws, x of the speeds, and dwell of the contacts.
+// The numbers of a rig in a row, and the same places for seeds: M, C, K (n x n), force (n), D (contacts x n), G (pushes x
+// n), pull_x, pull_v (speeds x n), parameters, then the start: q, q', states of laws and pushes, x of the speeds, and dwell of the contacts.
 struct BodiesLayout {
-  int M, C, K, force, D, pull_x, pull_v, parameters, initial, dwell, size, state;
+  int M, C, K, force, D, G, pull_x, pull_v, parameters, initial, dwell, size, state;
 };
 constexpr BodiesLayout layout_of(const Bodies& b) {
   BodiesLayout l{};
@@ -85,7 +98,8 @@ constexpr BodiesLayout layout_of(const Bodies& b) {
   l.K = 2 * l.C;
   l.force = 3 * l.C;
   l.D = l.force + b.n;
-  l.pull_x = l.D + b.contacts * b.n;
+  l.G = l.D + b.contacts * b.n;
+  l.pull_x = l.G + b.pushes * b.n;
   l.pull_v = l.pull_x + b.speeds * b.n;
   l.parameters = l.pull_v + b.speeds * b.n;
   l.initial = l.parameters + b.parameters;

@@ -85,6 +85,7 @@ void look(BodiesSystem<T>& sys, BodiesState<T>& s) {
     if (sys.contact[j].mode != sticks) sys.u[j * series_size] = speed_coefficient(sys, j, 0);
     link_contact(sys, j);
   }
+  for (int e = 0; e < sys.pushes; ++e) link_push(sys, e);
   hold(sys);
   follow(sys, s);
   set_first(sys, s);

@@ -123,7 +123,7 @@ struct BodiesMachine {
   int expand(R& h, const R& left) {
     set_first(sys, s);
     const Curves<T> curves = curves_of(sys);
-    linear = !curves.motion && !curves.others;
+    linear = !curves.motion && !curves.others && sys.pushes == 0;
     const bool polynomial = !curves.motion && !curves.others && sys.stuck_count == sys.n;
     const int order = polynomial ? polynomial_order : (curves.motion ? opt.order : linear_order);
     expand_bodies(sys, order);

@@ -5,13 +5,18 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
-// Calls f(contact, instruction) for every power of 0 in what moves the rig.
+// Calls f(contact, instruction) for every power of 0 in what moves the rig; of a push the contact is -1.
 template <class T, class F>
 void each_power_of_zero(BodiesSystem<T>& sys, F&& f) {
   for (int j = 0; j < sys.contacts; ++j) {
     Tape<T>& tape = tape_of(sys.contact[j]);
     for (int i = 0; i < tape.inners; ++i)
-      if (tape.inner[i].code == Code::power && value(tape.inner[i].a[0]) == 0) f(j, tape.inner[i]);
+      if (tape.inner[i].code == Code::power && of_zero(tape.inner[i])) f(j, tape.inner[i]);
+  }
+  for (int e = 0; e < sys.pushes; ++e) {
+    Tape<T>& tape = sys.push[e].tape;
+    for (int i = 0; i < tape.inners; ++i)
+      if (tape.inner[i].code == Code::power && of_zero(tape.inner[i])) f(-1, tape.inner[i]);
   }
 }
 template <class T>
@@ -76,6 +81,11 @@ double expand_at_zero(BodiesSystem<T>& sys, int order, double rtol, double atol,
     each_power_of_zero(sys, [&](int j, Instruction<T>& in) {
       T term(0.0), slip(0.0);
       first_term(in.a, order, h, term);
+      if (j < 0) {
+        const double size = std::pow(real(term), static_cast<double>(value(in.x)));
+        error = std::max(error, share * h * size * std::max(size, h * pace));
+        return;
+      }
       const int m = first_term(sys.u + j * series_size, order, h, slip);
       const double size = std::pow(real(term), static_cast<double>(value(in.x))),
                    back = pull * size * h / (real(slip) + 1e-300);

@@ -14,10 +14,18 @@ T slope_product(T* slope, const T* a, const T* b, int k) {
   return rotation_next(slope, b, k);
 }
 
+// Does a power start at 0? A base that has landed there is 0 but for rounding; u at the onset of slip is 0 exactly.
+template <class T>
+bool of_zero(const Instruction<T>& in) {
+  return magnitude(value(in.a[0])) <= value(in.aux[largest_base]) * value(in.y);
+}
+
 // a^x, x no whole number. Where a starts at 0 there is no series: what stands for it was put beside it (onset.hpp).
 template <class T>
 T power_next(const Instruction<T>& in, int k) {
-  if (value(in.a[0]) == 0) return in.aux[1 + k];
+  if (k == 0)
+    in.aux[largest_base] = T(largest(Real<T>(magnitude(value(in.a[0]))), Real<T>(value(in.aux[largest_base]))));
+  if (of_zero(in)) return in.aux[1 + k];
   if (k == 0) {
     in.aux[0] = T(1.0) / in.a[0];
     return raised(in.a[0], in.x);

@@ -9,7 +9,7 @@ namespace stickslip::inline STICKSLIP_ISA {
 // Is it? `curved`: the contacts whose force is curved.
 template <class T>
 bool is_short(const BodiesSystem<T>& sys, int curved_count) {
-  if (curved_count > 1 || sys.states > 0) return false;
+  if (curved_count > 1 || sys.states > 0 || sys.pushes > 0) return false;
   for (int s = 0; s < sys.speeds; ++s)
     if (!sys.rail[s].steady) return false;
   return true;

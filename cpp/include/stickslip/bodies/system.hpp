@@ -2,45 +2,20 @@
 #pragma once
 
 #include "stickslip/bodies/dense.hpp"
-#include "stickslip/bodies/run_tape.hpp"
+#include "stickslip/bodies/parts.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
-
-constexpr int slips_minus = -1, sticks = 0, slips_plus = 1;
-
-template <class T>
-struct Contact {
-  Tape<T> tape[2];  // v < 0, v > 0
-  int states = 0, first_state = 0, speed = -1;
-  bool compliant[2] = {};
-  signed char mode = 0;
-  // of a mode in slip whose force is linear in u: T = level + slope (d . q' - V)
-  bool linear = false;
-  T level, slope;
-  Interval<T> interval;  // of u, in which no linear surface changes its side
-  bool leaving = false;  // it slips off from rest: u is 0 at the start of the piece
-  bool tried = false;    // let go by the rule at this transition
-  T since;               // time from which the dwell counts
-};
-
-template <class T>
-struct Rail {  // a prescribed speed
-  Tape<T>* piece;
-  int now = 0;
-  bool steady = true, filled = false;  // constant at present; its series stands
-  bool linear = true;                  // linear in t at present
-};
 
 template <class T>
 struct BodiesSystem {
   const Bodies* b = nullptr;
   BodiesLayout at{};
-  int n = 0, contacts = 0, speeds = 0, states = 0, columns = 0;
+  int n = 0, contacts = 0, speeds = 0, pushes = 0, states = 0, columns = 0;
   T* values = nullptr;
   T* inverse = nullptr;       // of M
   T* reach = nullptr;         // M^-1 d_j (contacts x n)
   Real<T>* weight = nullptr;  // root of the inertia of each coordinate
-  T* free = nullptr;          // q'' of the free rig by (q, q', 1, x, V, -T): n x columns
+  T* free = nullptr;          // q'' of the free rig by (q, q', 1, x, V, -T, F): n x columns
   T* projected = nullptr;     // the same with what sticks held
   T* held = nullptr;          // friction of what sticks by the same (contacts x columns)
   T* yields = nullptr;        // M^-1 D' G^-1: what an acceleration of the stuck adds (n x contacts)
@@ -52,6 +27,7 @@ struct BodiesSystem {
   bool pulled = false;            // some force follows a prescribed motion
   Contact<T>* contact = nullptr;
   Rail<T>* rail = nullptr;
+  Push<T>* push = nullptr;
   // the series of a piece
   T *q = nullptr, *v = nullptr, *z = nullptr, *x = nullptr, *V = nullptr;
   T *u = nullptr, *force = nullptr, *friction = nullptr, *margin = nullptr, *dwell = nullptr, *time = nullptr;
@@ -59,13 +35,14 @@ struct BodiesSystem {
   int ids = 0;  // of switching functions: 2 a contact, one a node of every tape
 
   T* D(int j) const { return values + at.D + j * n; }
+  T* G(int e) const { return values + at.G + e * n; }
   static T* row(T* all, int i) { return all + i * series_size; }
 
   void place(Arena& arena, const Bodies& bodies, const double* numbers) {
     b = &bodies;
     at = layout_of(bodies);
-    n = bodies.n, contacts = bodies.contacts, speeds = bodies.speeds, states = bodies.states;
-    columns = 2 * n + 1 + 2 * speeds + contacts;
+    n = bodies.n, contacts = bodies.contacts, speeds = bodies.speeds, pushes = bodies.pushes, states = bodies.states;
+    columns = 2 * n + 1 + 2 * speeds + contacts + pushes;
     values = arena.take<T>(at.size);
     inverse = arena.take<T>(n * n);
     reach = arena.take<T>(contacts * n);
@@ -81,12 +58,14 @@ struct BodiesSystem {
     for (T** one : {&q, &v}) *one = arena.take<T>(n * series_size);
     z = arena.take<T>(states * series_size);
     for (T** one : {&x, &V}) *one = arena.take<T>(speeds * series_size);
-    for (T** one : {&u, &force, &friction, &dwell}) *one = arena.take<T>(contacts * series_size);
+    for (T** one : {&u, &friction, &dwell}) *one = arena.take<T>(contacts * series_size);
+    force = arena.take<T>((contacts + pushes) * series_size);  // of contacts, then of pushes
     margin = arena.take<T>(2 * contacts * series_size);
     time = arena.take<T>(series_size);
     states_of = arena.take<const T*>(states);
     contact = arena.take<Contact<T>>(contacts);
     rail = arena.take<Rail<T>>(speeds);
+    push = arena.take<Push<T>>(pushes);
     place_tapes(arena, numbers + at.parameters);
   }
 
@@ -106,7 +85,8 @@ struct BodiesSystem {
       for (int s = 0; s < 2; ++s) {
         one.compliant[s] = law.branch[s].limit < 0;
         one.tape[s].place(arena, law.branch[s], parameters);
-        one.tape[s].reads = {values + at.parameters, row(u, j), time, row(dwell, j), states_of + first, 0.0, false};
+        one.tape[s].reads = {
+            values + at.parameters, row(u, j), time, row(dwell, j), states_of + first, 0.0, false, q, v, x};
         one.tape[s].first_id = ids;
         ids += law.branch[s].count;
       }
@@ -128,6 +108,25 @@ struct BodiesSystem {
         tape.place(arena, speed.pieces[i], parameters);
         tape.reads = {values + at.parameters, time, time, time, nullptr, 1.0, true};
       }
+    }
+    place_pushes(arena, parameters, first);
+  }
+  void place_pushes(Arena& arena, const double* parameters, int first) {
+    const bool real = arena.base != nullptr;
+    Push<T> scratch{};
+    for (int e = 0; e < pushes; ++e) {
+      Push<T>& one = real ? push[e] : scratch;
+      one = Push<T>{};
+      const PushTape& given = b->push[e];
+      one.states = given.states;
+      one.first_state = first;
+      one.tape.place(arena, given.formulas, parameters);
+      one.tape.reads = {values + at.parameters, time, time, time, states_of + first, 0.0, false, q, v, x};
+      one.tape.first_id = ids;
+      ids += given.formulas.count;
+      if (real)
+        for (int i = 0; i < given.states; ++i) states_of[first + i] = row(z, first + i);
+      first += given.states;
     }
   }
 };

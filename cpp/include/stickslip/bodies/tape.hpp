@@ -24,6 +24,7 @@ struct Reads {
   const T* const* states = nullptr;
   double direction = 0;  // of v; 0 at rest, where u and v are 0
   bool base_is_time = false;
+  const T *coordinates = nullptr, *velocities = nullptr, *distances = nullptr;  // rows of series
 };
 
 enum class Code : signed char {
@@ -69,11 +70,12 @@ struct NodeFacts {
 
 constexpr int aux_series = 3;  // most that an operation keeps beside its own, but for whole powers
 constexpr int largest_whole_power = 64;
+constexpr int largest_base = 2 * series_size;  // beside a power that is not whole: the largest that its base has been
 
 inline bool is_piecewise(Op op) {
   return op == Op::absolute || op == Op::sign || op == Op::minimum || op == Op::maximum;
 }
-inline bool is_leaf(Op op) { return op <= Op::state; }
+inline bool is_leaf(Op op) { return op <= Op::distance; }
 inline bool is_binary(Op op) { return (op >= Op::add && op <= Op::power) || op == Op::minimum || op == Op::maximum; }
 
 // The whole number above 1 that the exponent of a node is, or 0.
@@ -131,6 +133,7 @@ struct Tape {
       node[i].own = own;
       node[i].aux = aux;
       node[i].side = 0;
+      if (one.op == Op::power || one.op == Op::square_root) aux[p > 0 ? 0 : largest_base] = T(0.0);
     }
     surfaces = arena.take<int>(pieces);
     surface_series = arena.take<T>(pieces * series_size);

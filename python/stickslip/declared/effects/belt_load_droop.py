@@ -1,5 +1,6 @@
 """A belt that slows down under load."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import SPEED_BY_FORCE
 from stickslip.declared.effect_kind import EffectKind, not_negative, time_constant
 from stickslip.declared.effect_terms import Before, Behaves, Numbers
@@ -25,4 +26,7 @@ EFFECT = EffectKind(
     on_belt=180,
     starts=({"k": 0.002, "tau": 0.3}, {"k": 0.002, "tau": 2.0}),
     behaves=Behaves(hidden_start=hidden_start),
+    anywhere=Acts(
+        refused="a belt that gives way is a body: link it to the drive, and let the contact rub on it"
+    ),
 )

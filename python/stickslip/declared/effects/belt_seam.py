@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import LENGTH
 from stickslip.declared.effect_kind import PHASE, EffectKind, Wave, amplitude, positive
 from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
@@ -33,4 +34,5 @@ EFFECT = EffectKind(
     wave=Wave("L", along_belt=True, largest=0.5),
     adds=Adds(friction=share),
     behaves=Behaves(period=period),
+    anywhere=Acts(factor="1 + a*sin(2*pi*travel/L + phi)"),
 )

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.effect_kind import PHASE, EffectKind, Wave, amplitude, frequency
 from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
 
@@ -38,4 +39,5 @@ EFFECT = EffectKind(
     wave=Wave("w", along_belt=False, largest=0.5),
     adds=Adds(belt_share=share, belt_rate=rate),
     behaves=Behaves(period=period),
+    anywhere=Acts(factor="1 + a*sin(w*t + phi)", of_belt=True),
 )

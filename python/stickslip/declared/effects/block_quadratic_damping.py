@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import QUADRATIC_DAMPING
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Sides, Value
@@ -35,4 +36,5 @@ EFFECT = EffectKind(
     on_slider=20,
     scored_at={"c": 0.0},
     adds=Adds(block=force, sides=Sides(sign, ends)),
+    anywhere=Acts(force="-c*deflection_rate*abs(deflection_rate)"),
 )

@@ -1,5 +1,6 @@
 """Viscous damping of the block."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import DAMPING
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -20,4 +21,5 @@ EFFECT = EffectKind(
     on_belt=10,
     scored_at={"c": 0.0},
     adds=Adds(block=force),
+    anywhere=Acts(force="-c*deflection_rate"),
 )

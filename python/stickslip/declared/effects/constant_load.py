@@ -1,5 +1,6 @@
 """A constant load on the block."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -20,4 +21,5 @@ EFFECT = EffectKind(
     on_belt=70,
     both_ways=True,
     adds=Adds(block=force),
+    anywhere=Acts(force="f"),
 )

@@ -1,5 +1,6 @@
 """A contact that yields before it slips: no rigid stick."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import DAMPING, STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, not_negative, positive
 from stickslip.declared.effect_terms import Before, Behaves, Numbers
@@ -25,4 +26,5 @@ EFFECT = EffectKind(
     on_slider=40,
     starts=({"k": 350.0, "c": 0.5}, {"k": 1500.0, "c": 1.0}),
     behaves=Behaves(hidden_start=hidden_start),
+    anywhere=Acts(bristle="k*z + c*v", states={"z": ("v - k*u*z/R", "0")}),
 )

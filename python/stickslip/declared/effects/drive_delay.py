@@ -1,5 +1,6 @@
 """A drive that acts late."""
 
+from stickslip.declared.acts import NO_DRIVE_FORCE
 from stickslip.declared.dimensions import TIME
 from stickslip.declared.effect_kind import EffectKind, free
 
@@ -11,4 +12,5 @@ EFFECT = EffectKind(
     parameters=(free("delay", "delay, negative if early", TIME),),
     depends_on=("F",),
     on_slider=190,
+    anywhere=NO_DRIVE_FORCE,
 )

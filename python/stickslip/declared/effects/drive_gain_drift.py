@@ -1,5 +1,6 @@
 """A drive whose gain drifts within each run."""
 
+from stickslip.declared.acts import NO_DRIVE_FORCE
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -19,4 +20,5 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_slider=160,
     adds=Adds(drive=share),
+    anywhere=NO_DRIVE_FORCE,
 )

@@ -1,5 +1,6 @@
 """A drive that lags behind its command."""
 
+from stickslip.declared.acts import NO_DRIVE_FORCE
 from stickslip.declared.effect_kind import EffectKind, time_constant
 
 EFFECT = EffectKind(
@@ -11,4 +12,5 @@ EFFECT = EffectKind(
     depends_on=("F",),
     hidden=("f",),
     on_slider=180,
+    anywhere=NO_DRIVE_FORCE,
 )

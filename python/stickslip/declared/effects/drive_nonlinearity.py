@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.declared.acts import NO_DRIVE_FORCE
 from stickslip.declared.dimensions import PER_FORCE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -21,4 +22,5 @@ EFFECT = EffectKind(
     depends_on=("F",),
     on_slider=170,
     adds=Adds(drive=share),
+    anywhere=NO_DRIVE_FORCE,
 )

@@ -1,5 +1,6 @@
 """A drive whose gain waves along the track."""
 
+from stickslip.declared.acts import NO_DRIVE_FORCE
 from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
 from stickslip.declared.effect_terms import Adds, wave_of_position
 
@@ -16,4 +17,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=150,
     adds=Adds(drive=wave_of_position),
+    anywhere=NO_DRIVE_FORCE,
 )

@@ -1,5 +1,6 @@
 """Friction that drifts within each run."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
@@ -42,4 +43,5 @@ EFFECT = EffectKind(
     scored_at={"r": 0.0},
     adds=Adds(friction=share),
     behaves=Behaves(period=period, drives=drives),
+    anywhere=Acts(factor="1 + r*t"),
 )

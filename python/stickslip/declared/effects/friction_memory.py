@@ -2,6 +2,7 @@
 
 from collections.abc import Collection
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.effect_kind import EffectKind, time_constant
 from stickslip.declared.effect_terms import Before, Behaves, Numbers
 from stickslip.declared.friction.coulomb import CoulombFriction
@@ -32,4 +33,5 @@ EFFECT = EffectKind(
     on_belt=130,
     starts=({"tau": 0.03}, {"tau": 0.2}),
     behaves=Behaves(hidden_start=hidden_start, idle=idle),
+    anywhere=Acts(refused="its speed starts anew at every stick; a law by a formula with a state acts there"),
 )

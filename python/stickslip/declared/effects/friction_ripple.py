@@ -1,5 +1,6 @@
 """Friction that waves along the track."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.effect_kind import PHASE, EffectKind, amplitude, wavelength
 from stickslip.declared.effect_terms import Adds, wave_of_position
 
@@ -16,4 +17,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=130,
     adds=Adds(friction=wave_of_position),
+    anywhere=Acts(factor="1 + a*sin(2*pi*position/L + phi)"),
 )

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import PHASE, EffectKind, Wave, free, frequency
 from stickslip.declared.effect_terms import Adds, At, Behaves, Numbers, Value
@@ -35,4 +36,5 @@ EFFECT = EffectKind(
     wave=Wave("w", along_belt=False, largest=3.0),
     adds=Adds(block=force),
     behaves=Behaves(period=period),
+    anywhere=Acts(force="a*sin(w*t + phi)"),
 )

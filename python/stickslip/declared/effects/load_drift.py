@@ -1,5 +1,6 @@
 """A load that drifts within each run."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE_RATE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -19,4 +20,5 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_slider=90,
     adds=Adds(block=force),
+    anywhere=Acts(force="r*t"),
 )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import DAMPING, STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Sides, Value
@@ -41,4 +42,5 @@ EFFECT = EffectKind(
     on_belt=100,
     scored_at={"beta2": 0.0, "eta2": 0.0},
     adds=Adds(friction=share, sides=Sides(touching, ends)),
+    anywhere=Acts(refused="say what presses the contact, as a formula: factor = 'max(0, 1 + k*NAME/T_s)'"),
 )

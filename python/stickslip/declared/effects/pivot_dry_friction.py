@@ -2,6 +2,7 @@
 
 import math
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE, SPEED
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo, not_negative
 
@@ -25,4 +26,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=90,
     starts=({"f": 0.08}, {"f": 0.08, "v_c": 2e-3}),
+    anywhere=Acts(refused="dry friction of a body is a contact: declare [[rig.contact]]"),
 )

@@ -1,5 +1,6 @@
 """Friction that grows along the track."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import PER_LENGTH
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -19,4 +20,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=70,
     adds=Adds(friction=share),
+    anywhere=Acts(factor="1 + r*position"),
 )

@@ -1,5 +1,6 @@
 """A load that grows with the position, like a spring."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -19,4 +20,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=60,
     adds=Adds(block=force),
+    anywhere=Acts(force="-k*deflection"),
 )

@@ -1,5 +1,6 @@
 """A load that waves along the track."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import PHASE, EffectKind, free, wavelength
 from stickslip.declared.effect_terms import Adds, wave_of_position
@@ -19,4 +20,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=100,
     adds=Adds(block=wave_of_position),
+    anywhere=Acts(force="a*sin(2*pi*deflection/L + phi)"),
 )

@@ -1,5 +1,6 @@
 """A mass other than the declared one."""
 
+from stickslip.declared.acts import NO_DECLARED_NUMBER
 from stickslip.declared.effect_kind import EffectKind, relative_error
 
 EFFECT = EffectKind(
@@ -12,4 +13,5 @@ EFFECT = EffectKind(
     on_belt=240,
     on_slider=200,
     corrects="mass",
+    anywhere=NO_DECLARED_NUMBER,
 )

@@ -1,5 +1,6 @@
 """A spring stiffness other than the declared one."""
 
+from stickslip.declared.acts import NO_DECLARED_NUMBER
 from stickslip.declared.effect_kind import EffectKind, relative_error
 
 EFFECT = EffectKind(
@@ -11,4 +12,5 @@ EFFECT = EffectKind(
     depends_on=(),
     on_belt=250,
     corrects="stiffness",
+    anywhere=NO_DECLARED_NUMBER,
 )

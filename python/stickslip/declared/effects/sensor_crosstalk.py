@@ -1,5 +1,6 @@
 """Crosstalk: the x1 sensor also reads y1."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import NUMBER
 from stickslip.declared.effect_kind import EffectKind, free
 
@@ -13,4 +14,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=210,
     scored_at={"c": 0.0},
+    anywhere=Acts(refused="say which channels, as a formula: reading = 'reading + c*NAME'"),
 )

@@ -1,5 +1,6 @@
 """A delay of the y1 reading against x1."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import TIME
 from stickslip.declared.effect_kind import EffectKind, free
 
@@ -13,4 +14,5 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=200,
     scored_at={"delay": 0.0},
+    anywhere=Acts(refused="a reading of the past is no formula; sensor_lag acts there"),
 )

@@ -1,5 +1,6 @@
 """A drift of the x1 sensor within each run."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import SPEED
 from stickslip.declared.effect_kind import EffectKind, free
 
@@ -12,4 +13,5 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_belt=230,
     scored_at={"r": 0.0},
+    anywhere=Acts(reading="reading + r*t"),
 )

@@ -1,5 +1,6 @@
 """A sensor gain other than the declared one."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.effect_kind import EffectKind, relative_error
 
 EFFECT = EffectKind(
@@ -11,4 +12,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_belt=260,
     corrects="reading",
+    anywhere=Acts(reading="(1 + e)*reading"),
 )

@@ -1,5 +1,6 @@
 """A lag of the x1 sensor."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.effect_kind import EffectKind, time_constant
 from stickslip.declared.effect_terms import Before, Behaves, Numbers
 
@@ -20,4 +21,5 @@ EFFECT = EffectKind(
     on_belt=190,
     starts=({"tau": 0.05},),
     behaves=Behaves(hidden_start=hidden_start),
+    anywhere=Acts(reading="m", states={"m": ("(reading - m)/tau", "reading")}),
 )

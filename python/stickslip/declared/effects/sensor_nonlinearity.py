@@ -1,5 +1,6 @@
 """A nonlinear x1 sensor."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import PER_LENGTH
 from stickslip.declared.effect_kind import EffectKind, free
 
@@ -12,4 +13,5 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_belt=220,
     scored_at={"q": 0.0},
+    anywhere=Acts(reading="reading + q*reading**2"),
 )

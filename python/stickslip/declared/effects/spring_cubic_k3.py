@@ -1,5 +1,6 @@
 """A spring k3 that stiffens (or softens) with the cube of its deflection."""
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import CUBIC_STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -21,4 +22,5 @@ EFFECT = EffectKind(
     on_belt=50,
     scored_at={"k": 0.0},
     adds=Adds(angle_body=force),
+    anywhere=Acts(force="-k*deflection**3"),
 )

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import LENGTH, STIFFNESS
 from stickslip.declared.effect_kind import EffectKind, not_negative, positive
 from stickslip.declared.effect_terms import Adds, At, Numbers, Sides, Value
@@ -42,4 +43,5 @@ EFFECT = EffectKind(
     on_belt=60,
     starts=({"k": 3.0, "d": 0.3}, {"k": 3.0, "d": 0.6}),
     adds=Adds(angle_body=force, sides=Sides(touched, ends)),
+    anywhere=Acts(force="k*(max(0, -deflection - d) - max(0, deflection - d))"),
 )

@@ -4,6 +4,7 @@ from collections.abc import Collection
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.effect_kind import EffectKind, free, time_constant
 from stickslip.declared.effect_terms import Adds, Behaves, Numbers, Value
@@ -46,4 +47,5 @@ EFFECT = EffectKind(
     scored_at={"dT": 0.0, "tau": 1.5},
     adds=Adds(aging=growth),
     behaves=Behaves(idle=idle, drives=drives),
+    anywhere=Acts(aging="dT*(1 - exp(-dwell/tau))"),
 )

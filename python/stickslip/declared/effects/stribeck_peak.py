@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE, SPEED
 from stickslip.declared.effect_kind import EffectKind, free, positive
 from stickslip.declared.effect_terms import Adds, Behaves, Numbers, Value
@@ -43,4 +44,5 @@ EFFECT = EffectKind(
     scored_at={"dT": 0.0, "v_s": 0.03},
     adds=Adds(peak=peak),
     behaves=Behaves(drives=drives),
+    anywhere=Acts(peak="dT*exp(-(u/v_s)**2)"),
 )

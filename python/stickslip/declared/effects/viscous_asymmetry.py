@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import DAMPING
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -21,4 +22,5 @@ EFFECT = EffectKind(
     depends_on=("x2",),
     on_slider=10,
     adds=Adds(block=force),
+    anywhere=Acts(force="-c*abs(deflection_rate)"),
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import FORCE, SPEED
 from stickslip.declared.effect_kind import EffectKind, free, positive
 from stickslip.declared.effect_terms import Adds, Numbers, Value
@@ -24,4 +25,5 @@ EFFECT = EffectKind(
     depends_on=("v_w",),
     on_slider=50,
     adds=Adds(peak=peak),
+    anywhere=Acts(peak="dT*(1 - exp(-u/v_s))"),
 )

@@ -18,7 +18,9 @@ LOOKS: Mapping[str, NDArray[np.float64]] = {  # where each variable is looked at
 }
 
 
-def check_range(key: str, tree: Tree, over: str, of: Mapping[str, float]) -> None:
+def check_range(
+    key: str, tree: Tree, over: str, of: Mapping[str, float], looks: NDArray[np.float64] | None = None
+) -> None:
     """Refuse a formula that divides by zero, or leaves the reals, within the range of a variable.
 
     Parameters
@@ -31,13 +33,15 @@ def check_range(key: str, tree: Tree, over: str, of: Mapping[str, float]) -> Non
         "u" or "dwell" (from 0 on) or "t"; v goes along with u.
     of
         Values of the other names.
+    looks
+        Where another name is looked at.
 
     Raises
     ------
     InputError
         Where it happens, with the part of the formula and the value of the variable.
     """
-    looks = LOOKS[over]
+    looks = LOOKS[over] if looks is None else looks
     values = {**of, over: looks, **({"v": looks} if over == "u" else {})}
     for one in dict.fromkeys(nodes(tree)):
         if not isinstance(one, Apply):

@@ -272,6 +272,10 @@ class BodiesRig(GeneralRig):
                 of_drive = share
         return row, of_drive
 
+    def deflection(self, i: int) -> tuple[np.ndarray[Any, Any], float]:
+        """Row of a link's deflection over the coordinates, and its share of the drive's displacement."""
+        return self._deflection(i, self.link[i])
+
     def _check_units(self, i: int, one: Link, rotation: bool, mixed: bool) -> None:
         length = "rad" if rotation else "m"
         force = "N m" if rotation else "N"

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.arguments import must_be, vector
 from stickslip.declared.bodies_model import check_closed_form
-from stickslip.declared.effect import Tabulated
+from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.rig import on_belt
 from stickslip.errors import InputError, StickslipError
@@ -76,7 +76,7 @@ class Flow:
 
     def __post_init__(self) -> None:
         must_be("model", self.model, Model, "Model(rig, friction=law) or load_model(file) give one")
-        check_closed_form(self.model.rig, self.model.friction)
+        check_closed_form(self.model.rig, self.model.friction, self.model.effects)
         on_belt(self.model.rig)
 
     @cached_property
@@ -241,6 +241,7 @@ def forcing_period(model: Model, belt_speed: float) -> float | None:
                     raise InputError("changes with time without a period; no motion repeats", key=one.name)
                 found[one.name] = one.period
             continue
+        assert isinstance(one, Effect)  # formulas were refused before
         repeats = one.kind.behaves.period
         period = repeats(one.parameters, belt_speed) if repeats else None
         if period is not None:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.declared.formula.tree import Apply, Tree, switches
 from stickslip.declared.formula.value import Value, side_of, surface, value
 from stickslip.declared.model import Model
+from stickslip.declared.placed import seen
 from stickslip.simulated.general import General, general
 from stickslip.simulated.reference.equations import Guard
 from stickslip.simulated.reference.integrate import Status, Step, advance, leg
@@ -74,12 +75,17 @@ class Bodies:
         self.inverse = np.linalg.inv(eq.M)
         self.D = eq.directions
         self.d = 2 * self.n + len(own.hidden)
+        self.pushes, self.in_laws = own.effects.pushes, sum(len(law.states) for law in own.laws)
         # trees with sides: those of either branch of every contact, in stick too
         self.pieces: list[tuple[int, int, Apply]] = []
         for j, law in enumerate(own.laws):
             for s in (-1, 1):
                 for tree in law.branch(s).trees():
                     self.pieces += [(j, s, one) for one in switches(tree) if (j, s, one) not in self.pieces]
+        for e, push in enumerate(self.pushes):  # numbered behind the contacts
+            trees = (push.force, *(one.rate for one in push.states))
+            self.pieces += [(self.m + e, 1, one) for tree in trees for one in switches(tree)]
+        self.pieces = list(dict.fromkeys(self.pieces))
 
     # -- the field, modes frozen -------------------------------------------------------------------------------
 
@@ -95,15 +101,24 @@ class Bodies:
 
     def reads(self, t: Value, z: Value, j: int, side: Modes, s: int) -> dict[str, Value]:
         """Return what the formulas of contact j read on the branch s; in stick u and v are 0."""
+        rig = self._rig(t, z)
+        if j >= self.m:
+            at = 2 * self.n + self.in_laws + sum(len(one.states) for one in self.pushes[: j - self.m])
+            own = {one.name: z[at + k] for k, one in enumerate(self.pushes[j - self.m].states)}
+            return {**rig, **self.own.effects.numbers, **own}
         law = self.own.laws[j]
         v = self.sliding(t, z, j, side) if side.modes[j] else 0.0 * z[0]
-        of: dict[str, Value] = {**law.numbers, "t": t, "v": v, "u": s * v, "dwell": t - side.since[j]}
+        of: dict[str, Value] = {**rig, **law.numbers, "t": t, "v": v, "u": s * v, "dwell": t - side.since[j]}
         at = 2 * self.n + sum(len(one.states) for one in self.own.laws[:j])
         return of | {one.name: z[at + k] for k, one in enumerate(law.states)}
 
     def asked(self, tree: Tree, t: Value, z: Value, j: int, side: Modes, s: int) -> Value:
         """Value of a tree of contact j on its branch s, sides frozen."""
         return value(tree, self.reads(t, z, j, side, s), self._sides(j, s, side))
+
+    def _rig(self, t: Value, z: Value) -> dict[str, Value]:
+        belt = self.own.belt.constant  # of another speed the place is not kept
+        return seen(z, self.n, t, np.nan if belt is None else belt * t, z[-1] if self.eq.driven else 0.0)
 
     def _sides(self, j: int, s: int, side: Modes) -> dict[Apply, int]:
         known = zip(self.pieces, side.pieces, strict=True)
@@ -117,6 +132,8 @@ class Bodies:
             force = (
                 force + eq.drive_stiffness * z[-1] + eq.drive_damping * self.own.drive.at(t, side.drive)[0]
             )
+        for e, push in enumerate(self.pushes):
+            force = force + push.direction * self.asked(push.force, t, z, self.m + e, side, 1)
         return force
 
     def friction(self, t: Value, z: Value, side: Modes) -> list[Value]:
@@ -143,9 +160,10 @@ class Bodies:
         n, T = self.n, self.friction(t, z, side)
         force = self.free(t, z, side) - self.D.T @ np.array(T)
         rates = []
-        for j, s in enumerate(side.modes):
-            branch = s or -1
+        for j, branch in enumerate(s or -1 for s in side.modes):
             rates += [self.asked(one, t, z, j, side, branch) for one in self.own.laws[j].branch(branch).rates]
+        for e, push in enumerate(self.pushes):
+            rates += [self.asked(one.rate, t, z, self.m + e, side, 1) for one in push.states]
         drive = [self.own.drive.at(t, side.drive)[0]] if self.eq.driven else []
         return np.array([*z[n : 2 * n], *(self.inverse @ force), *rates, *drive])
 
@@ -165,7 +183,7 @@ class Bodies:
                     self.friction(t, z, side)[j] - self.limit(1, t, z, j, side)
                 )  # type: ignore[misc]
         for k, (j, s, one) in enumerate(self.pieces):
-            if s == side.modes[j] or (side.modes[j] == 0 and s == -1):
+            if j >= self.m or s == side.modes[j] or (side.modes[j] == 0 and s == -1):
                 out["piece", k] = self._surface(side, k, j, s, one)
         return {name: self._over(guard) for name, guard in out.items()}
 
