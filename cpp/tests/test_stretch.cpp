@@ -37,7 +37,7 @@ Run<double> step_by_step(const Setup& setup, double t_end, double step) {
 // The leg in stick: y'' = -(b3 y + e12 y' + x1 + e1 v_b)/a2 in closed form, and when q first reaches its upper limit.
 struct Stick {
   long double p0, p1, a, b, decay, turn, level, slope, s, e1;
-  Stick(const Setup& setup) {
+  explicit Stick(const Setup& setup) {
     const auto& p = setup.p;
     const long double a2 = p[alpha2], b3 = p[beta3], e12 = p[eta12], v = p[belt_speed];
     e1 = p[eta1], s = p[coupling];

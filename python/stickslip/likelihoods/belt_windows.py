@@ -71,8 +71,7 @@ class BeltWindows:
         self.prior = Prior(numbers, declared, policy.tail)
         self.effects = 2 * policy.knots + 2
         self.kinetic = slice(1, 1 + policy.knots)
-        self.own = self.begins + self.effects
-        self.channels = data[0].readings.shape[1]
+        self.own, self.channels = self.begins + self.effects, data[0].readings.shape[1]
         self.knots = [knots(run, policy) for run in data]
         self.places = [
             np.vstack([slipped(k, run), belt_waves.root(lasts(run, r, stretches), policy.knots, policy.slow)])
@@ -103,6 +102,7 @@ class BeltWindows:
             for r in range(len(data))
         ]
         self.sizes = np.array([w.stop - w.start for w in stretches])
+        self.steps = [float(np.median(np.diff(run.t))) for run in data]
 
     @property
     def runs(self) -> list[int]:
@@ -355,7 +355,7 @@ class _Run:
             shapes = belt_waves.hats(t, k)
             shown = {0: belt_waves.ridden(t, state[a:b, X2], mode[a:b], v_b, shapes)}
             if "alpha2" in self.values:
-                shown[1] = belt_waves.leg(shown[0], float(np.median(np.diff(t))), self.values)
+                shown[1] = belt_waves.leg(shown[0], self.of.steps[self.run], self.values)
             if chain.values.shape[1] == 3:
                 shown[2] = v_b * shapes
                 chain.values[a:b, 2] += v_b * own[-1]

@@ -24,6 +24,7 @@ from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.repeating import swollen
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
@@ -77,9 +78,8 @@ def distribution(
         fit = fitted(begin(windows), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
-    if (
-        unexplained(fit) > POLICY.noise_left
-    ):  # no model of these windows: its scatter is that of something else
+    # no model of these windows: its scatter is that of something else
+    if unexplained(fit) > POLICY.noise_left or swollen(fit):
         return None
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))

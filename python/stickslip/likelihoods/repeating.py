@@ -21,9 +21,10 @@ def lost(fit: Fit) -> bool:
 
 
 def swollen(fit: Fit) -> bool:
-    """Return whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
+    """Return whether friction or belt scatter by more than the prior's width: what is lacking may pose as scatter."""
     p, policy = fit.population, fit.windows.policy
-    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
+    friction = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
+    usual = (*friction, (p.belt, policy.belt_sd))
     return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
 
 

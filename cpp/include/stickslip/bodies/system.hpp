@@ -36,7 +36,7 @@ struct BodiesSystem {
 
   T* D(int j) const { return values + at.D + j * n; }
   T* G(int e) const { return values + at.G + e * n; }
-  static T* row(T* all, int i) { return all + i * series_size; }
+  static T* row(T* all, int i) { return all + i * series_size; }  // NOLINT(clang-analyzer-core.NullPointerArithm)
 
   void place(Arena& arena, const Bodies& bodies, const double* numbers) {
     b = &bodies;
