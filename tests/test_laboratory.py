@@ -10,11 +10,12 @@ import stickslip as ss
 from scattering import case
 from stickslip.discovery.laboratory import loop
 from stickslip.discovery.laboratory.constants import freed
-from stickslip.discovery.laboratory.gate import gate
+from stickslip.discovery.laboratory.gate import _effects, gate
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import begin
 
 SCATTER, OFF = 0.02, 0.008
 
@@ -93,3 +94,22 @@ def test_the_gate_has_the_memory_of_the_best_rival(tmp_path: Path) -> None:
     screen = Screen((), (Shapes(1, (columns(bench, plain, (), zero, ("friction_drift.r",)),)),))
     barred, passes = (gate(bench, drifting, screen, 0, best).threshold for best in (drifting, plain))
     assert passes < 0.7 * barred
+
+
+def test_the_gate_draws_a_belt_that_wanders_where_no_waves_of_it_are_scored(tmp_path: Path) -> None:
+    """Beside a ripple of the belt no waves of it are candidates; the belt wanders all the same."""
+    read = ss.load_case(case(tmp_path, (), 0.01, 0.0, 4))
+    bench = loop.bench_of(read, prepare(read.train))
+    plain = begin(bench.windows())
+    p = replace(plain.population, belt=0.01)
+    drawn = _effects(
+        bench, replace(plain, population=p), [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=True
+    )
+    line = drawn[:, plain.windows.kinetic.stop :]
+    for members, places in zip(plain.windows.by_run, plain.windows.places, strict=True):
+        told = 0.01 * np.linalg.norm(places[1:], axis=1)
+        assert np.std(line[members], axis=(0, 2)) == pytest.approx(told, rel=0.15)
+    whole = _effects(
+        bench, replace(plain, population=p), [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=False
+    )
+    assert not whole[:, plain.windows.kinetic.stop :].any()

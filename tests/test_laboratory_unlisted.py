@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +9,9 @@ import pytest
 import stickslip as ss
 from scattering import case
 from stickslip.declared.effect import Effect, Tabulated
-from stickslip.discovery.laboratory import loop, search
+from stickslip.discovery.laboratory import curves, loop, search
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted
@@ -34,8 +34,7 @@ def test_a_name_that_only_stands_in_leaves_a_curve(
     read = ss.load_case(case(tmp_path, (acts,), 0.015, 0.005, 7))
     bench = loop.bench_of(read, prepare(read.train))
     named = fit_of(bench, (Term(CUBIC),))
-    step = SimpleNamespace(gate=SimpleNamespace(threshold=GATE))
-    found = loop._left_over(bench, Searched(fit_of(bench, ()), named, [step]))
+    found = loop._left_over(bench, Searched(fit_of(bench, ()), named), 0)
     assert (found is not None) == left
     if found is not None:
         assert (found.where, found.variable) == ("block", "x1")
@@ -47,10 +46,9 @@ def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> Non
     read = ss.load_case(case(tmp_path, (CUBIC,), 0.015, 0.005, 7))
     bench = loop.bench_of(read, prepare(read.train))
     null, named = fit_of(bench, ()), fit_of(bench, (Term(CUBIC),))
-    step = SimpleNamespace(gate=SimpleNamespace(threshold=GATE))
     gain = null.fit.deviance - named.fit.deviance
-    assert loop._curve(bench, Searched(null, null, [step])) is not None
-    assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0), [step])) is None
+    assert loop._curve(bench, Searched(null, null), 0) is not None
+    assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
 
 
 def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_it(tmp_path: Path) -> None:
@@ -65,3 +63,37 @@ def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_
     numbers = found.fit.values()
     assert numbers["pivot_dry_friction.v_c"] == pytest.approx(0.01, rel=0.1)
     assert numbers["pivot_dry_friction.f"] == pytest.approx(0.1, rel=0.03)
+
+
+def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
+    """An offset of the x1 reading is the law's own level: a score may step along it, a fit gains nothing."""
+    read = ss.load_case(case(tmp_path, (PULL,), 0.015, 0.005, 7))
+    bench = loop.bench_of(read, prepare(read.train))
+    null = fit_of(bench, ())
+    real = max(curves.learned(bench, null.fit), key=lambda one: one.worth(len(bench.stretches)))
+    assert (real.where, real.variable) == ("block", "x1")
+    assert proven(bench, null.fit, (), real) == pytest.approx(real.gain, rel=0.2)
+    other = next(
+        one for one in curves.learned(bench, null.fit) if (one.where, one.variable) == ("x1 channel", "t")
+    )
+    flat = replace(other, size=np.zeros(len(other.size)))
+    assert proven(bench, null.fit, (), flat) == pytest.approx(0.0, abs=1.0)
+    far = replace(other, size=0.05 * np.ones(len(other.size)), gain=100.0)
+    assert proven(bench, null.fit, (), far) < 0.0
+
+
+def test_the_gate_of_curves_is_drawn_for_curves(tmp_path: Path) -> None:
+    """Events that remember make curves in t: what is told must pass a gate that such records set."""
+    read = ss.load_case(case(tmp_path, (), 0.02, 0.005, 9))
+    bench = loop.bench_of(read, prepare(read.train))
+    null = fit_of(bench, ())
+    best = curves.leading(bench, null.fit, null.fit, 0)
+    assert 0.0 < best.threshold < 60.0
+    own = null.fit.own.copy()
+    begins, kinetic = null.fit.windows.begins, null.fit.windows.kinetic
+    for members in null.fit.windows.by_run:
+        own[members, begins + kinetic.start : begins + kinetic.stop] += np.linspace(-0.1, 0.1, len(members))[
+            :, None
+        ]
+    remembering = replace(null.fit, own=own)
+    assert curves.leading(bench, null.fit, remembering, 0).threshold > best.threshold

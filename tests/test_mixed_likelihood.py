@@ -1,5 +1,7 @@
 """The likelihood of windows with random effects, against dense formulas and drawn data."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -96,11 +98,15 @@ def test_a_known_scatter_and_noise_are_recovered() -> None:
     scatter = Population(level=0.3, curve=0.2, length=0.4, static=0.25, belt=0.3)
     blocks, at = drawn(4, 200, scatter, noise=2.0)
     windows = products(blocks, [0] * 200, SHARED, OWN, 2)
-    found = estimate(windows, PLACES, SCATTER, np.ones(2), (MEAN, PRECISION), at, POLICY, 100)
+    wild = replace(POLICY, wildest_belt=1.0)
+    found = estimate(windows, PLACES, SCATTER, np.ones(2), (MEAN, PRECISION), at, wild, 100)
     assert found.population.level == pytest.approx(0.3, rel=0.25)
     assert found.population.static == pytest.approx(0.25, rel=0.25)
     assert found.population.belt == pytest.approx(0.3, rel=0.25)
     assert found.noise == pytest.approx([2.0, 2.0], rel=0.1)
+    # a belt wilder than belts are is no scatter: it is left to what acts
+    tame = estimate(windows, PLACES, SCATTER, np.ones(2), (MEAN, PRECISION), at, POLICY, 100)
+    assert tame.population.belt == pytest.approx(POLICY.wildest_belt)
 
 
 def test_scatter_that_is_not_there_is_nothing() -> None:

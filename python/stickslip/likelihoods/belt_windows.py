@@ -69,8 +69,7 @@ class BeltWindows:
         self.model, self.data, self.stretches = model, list(data), list(stretches)
         self.numbers, self.policy = tuple(numbers), policy
         self.prior = Prior(numbers, declared, policy.tail)
-        self.effects = 2 * policy.knots + 2
-        self.kinetic = slice(1, 1 + policy.knots)
+        self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
         self.own, self.channels = self.begins + self.effects, data[0].readings.shape[1]
         self.knots = [knots(run, policy) for run in data]
         self.places = [
@@ -102,7 +101,7 @@ class BeltWindows:
             for r in range(len(data))
         ]
         self.sizes = np.array([w.stop - w.start for w in stretches])
-        self.steps = [float(np.median(np.diff(run.t))) for run in data]
+        self.added = np.zeros((len(stretches), policy.knots))  # to the windows' curves, known
 
     @property
     def runs(self) -> list[int]:
@@ -184,6 +183,7 @@ class _Run:
         local: bool,
     ) -> None:
         self.of, self.run, self.own, self.at, self.local = windows, run, own, at, local
+        self.added = windows.added[chosen]
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]
         self.places = [windows.stretches[i] for i in chosen]
@@ -253,7 +253,7 @@ class _Run:
                     one.name, 1.0
                 )
         rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
-        rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic]
+        rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic] + self.added
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
         return rows
 
@@ -355,7 +355,7 @@ class _Run:
             shapes = belt_waves.hats(t, k)
             shown = {0: belt_waves.ridden(t, state[a:b, X2], mode[a:b], v_b, shapes)}
             if "alpha2" in self.values:
-                shown[1] = belt_waves.leg(shown[0], self.of.steps[self.run], self.values)
+                shown[1] = belt_waves.leg(shown[0], float(np.median(np.diff(self.data.t))), self.values)
             if chain.values.shape[1] == 3:
                 shown[2] = v_b * shapes
                 chain.values[a:b, 2] += v_b * own[-1]

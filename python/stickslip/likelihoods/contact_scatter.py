@@ -64,10 +64,10 @@ class ContactScatter:
         centre = np.log([sizes[name.rpartition(".")[2]] for name in self.names])
         return centre, np.full(len(self.names), policy.scatter_spread)
 
-    def bounds(self) -> tuple[Floats, Floats]:
+    def bounds(self, policy: Policy) -> tuple[Floats, Floats]:
         """Return the least and the largest coordinates sought, (k,) each."""
-        count = len(self.names)
-        return np.full(count, np.log(LEAST)), np.full(count, np.log(MOST))
+        most = [policy.wildest_belt if name == "belt" else MOST for name in self.names]
+        return np.full(len(most), np.log(LEAST)), np.log(most)
 
 
 def scattering(law: LawForm, place: int) -> LawForm:

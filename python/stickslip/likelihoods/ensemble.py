@@ -24,7 +24,6 @@ from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
-from stickslip.likelihoods.repeating import swollen
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
@@ -79,7 +78,7 @@ def distribution(
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
     # no model of these windows: its scatter is that of something else
-    if unexplained(fit) > POLICY.noise_left or swollen(fit):
+    if unexplained(fit) > POLICY.noise_left:
         return None
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))

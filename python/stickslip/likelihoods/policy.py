@@ -24,6 +24,7 @@ class Policy:
     relative_tolerance, absolute_tolerance : of the integration
     most_transitions, most_integration_steps : of one window; beyond, its numbers are no rig's
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
+    wildest_belt : the largest that may be scatter; a belt that is worse is lacking in the model
     repeats : relative scatter of friction within a run below which every event is like every other
     lost_windows : share of windows that may fail before a hypothesis is no model of them
     noise_left : chi-squared per reading of the median window above which a fit is no model of the windows
@@ -65,6 +66,7 @@ class Policy:
     most_transitions: int = 300
     most_integration_steps: int = 20_000
     wobble: float = 0.005
+    wildest_belt: float = 0.02
     repeats: float = 4e-3
     lost_windows: float = 0.2
     noise_left: float = 2.0

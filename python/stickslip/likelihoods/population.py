@@ -16,11 +16,7 @@ from numpy.typing import NDArray
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
-STATIC = (
-    0  # place of a window's own static friction among its effects; curve, the belt's line and its mean follow
-)
-
-
+STATIC = 0  # among a window's effects: its static friction; the curve, the belt's line and its mean follow
 LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
 SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slipped
 
@@ -43,7 +39,7 @@ class Scatter(Protocol):
     def usual(self, policy: Policy, /) -> tuple[Floats, Floats]:
         """Return centre and width of the prior of the coordinates, (k,) each."""
 
-    def bounds(self) -> tuple[Floats, Floats]:
+    def bounds(self, policy: Policy, /) -> tuple[Floats, Floats]:
         """Return the least and the largest coordinates sought, (k,) each."""
 
 
@@ -88,10 +84,10 @@ class Population:
         s = policy.scatter_spread
         return start(policy).coordinates(), np.array([s, s, policy.length_spread, s, s])
 
-    def bounds(self) -> tuple[Floats, Floats]:
+    def bounds(self, policy: Policy) -> tuple[Floats, Floats]:
         """Return the least and the largest coordinates sought, (5,) each."""
         low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
-        return low, np.log([MOST, MOST, LONGEST, MOST, MOST])
+        return low, np.log([MOST, MOST, LONGEST, MOST, policy.wildest_belt])
 
     def without(self) -> Population:
         """Return the population in which nothing differs."""

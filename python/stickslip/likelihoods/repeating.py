@@ -17,14 +17,13 @@ def lost(fit: Fit) -> bool:
     p, blocks = fit.population, fit.blocks
     if sum(b is None for b in blocks) > fit.windows.policy.lost_windows * len(blocks):
         return True
-    return bool(max(p.level, p.curve, p.static, p.belt) >= 0.99 * MOST)
+    return bool(max(p.level, p.curve, p.static) >= 0.99 * MOST)
 
 
 def swollen(fit: Fit) -> bool:
-    """Return whether friction or belt scatter by more than the prior's width: what is lacking may pose as scatter."""
+    """Return whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
     p, policy = fit.population, fit.windows.policy
-    friction = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
-    usual = (*friction, (p.belt, policy.belt_sd))
+    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
     return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
 
 

@@ -61,7 +61,7 @@ def estimate(
     turns : steps of the optimiser, at most
     """
     k = len(population.coordinates())
-    low, high = population.bounds()
+    low, high = population.bounds(policy)
     free = Deviance(windows, places, prior, at, population, *population.usual(policy))
     first = np.concatenate([np.clip(population.coordinates(), low, high), np.log(noise)])
     bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]

@@ -7,14 +7,16 @@ slip, so that a curve of anything costs no simulation. A force on the angle body
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.screen import Screen, Shapes
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.motion import Motion
@@ -22,6 +24,7 @@ from stickslip.likelihoods.score import Columns, score
 from stickslip.simulated import states
 
 Floats = NDArray[np.float64]
+Factors = Sequence[Floats | None]
 FEWEST = 3  # samples of a slip that a curve can be read along
 
 
@@ -36,7 +39,9 @@ class Learned:
     gain : fall of -2 log marginal likelihood
     x, value, std : (k,) the curve and its standard deviation
     count : shapes that it is made of
-    columns : behind it
+    columns, size : behind it, and their numbers
+    friction : of one in the slip, each window's friction over the law's at the places of its curve
+    threshold : what the best of all curves gains, prices paid, where nothing is lacking
     """
 
     where: str
@@ -47,10 +52,32 @@ class Learned:
     std: Floats
     count: int
     columns: Columns
+    size: Floats
+    friction: Factors | None = None
+    threshold: float = math.inf
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""
         return self.gain - self.count * math.log(windows)
+
+
+def leading(bench: Bench, fit: Fit, best: Fit, seed: int) -> Learned:
+    """
+    Return the best curve beside a hypothesis, with the gate that draws set for all curves.
+
+    Events that remember each other make a curve in t, friction that differs along the belt one in x1: curves are many,
+    and none of the names that the other gate is drawn for is as free.
+
+    Parameters
+    ----------
+    bench, fit : the hypothesis
+    best : the fit whose scatter is drawn
+    seed : of the draws
+    """
+    every, count = learned(bench, fit), len(bench.stretches)
+    screen = Screen((), tuple(Shapes(one.count, (one.columns,)) for one in every))
+    threshold = gate(bench, fit, screen, seed, best, tight=True).threshold
+    return replace(max(every, key=lambda one: one.worth(count)), threshold=threshold)
 
 
 def learned(bench: Bench, fit: Fit) -> list[Learned]:
@@ -58,7 +85,7 @@ def learned(bench: Bench, fit: Fit) -> list[Learned]:
     motions = fit.windows.motions(fit.at, fit.own)
     every = np.eye(bench.policy.curve_shapes)
     out = []
-    for where, variable, x, columns in _every(bench, fit, motions):
+    for where, variable, x, columns, factors in _every(bench, fit, motions):
         # friction as a whole is the law's, and so is a constant force or reading while all slip one way
         levelled = where == "contact" or bench.one_way
         free = scipy.linalg.null_space(_mean(motions, variable, x)[None]) if levelled else every
@@ -66,13 +93,15 @@ def learned(bench: Bench, fit: Fit) -> list[Learned]:
         # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
         found = score(fit, reduced, bench.policy, tight=True)
         std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
-        out.append(Learned(where, variable, found.gain, x, free @ found.size, std, free.shape[1], reduced))
+        value, count = free @ found.size, free.shape[1]
+        friction = None if factors is None else [None if one is None else one @ value for one in factors]
+        out.append(Learned(where, variable, found.gain, x, value, std, count, reduced, found.size, friction))
     return sorted(out, key=lambda one: -one.gain)
 
 
 def _every(
     bench: Bench, fit: Fit, motions: list[Motion | None]
-) -> Iterator[tuple[str, str, Floats, Columns]]:
+) -> Iterator[tuple[str, str, Floats, Columns, Factors | None]]:
     two = "alpha1" in bench.model.parameters
     names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
     for variable in names:
@@ -80,16 +109,13 @@ def _every(
         for where in ("contact", "block"):
             if (where, variable) == ("contact", "x1"):
                 continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
-            yield (
-                where,
-                "v_w" if (where, variable) == ("contact", "x2") else variable,
-                grid,
-                _of_slip(bench, fit, motions, where, variable, grid),
-            )
+            factors = _factors(bench, fit, motions, where, variable, grid)
+            shown = "v_w" if (where, variable) == ("contact", "x2") else variable
+            yield where, shown, grid, _of_slip(bench, fit, factors), factors
         for channel, place in enumerate(bench.sensors.places):
-            yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid)
+            yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid), None
         if two:
-            yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid)
+            yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid), None
 
 
 def _at(motion: Motion, variable: str) -> Floats:
@@ -117,29 +143,35 @@ def shapes(grid: Floats, x: Floats) -> Floats:
     return np.asarray(spline(np.clip(x, grid[0], grid[-1])))
 
 
-def _of_slip(
-    bench: Bench, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
-) -> Columns:
+def _of_slip(bench: Bench, fit: Fit, factors: Factors) -> Columns:
     """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
-    p, k = len(fit.at), bench.policy.knots
-    first = p + fit.windows.begins + 1
+    first, k = len(fit.at) + fit.windows.begins + 1, bench.policy.knots
+    return [
+        None if block is None or factor is None else block[:, :, first : first + k] @ factor
+        for block, factor in zip(fit.blocks, factors, strict=True)
+    ]
+
+
+def _factors(
+    bench: Bench, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
+) -> Factors:
+    """A window's friction at the places of its curve, over the law's, by each shape; None where it fails."""
     assert isinstance(fit.windows, BeltWindows)
     out: list[Floats | None] = []
-    for i, (block, motion) in enumerate(zip(fit.blocks, motions, strict=True)):
-        if block is None or motion is None:
+    for s, motion in zip(bench.stretches, motions, strict=True):
+        if motion is None:
             out.append(None)
             continue
-        run = bench.stretches[i].run
-        at = _along_slip(motion, fit.windows.knots[run], variable, bench.data[run].belt_speed)
+        at = _along_slip(motion, fit.windows.knots[s.run], variable, bench.data[s.run].belt_speed)
         if at is None:
-            out.append(np.zeros((*block.shape[:2], len(grid))))
+            out.append(np.zeros((bench.policy.knots, len(grid))))
             continue
         values, speed = at
         factor = shapes(grid, values)
         if where == "block":
             law = bench.model.friction
             factor = -factor / (np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
-        out.append(block[:, :, first : first + k] @ factor)
+        out.append(factor)
     return out
 
 

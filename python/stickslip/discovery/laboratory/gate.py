@@ -40,7 +40,7 @@ class Gate:
     threshold: float
 
 
-def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit) -> Gate:
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
     """
     Return the gate of a fitted hypothesis.
 
@@ -51,11 +51,12 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit) -> Gate:
     best : the best rival's fit. What a hypothesis lacks swells its own scatter and noise; records are drawn, and
         scored, with those of the best rival, and with what its events remember: a drift that is lacking looks like
         memory
+    tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
     like = tuple(memory(best, k) for k in (KINETIC, STATIC))
     fit = replace(fit, population=best.population, noise=best.noise)
-    null = Null(fit)
+    null = Null(fit, tight)
     drawn = _drawn(bench, fit, null, screen, like, rng)
     count, most = len(bench.stretches), np.zeros(bench.policy.draws)
     shared = null.shared_pull(drawn, bench.policy.draws)
@@ -82,8 +83,8 @@ def _drawn(
 ) -> list[Floats | None]:
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
-    effects = _effects(bench, fit, like, rng)
     waves = _wobble(bench, screen, rng, wobble(bench, fit.population))
+    effects = _effects(bench, fit, like, rng, belt=not waves)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -100,9 +101,9 @@ def _drawn(
 
 
 def _effects(
-    bench: Bench, fit: Fit, found: Sequence[tuple[float, float]], rng: np.random.Generator
+    bench: Bench, fit: Fit, found: Sequence[tuple[float, float]], rng: np.random.Generator, *, belt: bool
 ) -> Floats:
-    """Random effects of all windows but the belt's, (w, effects, draws)."""
+    """Random effects of all windows, (w, effects, draws); the belt's unless it is drawn as waves over the whole run."""
     p, draws = fit.population, bench.policy.draws
     out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
     # the fit tells a correlation poorly: every draw has one that may be the true one
@@ -115,6 +116,11 @@ def _effects(
         for j, i in enumerate(members):
             out[i, 0] = p.static * static[j]
             out[i, fit.windows.kinetic] = p.level * level[j] + p.curve * field[j]
+            if belt:
+                line = fit.windows.places[run][1:]
+                out[i, fit.windows.kinetic.stop :] = (
+                    p.belt * line @ rng.standard_normal((line.shape[1], draws))
+                )
     return out
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.errors import error_block
 from stickslip.discovery.laboratory import outcome
-from stickslip.discovery.laboratory.curves import Learned, learned
+from stickslip.discovery.laboratory.curves import Learned, leading
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial, search
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -83,10 +84,10 @@ def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed
     if lost(found.chosen.fit) or repeats(found.chosen.fit):
         return None
     tell("looking for a curve that no name explains")
-    alone = _curve(bench, found)
+    alone = _curve(bench, found, seed)
     if alone is not None:
         return Verdicts(bench, found, alone)
-    left = _left_over(bench, found)
+    left = _left_over(bench, found, seed)
     return Verdicts(bench, found, left, left is not None)
 
 
@@ -96,24 +97,34 @@ def bench_of(case: Case, data: Sequence[Data]) -> Bench:
     return Bench(model, data, stretches(data), declared_of(case), RigSensors(), POLICY)
 
 
-def _curve(bench: Bench, found: Searched) -> Learned | None:
+def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
     """The curve that explains more than every name does, its shapes paid for."""
     count = len(bench.stretches)
-    best = max(learned(bench, found.null.fit), key=lambda one: one.worth(count))
-    threshold = found.steps[0].gate.threshold
+    null = found.null
+    best = leading(bench, null.fit, found.chosen.fit, seed)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     chosen = found.chosen
-    named = found.null.fit.deviance - chosen.fit.deviance - chosen.numbers() * math.log(count)
-    return best if best.worth(count) > max(threshold, named) else None
+    named = null.fit.deviance - chosen.fit.deviance - chosen.numbers() * math.log(count)
+    return _proven(bench, null, best) if best.worth(count) > max(best.threshold, named) else None
 
 
-def _left_over(bench: Bench, found: Searched) -> Learned | None:
+def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
     """The curve beside the names found that passes the gate: what acts is then not what they say."""
     if not found.chosen.terms:
         return None
+    return _proven(bench, found.chosen, leading(bench, found.chosen.fit, found.chosen.fit, seed))
+
+
+def _proven(bench: Bench, beside: Trial, best: Learned) -> Learned | None:
+    """A curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing."""
     count = len(bench.stretches)
-    best = max(learned(bench, found.chosen.fit), key=lambda one: one.worth(count))
-    return best if best.worth(count) > found.steps[-1].gate.threshold else None
+    if best.worth(count) <= best.threshold:
+        return None
+    try:
+        gain = proven(bench, beside.fit, beside.terms, best)
+    except FloatingPointError:
+        return None
+    return best if replace(best, gain=gain).worth(count) > best.threshold else None
 
 
 def discovered(

@@ -55,14 +55,15 @@ class Projected:
 
 
 class Null:
-    """The null of a score test, its population held."""
+    """The null of a score test, its population held; `tight`: its constants stay where they are."""
 
-    def __init__(self, fit: Fit) -> None:
+    def __init__(self, fit: Fit, tight: bool = False) -> None:
         assert fit.linear is not None
         self.fit, p, q = fit, len(fit.at), fit.windows.begins
         self.run = np.array(fit.windows.runs)
         roots = factor(fit.population, fit.windows.places)
-        away, schur = fit.windows.prior.at(fit.at)
+        prior = fit.windows.prior
+        away, schur = prior.tight(fit.at) if tight else prior.at(fit.at)
         self.pull = schur @ away
         self.rows: list[Row | None] = []
         for i, block in enumerate(fit.blocks):

@@ -269,8 +269,8 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
         "y1 channel": "added to the y1 reading",
     }
     term = terms[curve.where]
-    step = found.steps[-1] if told.terms else found.steps[0]
     words = f"a curve in {curve.variable} lowers -2 log marginal likelihood by {curve.gain:.4g}"
+    words += f" (scatter alone, prices paid: {curve.threshold:.3g})"
     standing = f"; in the model {' and '.join(told.names)} stand in for the rest" if told.terms else ""
     best = min((t for t in found.steps[0].trials), key=Trial.worth, default=None)
     fall = None if best is None else max(found.null.deviance - best.deviance, 0.0)
@@ -278,7 +278,7 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
     if fall is not None:
         words += f"; the best name, {label}, by {fall:.4g}"
     proof = Evidence(
-        curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, step.gate.threshold, words
+        curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, curve.threshold, words
     )
     shape = Curve(
         curve.where,

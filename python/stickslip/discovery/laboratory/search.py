@@ -313,8 +313,17 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
         best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
-        chosen = best
+        chosen = _anew(bench, best)
     return chosen
+
+
+def _anew(bench: Bench, trial: Trial) -> Trial:
+    """What is left, or the same fitted from the readings: it was begun beside an effect that it does not need."""
+    with suppress(FloatingPointError):
+        fit = fitted(begin(trial.fit.windows), bench.policy)
+        if fit.deviance < trial.fit.deviance:
+            return replace(trial, fit=fit, terms=terms_at(trial.terms, fit.windows, fit.at))
+    return trial
 
 
 def without(bench: Bench, trial: Trial, index: int) -> Trial:

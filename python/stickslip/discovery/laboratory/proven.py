@@ -1,0 +1,53 @@
+"""What a curve that was scored gains once all else is fitted beside it.
+
+A score is of first order. Along what is all but free (a load and the level of a law) it steps far; friction that is
+larger makes the same scatter a smaller share of it, and linear windows take that for a gain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.discovery.laboratory.curves import Learned
+from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.fit import fitted
+from stickslip.likelihoods.fit_state import Fit
+
+Floats = NDArray[np.float64]
+
+
+def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> float:
+    """
+    Return the fall of -2 log marginal likelihood where a curve is in the model as it was scored.
+
+    One in the slip is there as friction of each window; of another, what it adds is taken out of the readings.
+
+    Parameters
+    ----------
+    bench, fit, terms : the hypothesis that it stands beside
+    curve : as scored
+    """
+    if curve.friction is None:
+        windows = replace(bench, data=_less(bench, curve)).windows(terms)
+    else:
+        windows = bench.windows(terms)
+        windows.added = np.array([windows.added[0] if one is None else one for one in curve.friction])
+    beside = fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
+    return fit.deviance - beside.deviance
+
+
+def _less(bench: Bench, curve: Learned) -> list[Data]:
+    """The runs without what a curve adds to them."""
+    readings = [run.readings.copy() for run in bench.data]
+    for s, columns in zip(bench.stretches, curve.columns, strict=True):
+        if columns is not None:
+            run = bench.data[s.run]
+            weight = run.weight[s.start : s.stop]
+            added = np.divide(columns @ curve.size, weight, out=np.zeros_like(weight), where=weight > 0)
+            readings[s.run][s.start : s.stop] -= added
+    return [replace(run, readings=one) for run, one in zip(bench.data, readings, strict=True)]
