@@ -332,8 +332,8 @@ class Point:
             t_start=float(t[0]),
             t_end=float(t[-1]),
             t_eval=t,
-            rtol=of.policy.relative_tolerance,
-            atol=of.policy.absolute_tolerance * float(min(of.scales[self.run][0].min(), 1.0)),
+            rtol=of.policy.tolerance,
+            atol=0.01 * of.policy.tolerance * float(min(of.scales[self.run][0].min(), 1.0)),
             locator=_core.Locator.henon,
             seeds=np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
             if seeds

@@ -23,7 +23,8 @@ def covariance(fit: Fit) -> Floats:
     effects are correlated as m^k over k events the estimate is unbiased still, and its covariance is H^-1 M H^-1 (Liang
     and Zeger, Biometrika 73, 1986), with M = H + sum over pairs of windows of a run of B_i m^|i-j| B_j': B_i is what a
     white effect of window i moves in the slopes of the likelihood. Within an event static and kinetic friction go
-    together as they are found to, where the fit takes what is static friction's own for independent.
+    together as they are found to, where the fit takes what is static friction's own for independent; over k events
+    the two are remembered as m_static^k and m_kinetic^k of that, as a first-order recurrence of both has it.
     """
     assert fit.linear is not None
     windows, linear = fit.windows, fit.linear
@@ -43,24 +44,35 @@ def covariance(fit: Fit) -> Floats:
     _, prior = windows.prior.at(fit.at)
     inverse = np.linalg.inv(told.sum(axis=0) + prior + 1e-10 * np.eye(p))
     between = np.zeros((p, p))
+    like = _remembered(fit, roots)
     together = likeness(fit)
-    like = np.full(white, memory(fit, KINETIC)[0])
-    like[0], like[windows.kinetic.stop + 1 :] = (
-        memory(fit, STATIC)[0],
-        0.0,
-    )  # nothing of the belt's is remembered
     for number, members in enumerate(windows.by_run):
         b = moved[members]
-        pairs = together * np.einsum("wp,wqk,k->pq", b[:, :, 0], b, _kinetic(roots[number][windows.kinetic]))
-        between += pairs + pairs.T
+        event = np.eye(white)  # what effects of one event have in common
+        event[0] += together * _kinetic(roots[number][windows.kinetic])
+        event = event + event.T - np.eye(white)
+        between += np.einsum("wpk,kl,wql->pq", b, event - np.eye(white), b)
         for lag in range(1, len(members)):
-            pairs = np.einsum("wpk,k,wqk->pq", b[lag:], like**lag, b[:-lag])
+            pairs = np.einsum("wpk,kl,wql->pq", b[lag:], like[:, None] ** lag * event, b[:-lag])
             between += pairs + pairs.T
     return np.asarray(inverse + inverse @ between @ inverse)
 
 
+def _remembered(fit: Fit, roots: Floats) -> Floats:
+    """Return what of each white effect is left an event later, (white,); of the belt's nothing is."""
+    slides = np.abs(roots[:, fit.windows.kinetic]).any(axis=(0, 1))
+    like = np.where(slides, memory(fit, KINETIC)[0], 0.0)
+    like[0] = memory(fit, STATIC)[0]
+    return like
+
+
 def likeness(fit: Fit) -> float:
-    """Return the correlation of what is static friction's own in an event with its kinetic friction."""
+    """
+    Return the correlation of what is static friction's own in an event with its kinetic friction.
+
+    Two levels that are remembered unequally long cannot be wholly alike: theirs is at most that of two first-order
+    recurrences whose news are the same.
+    """
     along = static = kinetic = 0.0
     for members in fit.windows.by_run:
         own, whole = fit.random[members, 0], fit.random[members, fit.windows.kinetic].mean(axis=1)
@@ -68,7 +80,11 @@ def likeness(fit: Fit) -> float:
             own, whole = own - own.mean(), whole - whole.mean()
             along += float(own @ whole)
             static, kinetic = static + float(own @ own), kinetic + float(whole @ whole)
-    return along / math.sqrt(static * kinetic) if static > 0 and kinetic > 0 else 0.0
+    if not (static > 0 and kinetic > 0):
+        return 0.0
+    first, second = memory(fit, STATIC)[0], memory(fit, KINETIC)[0]
+    most = math.sqrt((1 - first**2) * (1 - second**2)) / (1 - first * second)
+    return float(np.clip(along / math.sqrt(static * kinetic), -most, most))
 
 
 def _kinetic(root: Floats) -> Floats:

@@ -21,7 +21,7 @@ class Policy:
     held : steps of a fit before the population is freed from where it starts
     most_steps : of a fit
     settled : fall of the cost at which a fit stops
-    relative_tolerance, absolute_tolerance : of the integration
+    tolerance : of the integration, relative; the absolute one is a hundredth
     most_transitions, most_integration_steps : of one window; beyond, its numbers are no rig's
     wobble : relative standard deviation of a belt's speed, the largest that is no finding
     wildest_belt : the largest that may be scatter; a belt that is worse is lacking in the model
@@ -30,6 +30,7 @@ class Policy:
     noise_left : chi-squared per reading of the median window above which a fit is no model of the windows
     fewest_windows : below which scatter cannot be told
     most_effects : in a verdict
+    stands_in : size of what names leave, over what they explain, from which they only stand in for what acts
     fullest : candidates that are fitted in full
     candidate_steps : of a candidate's fit, and of the null's from there
     stuck : share of the best gain that the null gains too from its rival's place; all is then scored again
@@ -61,8 +62,7 @@ class Policy:
     held: int = 5
     most_steps: int = 25
     settled: float = 1.0
-    relative_tolerance: float = 1e-7
-    absolute_tolerance: float = 1e-9
+    tolerance: float = 1e-7
     most_transitions: int = 300
     most_integration_steps: int = 20_000
     wobble: float = 0.005
@@ -72,6 +72,7 @@ class Policy:
     noise_left: float = 2.0
     fewest_windows: int = 12
     most_effects: int = 3
+    stands_in: float = 0.1
     fullest: int = 4
     candidate_steps: int = 16
     stuck: float = 0.5

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -104,15 +103,23 @@ def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
     best = leading(bench, null.fit, found.chosen.fit, seed)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     chosen = found.chosen
-    named = null.fit.deviance - chosen.fit.deviance - chosen.numbers() * math.log(count)
+    named = null.whole() - chosen.whole()
     return _proven(bench, null, best) if best.worth(count) > max(best.threshold, named) else None
 
 
 def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
-    """The curve beside the names found that passes the gate: what acts is then not what they say."""
-    if not found.chosen.terms:
+    """
+    The curve beside the names found that passes the gate: what acts is then not what they say.
+
+    One that is next to nothing beside what they explain is what the model of the measurement is short of.
+    """
+    null, chosen = found.null, found.chosen
+    if not chosen.terms:
         return None
-    return _proven(bench, found.chosen, leading(bench, found.chosen.fit, found.chosen.fit, seed))
+    left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed))
+    if left is None or left.gain < bench.policy.stands_in**2 * (null.fit.deviance - chosen.fit.deviance):
+        return None
+    return left
 
 
 def _proven(bench: Bench, beside: Trial, best: Learned) -> Learned | None:

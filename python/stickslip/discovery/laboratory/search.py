@@ -57,9 +57,13 @@ class Trial:
         )
         return effects + (self.freed is not None)
 
+    def whole(self) -> float:
+        """Return -2 log evidence, the price of its numbers included: by it rivals are held against each other."""
+        return self.fit.deviance + self.numbers() * math.log(len(self.fit.own))
+
     def worth(self) -> float:
-        """Return -2 log evidence, the price of its numbers included."""
-        return self.deviance + self.numbers() * math.log(len(self.fit.own))
+        """Return the same less what of its gain is no finding: by it one passes the gate."""
+        return self.whole() + self.known
 
 
 @dataclass
@@ -97,10 +101,10 @@ def search(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: 
         if not base.terms:
             out.null = base
         out.steps.append(step)
-        best = min(step.trials, key=Trial.worth, default=None)
-        if best is None or base.worth() - best.worth() <= step.gate.threshold:
+        passing = [one for one in step.trials if base.worth() - one.worth() > step.gate.threshold]
+        if not passing:
             break
-        base = best
+        base = min(passing, key=Trial.whole)
     out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell))
     return out
 
@@ -113,7 +117,7 @@ def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) 
         if every and every[0].beyond:
             first = replace(every[0], rivals=tuple(every[1:]))
             rivals.append(_with_freed(bench, known, one, first))
-    return min(rivals, key=Trial.worth)
+    return min(rivals, key=Trial.whole)
 
 
 def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) -> Trial:
@@ -150,7 +154,7 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    best_fit = min([base, *trials], key=Trial.worth).fit
+    best_fit = min([base, *trials], key=Trial.whole).fit
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
 
 
