@@ -11,6 +11,8 @@ import pytest
 
 import stickslip as ss
 from scattering import KINETIC, MASS, RIG, STATIC, STIFFNESS, block_case, case
+from stickslip.likelihoods import correlated
+from stickslip.likelihoods.fit_state import Fit
 
 BENCH = Path(__file__).parents[1] / "bench" / "discovery"
 LAW = {
@@ -91,6 +93,26 @@ def test_a_block_whose_friction_differs_from_slip_to_slip(tmp_path: Path, exact:
 
 def _saved(found: ss.Identified, folder: Path) -> Path:
     return next(path for path in found.save(folder / "out") if path.name == "model.toml")
+
+
+@pytest.mark.parametrize("memories", [(0.0, 0.0), (0.9, 0.9), (0.95, 0.1)])
+def test_events_that_are_alike_make_a_covariance_and_a_wider_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]
+) -> None:
+    fits: list[Fit] = []
+    monkeypatch.setattr(
+        "stickslip.likelihoods.scatter_report.covariance",
+        lambda fit: fits.append(fit) or correlated.covariance(fit),
+    )
+    ss.identify(ss.load_case(block_case(tmp_path, seed=3, scatter=0.02)))
+    alone = fits[0].solution.covariance
+    monkeypatch.setattr(correlated, "memory", lambda _fit, which: (memories[which], 0.0))
+    monkeypatch.setattr(correlated.np, "clip", lambda _found, _low, high: high)  # as alike as they can be
+    wide = correlated.covariance(fits[0])
+    assert wide == pytest.approx(wide.T, rel=1e-6, abs=1e-18)
+    assert (np.linalg.eigvalsh(wide) > 0).all()
+    levels = [i for i, one in enumerate(fits[0].windows.numbers) if one.name == "kinetic"]
+    assert (np.diag(wide)[levels] > 1.5 * np.diag(alone)[levels]).all() == (memories[1] > 0.5)
 
 
 def test_an_effect_under_scatter_sends_to_discover(tmp_path: Path) -> None:

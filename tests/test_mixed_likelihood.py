@@ -1,6 +1,7 @@
 """The likelihood of windows with random effects, against dense formulas and drawn data."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -65,6 +66,33 @@ def test_the_arrow_gives_the_dense_likelihood(scatter: Population) -> None:
     deviance, step = dense(blocks, at, root[0], noise)
     assert found.deviance == pytest.approx(deviance, rel=1e-7)
     assert found.shared == pytest.approx(step, rel=1e-6)
+
+
+def test_what_little_the_windows_leave_of_a_number_is_not_lost_in_rounding() -> None:
+    """Readings 100,000 times their noise, of which windows' own numbers explain all but the last millionth."""
+    blocks, at = drawn(8, 3, SCATTER, noise=1e-10)
+    for block in blocks:
+        assert block is not None
+        local = block[:, :, SHARED:-1]
+        block[:, :, :SHARED] = local[:, :, 2:4] + local[:, :, :2] + 1e-5 * block[:, :, :SHARED]
+    noise, root = np.full(2, 1e-10), factor(SCATTER, PLACES)
+    windows = products(blocks, [0] * 3, SHARED, OWN, 2)
+    found = solve(windows, root, noise, MEAN, PRECISION, at)
+    exact = np.vectorize(Fraction, otypes=[object])
+    left = exact(PRECISION)
+    turn = np.eye(SHARED + OWN + EFFECTS, SHARED + OWN + root.shape[2])
+    turn[SHARED + OWN :, SHARED + OWN :] = root[0]
+    for gram in windows.gram.sum(axis=1):
+        whole = exact(turn).T @ exact(gram[:-1, :-1]) @ exact(turn) / Fraction(1e-10)
+        states, effects = range(SHARED, SHARED + OWN), range(SHARED + OWN, len(whole))
+        whole[states, states] *= 1 + Fraction(1e-9)
+        whole[effects, effects] += 1
+        for last in reversed(range(SHARED, len(whole))):  # eliminated one by one
+            whole = whole[:last, :last] - np.outer(whole[:last, last], whole[last, :last]) / whole[last, last]
+        left = left + whole
+    (a, b), (_, d) = left
+    covariance = np.array([[d, -b], [-b, a]]) / (a * d - b * b)
+    assert found.covariance == pytest.approx(covariance.astype(float), rel=1e-4)
 
 
 def test_a_window_that_failed_counts_for_nothing() -> None:

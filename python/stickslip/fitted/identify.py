@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -146,7 +147,10 @@ class Material:
         return "" if self.recordings[0].unit("x1") == "1" else " N"
 
 
-Scattering = Callable[[Material, Progress], Identified | None]
+Alone = Callable[
+    [], Identified
+]  # the law where every slip has levels of its own, fitted when first asked for
+Scattering = Callable[[Material, Progress, Alone | None], Identified | None]
 
 
 def identify(
@@ -237,9 +241,9 @@ def _found(
         return identify_ring_down(
             material.runs, material.rig, material.told, simulator, tell, material.undeclared
         )
-    if block and scattering is not None and (found := scattering(material, tell)) is not None:
-        return found
-    if slips and (block or scattering is None):
+
+    @cache
+    def alone() -> Identified:
         from stickslip.fitted.slip_levels import identify_events
 
         return identify_events(
@@ -252,10 +256,18 @@ def _found(
             undeclared=material.undeclared,
             why_idle=material.idle,
         )
+
+    slips = slips and (block or scattering is None)
+    if block and scattering is not None:
+        found = scattering(material, tell, alone if slips else None)
+        if found is not None:
+            return found
+    if slips:
+        return alone()
     start = material.friction or (PaperFriction() if isinstance(material.rig, Rig) else CoulombFriction())
     found = identify_by_windows(material.runs, material.rig, start, simulator, tell, material.undeclared)
     if not block and scattering is not None and (scatter or found.reduced_chi2 > EXPLAINED):
-        found = scattering(material, tell) or found
+        found = scattering(material, tell, None) or found
     doubts = ((r.name, wrong_set_point(replace(r, rig=material.rig))) for r in material.recordings)
     return replace(found, messages=(*found.messages, *(f"{n}: {words}" for n, words in doubts if words)))
 

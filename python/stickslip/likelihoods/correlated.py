@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, STATIC, memory
-from stickslip.likelihoods.mixed import turned
+from stickslip.likelihoods.mixed import eliminated, turned
 from stickslip.likelihoods.population import factor
 
 Floats = NDArray[np.float64]
@@ -31,16 +31,12 @@ def covariance(fit: Fit) -> Floats:
     p, roots = linear.shared, factor(fit.population, windows.places)
     scaled = np.einsum("wcij,c->wij", linear.gram, 1.0 / fit.noise) * linear.weight[:, None, None]
     a = turned(scaled, roots[linear.run], fit.random, p + linear.own)
-    q, white = linear.own, roots.shape[2]
-    local = slice(p, p + q + white)
-    inner = a[:, local, local].copy()
-    states, random = np.arange(q), np.arange(q, q + white)
-    inner[:, states, states] = inner[:, states, states] * (1 + 1e-9) + 1e-12
-    inner[:, random, random] += 1.0
-    cross = a[:, :p, local]
-    back = cross @ np.linalg.inv(inner)
-    told = a[:, :p, :p] - back @ cross.transpose(0, 2, 1)
-    moved = a[:, :p, p + q : p + q + white] - back @ a[:, local, p + q : p + q + white]
+    white, local = roots.shape[2], slice(p, -1)
+    root, seen = eliminated(a, p, linear.own)
+    cross = seen[:, :, :p].transpose(0, 2, 1)
+    told = a[:, :p, :p] - cross @ seen[:, :, :p]
+    effects = a[:, local, local][:, :, linear.own :]
+    moved = a[:, :p, local][:, :, linear.own :] - cross @ (root @ effects)
     _, prior = windows.prior.at(fit.at)
     inverse = np.linalg.inv(told.sum(axis=0) + prior + 1e-10 * np.eye(p))
     between = np.zeros((p, p))

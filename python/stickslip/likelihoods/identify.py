@@ -11,7 +11,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted import identify as named
 from stickslip.fitted.identified import Identified
-from stickslip.fitted.identify import BeltSpeed, Material, Progress
+from stickslip.fitted.identify import Alone, BeltSpeed, Material, Progress
 from stickslip.fitted.shooting import Simulator
 from stickslip.likelihoods.bodies_identify import identify_bodies
 from stickslip.likelihoods.declared_numbers import known
@@ -77,8 +77,8 @@ def identify(
         known(source) if own is None and isinstance(source, Case) and rig in (None, source.rig) else None
     )
 
-    def with_scatter(material: Material, tell: Progress) -> Identified | None:
-        return scattered(material, declared or Declared(), tell, asked=scatter is True)
+    def with_scatter(material: Material, tell: Progress, alone: Alone | None) -> Identified | None:
+        return scattered(material, declared or Declared(), tell, alone, asked=scatter is True)
 
     if own is None:
         return named.identify(

@@ -114,26 +114,20 @@ def solve(
     at : (windows, effects) random effects that the windows are linearised at
     damping : Levenberg's, of the shared numbers and the initial states
     """
-    p, q, white = windows.shared, windows.own, factor.shape[2]
+    p, q = windows.shared, windows.own
     scaled = np.einsum("wcij,c->wij", windows.gram, 1.0 / noise) * windows.weight[:, None, None]
     roots = factor[windows.run]
     a = turned(scaled, roots, at, p + q)
-    local = slice(p, p + q + white)
-    inner = a[:, local, local].copy()
     # The white numbers have the prior N(0, 1); the initial state has none.
-    states, random = np.arange(q), np.arange(q, q + white)
-    inner[:, states, states] = inner[:, states, states] * (1.0 + damping + TINY) + 1e-12
-    inner[:, random, random] += 1.0
-    inverse = np.asarray(np.linalg.inv(inner), dtype=np.float64)
-    cross, right = a[:, :p, local], a[:, local, -1]
-    back, own = inverse @ cross.transpose(0, 2, 1), np.einsum("wij,wj->wi", inverse, right)
-    schur = (a[:, :p, :p] - cross @ back).sum(0) + precision
+    root, seen = eliminated(a, p, q, damping)
+    cross, right = seen[:, :, :p], seen[:, :, p]
+    schur = (a[:, :p, :p] - cross.transpose(0, 2, 1) @ cross).sum(0) + precision
     schur[range(p), range(p)] *= 1.0 + damping + TINY
     schur[range(p), range(p)] += 1e-10
-    pull = (a[:, :p, -1] - np.einsum("wpl,wl->wp", cross, own)).sum(0) + precision @ mean
+    pull = (a[:, :p, -1] - np.einsum("wlp,wl->wp", cross, right)).sum(0) + precision @ mean
     covariance = np.linalg.inv(schur)
     step = covariance @ pull
-    numbers = own - back @ step
+    numbers = np.einsum("wlk,wl->wk", root, right - cross @ step)
     effects = np.einsum("wek,wk->we", roots, numbers[:, q:])
     moved = np.concatenate(
         [np.tile(step, (len(a), 1)), numbers[:, :q], effects - at, -np.ones((len(a), 1))], 1
@@ -143,11 +137,46 @@ def solve(
     deviance = float(
         (misfit / noise).sum() + (numbers[:, q:] ** 2).sum() + (step - mean) @ precision @ (step - mean)
     )
-    volume = float(-np.linalg.slogdet(inverse)[1].sum())
+    volume = float(-2.0 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
+    inverse = root.transpose(0, 2, 1) @ root
     volume += float((windows.count * windows.weight[:, None]).sum(0) @ np.log(noise))
     return Solution(
         deviance + volume, step, covariance, numbers[:, :q], effects, volume, misfit, numbers[:, q:], inverse
     )
+
+
+def eliminated(a: Floats, shared: int, own: int, damping: float = 0.0) -> tuple[Floats, Floats]:
+    """
+    Return what eliminates a window's own numbers: the inverse of a Cholesky root, and it times the other columns.
+
+    Products of readings that are far above their noise differ from those of what is eliminated in their last digits
+    alone. A root has half of those digits to lose: with an inverse the rest was not even symmetric.
+
+    Parameters
+    ----------
+    a : (windows, m, m) products as of `turned`
+    shared, own : numbers of columns of J and S
+    damping : Levenberg's, of the initial states
+
+    Returns
+    -------
+    root : (windows, own + white, own + white), lower triangular; the inverse is root' root
+    seen : (windows, own + white, shared + 1) root times the products with J and r
+    """
+    local = slice(shared, a.shape[1] - 1)
+    inner = a[:, local, local].copy()
+    n = inner.shape[1]
+    states, random = np.arange(own), np.arange(own, n)
+    inner[:, states, states] = inner[:, states, states] * (1.0 + damping + TINY) + 1e-12
+    inner[:, random, random] += 1.0
+    lower = np.linalg.cholesky(inner)
+    out = np.concatenate(
+        [np.broadcast_to(np.eye(n), inner.shape), a[:, local, :shared], a[:, local, -1:]], axis=2
+    )
+    for i in range(n):
+        out[:, i] -= (lower[:, i, None, :i] @ out[:, :i])[:, 0]
+        out[:, i] /= lower[:, i, i, None]
+    return out[:, :, :n], out[:, :, n:]
 
 
 def turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:

@@ -17,7 +17,7 @@ from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import StickslipError
 from stickslip.fitted.data import Data, prepare
 from stickslip.fitted.identified import Branch, Identified
-from stickslip.fitted.identify import Material
+from stickslip.fitted.identify import Alone, Material
 from stickslip.fitted.slip_levels import DeclaredLaw, preferred
 from stickslip.likelihoods import declared_numbers
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -71,7 +71,12 @@ class Bench:
 
 
 def scattered(
-    material: Material, declared: Declared, tell: Callable[[str, float], None], *, asked: bool
+    material: Material,
+    declared: Declared,
+    tell: Callable[[str, float], None],
+    alone: Alone | None,
+    *,
+    asked: bool,
 ) -> Identified | None:
     """
     Return what the readings say where friction scatters; None where it does not, or where that cannot be told.
@@ -81,6 +86,7 @@ def scattered(
     material : rig, runs and the law to start from
     declared : how well constants and gains are known
     tell : told what is being done
+    alone : of a block, the law where every slip has levels of its own
     asked : whether scatter is taken for there, be it small
     """
     law = material.friction
@@ -92,7 +98,7 @@ def scattered(
     if isinstance(material.rig, BlockOnBelt):
         units = scaled(material.rig, material.recordings)
         bench = _of_block(material, declared, units)
-        found = None if bench is None else _chosen(bench, material, units)
+        found = None if bench is None else _chosen(bench, material, units, alone)
         if bench is None or found is None or not (asked or not repeats(found[0])):
             return None
         return of_block(material, units, bench.declared, *found)
@@ -136,7 +142,7 @@ def _of_block(material: Material, declared: Declared, units: Scaled) -> Bench | 
     return Bench(data, BlockSensors((f"gain.{channel}",), force), declared)
 
 
-def _chosen(bench: Bench, material: Material, units: Scaled) -> tuple[Fit, float] | None:
+def _chosen(bench: Bench, material: Material, units: Scaled, alone: Alone | None) -> tuple[Fit, float] | None:
     """A block's fit, of the kind declared or else of the likelier one; BIC(Coulomb) - BIC(hyperbolic)."""
     told = DeclaredLaw(material.told, frozenset(material.undeclared))
     if told.law is not None and told.kind is None:
@@ -148,6 +154,7 @@ def _chosen(bench: Bench, material: Material, units: Scaled) -> tuple[Fit, float
     starts: Sequence[FrictionLaw] = _falling(coulomb.numbers if plain is None else plain.values())
     if told.kind == "hyperbolic" and not material.undeclared:
         starts = [units.law(_own_way(told.law, way(material)))]
+    starts = [*starts, *_shown(material, units, alone)]
     tried = [bench.fit(Model(units.block(), friction=one)) for one in starts]
     falling = min((one for one in tried if one is not None), key=lambda one: one.deviance, default=None)
     by_kind = {"coulomb": plain, "hyperbolic": falling}
@@ -156,6 +163,17 @@ def _chosen(bench: Bench, material: Material, units: Scaled) -> tuple[Fit, float
         preference = plain.deviance - falling.deviance - math.log(len(plain.own))
     chosen = by_kind[told.kind or preferred(preference)]
     return None if chosen is None else (chosen, preference)
+
+
+def _shown(material: Material, units: Scaled, alone: Alone | None) -> list[FrictionLaw]:
+    """Return the law that slips show one by one, where it falls with speed: without scatter it is there already."""
+    if alone is None:
+        return []
+    try:
+        law = alone().law
+    except StickslipError:
+        return []
+    return [units.law(_own_way(law, way(material)))] if isinstance(law, HyperbolicFriction) else []
 
 
 def _own_way(law: FrictionLaw | None, branch: Branch) -> FrictionLaw:
