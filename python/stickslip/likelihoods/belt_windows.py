@@ -20,11 +20,12 @@ from stickslip.fitted.readings import Chain, Slopes, no_slopes
 from stickslip.fitted.window import STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, derived
+from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Samples, Sensors
-from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
 from stickslip.simulated.states import COUNT, DWELL, X2
@@ -34,19 +35,9 @@ AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the b
 NEARBY = 1e-6  # step of the derivatives of the derived states
 
 
-class BeltWindows:
+class BeltWindows(EventWindows[Data, Stretch]):
     """
-    The stretches of the runs under a model whose friction and belt differ from window to window.
-
-    Parameters
-    ----------
-    model : the model; its numbers not in `numbers` are exact
-    data : the runs
-    stretches : where the windows are
-    numbers : what all windows, or those of a run, share
-    declared : what is known of the constants among them
-    sensors : what the rig records
-    policy : what steers the windows
+    The stretches of the runs of a rig on a belt; `sensors` say what it records.
 
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
     relative friction curve at `policy.knots` places of x1, the belt's relative speed at as many times less its mean,
@@ -65,12 +56,10 @@ class BeltWindows:
         sensors: Sensors,
         policy: Policy = POLICY,
     ) -> None:
+        super().__init__(model, data, stretches, numbers, declared, policy)
         self.sensors, self.begins = sensors, len(sensors.begins)
-        self.model, self.data, self.stretches = model, list(data), list(stretches)
-        self.numbers, self.policy = tuple(numbers), policy
-        self.prior = Prior(numbers, declared, policy.tail)
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
-        self.own, self.channels = self.begins + self.effects, data[0].readings.shape[1]
+        self.own = self.begins + self.effects
         self.knots = [knots(run, policy) for run in data]
         self.places = [
             np.vstack([slipped(k, run), belt_waves.root(lasts(run, r, stretches), policy.knots, policy.slow)])
@@ -94,22 +83,11 @@ class BeltWindows:
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
         self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
         self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
-        self.fixed = dict(model.parameters)
         self.kept = np.array(sensors.kept(self.fixed, self.channels), dtype=np.int32)
-        self.by_run = [
-            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
-            for r in range(len(data))
-        ]
-        self.sizes = np.array([w.stop - w.start for w in stretches])
         self.added = np.zeros((len(stretches), policy.knots))  # to the windows' curves, known
 
-    @property
-    def runs(self) -> list[int]:
-        """Run of each window."""
-        return [w.run for w in self.stretches]
-
     def scatter(self) -> Population:
-        """Return what differs from window to window, where an estimate of it starts."""
+        """See `EventWindows.scatter`."""
         return start(self.policy)
 
     def first(self) -> Floats:
@@ -135,17 +113,7 @@ class BeltWindows:
         shared: Sequence[int] | None = None,
         local: bool = True,
     ) -> list[Floats | None]:
-        """
-        Return [J, S, K, r] of each window over the noise, (readings, channels, columns + 1); None where it fails.
-
-        Parameters
-        ----------
-        at : (p,) coordinates of the shared numbers
-        own : (w, own) the windows' own numbers
-        select : windows asked for; all by default
-        shared : which shared numbers have columns; all by default
-        local : whether the windows' own numbers have columns
-        """
+        """See `EventWindows.blocks`."""
         shared = range(len(self.numbers)) if shared is None else shared
         out: list[Floats | None] = [None] * len(self.stretches)
         for run, members in enumerate(self.by_run):
@@ -158,7 +126,7 @@ class BeltWindows:
         return out
 
     def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
-        """Return each window as simulated; None where it fails."""
+        """See `EventWindows.motions`."""
         out: list[Motion | None] = [None] * len(self.stretches)
         for run, members in enumerate(self.by_run):
             if len(members):

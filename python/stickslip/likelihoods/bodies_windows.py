@@ -22,9 +22,10 @@ from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData, way
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
+from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.shared import Declared, Number
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import general
 
@@ -32,18 +33,11 @@ Floats = NDArray[np.float64]
 BELT = "belt_speed"
 
 
-class BodiesWindows:
+class BodiesWindows(EventWindows[BodiesData, Cut]):
     """
     The windows of the runs under a model whose friction and belt differ from window to window.
 
-    Parameters
-    ----------
-    model : the model; its numbers not in `numbers` are exact
-    data : the runs
-    stretches : where the windows are
-    numbers : what all windows share: numbers of the laws, of the rig over what is declared of them, gains
-    declared : what is known of the constants among them
-    policy : what steers the windows
+    What they share are numbers of the laws, of the rig over what is declared of them, and gains.
 
     A window's own numbers are the state that it begins with, (q, v) in units of how far the run moves, of v what no
     contact in stick takes; then its random effects: of each contact relative kinetic and static friction, and the
@@ -68,10 +62,8 @@ class BodiesWindows:
         if model.effects:
             words = "effects on a rig of bodies or matrices can be simulated, and no more as yet"
             raise InputError(words, key="effects")
-        self.model, self.rig, self.policy = model, model.rig, policy
-        self.data, self.stretches, self.numbers = list(data), list(stretches), tuple(numbers)
-        self.prior = Prior(numbers, declared, policy.tail)
-        self.channels = data[0].readings.shape[1]
+        super().__init__(model, data, stretches, numbers, declared, policy)
+        self.rig = model.rig
         self.gains = tuple(f"gain.{name}" for name in data[0].channels)
         self.lowered = [_lowered(model, run) for run in data]
         own = self.lowered[0].own
@@ -93,22 +85,11 @@ class BodiesWindows:
         kinetic = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".kinetic")]
         self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
         self.places = [np.zeros(0)] * len(self.data)
-        self.by_run = [
-            np.array([i for i, w in enumerate(stretches) if w.run == r], dtype=np.int64)
-            for r in range(len(data))
-        ]
-        self.sizes = np.array([w.stop - w.start for w in stretches])
-        self.fixed = dict(model.parameters)
         self.scales = [_scales(run) for run in data]
         self.reads = _reads(data[0].channels, own.equations.names)
 
-    @property
-    def runs(self) -> list[int]:
-        """Run of each window."""
-        return [w.run for w in self.stretches]
-
     def scatter(self) -> ContactScatter:
-        """Return what differs from window to window, where an estimate of it starts."""
+        """See `EventWindows.scatter`."""
         return self.differs.moved(self.differs.usual(self.policy)[0])
 
     @cached_property
@@ -166,17 +147,7 @@ class BodiesWindows:
         shared: Sequence[int] | None = None,
         local: bool = True,
     ) -> list[Floats | None]:
-        """
-        Return [J, S, K, r] of each window over the noise, (readings, channels, columns + 1); None where it fails.
-
-        Parameters
-        ----------
-        at : (p,) coordinates of the shared numbers
-        own : (w, own) the windows' own numbers
-        select : windows asked for; all by default
-        shared : which shared numbers have columns; all by default
-        local : whether the windows' own numbers have columns
-        """
+        """See `EventWindows.blocks`."""
         columns = list(range(len(self.numbers)) if shared is None else shared)
         points = [Point(self, run, at, columns) for run in range(len(self.data))]
         return [
@@ -185,7 +156,7 @@ class BodiesWindows:
         ]
 
     def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
-        """Return each window as simulated; None where it fails."""
+        """See `EventWindows.motions`."""
         points = [Point(self, run, at, []) for run in range(len(self.data))]
         return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
 

@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.mixed import Solution, Windows, taken
 from stickslip.likelihoods.population import Scatter, factor
 
 Floats = NDArray[np.float64]
 LOST = 100.0  # chi-squared per reading of a window that cannot be simulated
 BLANK = 1e-9
-Windowed = BeltWindows | BodiesWindows
+Windowed = EventWindows[Any, Any]
 
 
 @dataclass
