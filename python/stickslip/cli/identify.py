@@ -12,7 +12,8 @@ from rich.table import Table
 from stickslip.cli.options import Named, belt_option, files_from_option, force_option, out_option
 from stickslip.cli.printed import console, say_findings, say_written
 from stickslip.files import folder
-from stickslip.fitted.identified import IDENTIFIED, Identified
+from stickslip.fitted.identified import Identified
+from stickslip.fitted.saved_result import IDENTIFIED
 from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.likelihoods.identify import identify as run
 from stickslip.measured.case import load_case

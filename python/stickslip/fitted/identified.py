@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,13 +12,11 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits
-from stickslip.declared.toml_file import write_text
 from stickslip.declared.units import Channel
-from stickslip.files import folder
+from stickslip.fitted.saved_result import SavedResult
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
 from stickslip.measured.thinning import Thinned
-from stickslip.objects import Drawn
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +24,6 @@ if TYPE_CHECKING:
 Status = Literal["identified", "weak", "unidentified"]
 Branch = Literal["minus", "plus"]
 BRANCHES: tuple[Branch, ...] = ("minus", "plus")
-IDENTIFIED = ("model.toml", "identified.json")  # the files of `Identified.save`
 DRAWS = 4000
 
 
@@ -110,6 +105,20 @@ class Events:
     rms: Array
     run: Array
 
+    def levels(self) -> dict[str, float]:
+        """Return mean and scatter of the levels, as `diagnostics` name them."""
+        out: dict[str, float] = {}
+        for name, size in (
+            ("static", self.static),
+            ("kinetic", self.kinetic),
+            ("drop", self.static - self.kinetic),
+        ):
+            out |= {
+                f"{name}_mean": float(size.mean()),
+                f"{name}_std_between_events": float(np.std(size, ddof=1)),
+            }
+        return out
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -152,7 +161,7 @@ class Constant:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identified(Drawn):
+class Identified(SavedResult):
     """Result of `stickslip.identify`.
 
     Attributes
@@ -341,20 +350,6 @@ class Identified(Drawn):
             "scatter": None if self.scatter is None else asdict(self.scatter),
             "declared": {name: asdict(one) for name, one in self.constants.items()},
         }
-
-    def save(self, out: str | Path, *, force: bool = False) -> list[Path]:
-        """Write `model.toml` and `identified.json` into the folder `out` (made if absent); return their paths.
-
-        Files of these names that no earlier result put there are replaced only with `force`.
-        """
-        with folder(Path(out), IDENTIFIED, force=force) as temporary:
-            self.fill(temporary)
-        return [Path(out) / name for name in IDENTIFIED]
-
-    def fill(self, into: Path) -> None:
-        """Write the files of `save` into an existing folder."""
-        self.model.save(into / "model.toml")
-        write_text(into / "identified.json", json.dumps(self.to_dict(), indent=1))
 
 
 def _spanned(low: str | None, high: str | None) -> str:

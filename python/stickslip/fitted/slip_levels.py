@@ -348,16 +348,10 @@ def _law(
 def _diagnostics(
     runs: Sequence[Measured], shot: Shot, preference: float, events: Events, rig: BlockOnBelt
 ) -> dict[str, float]:
-    drop = events.static - events.kinetic
     return {
         "events": float(len(events.t)),
-        "static_mean": float(events.static.mean()),
-        "kinetic_mean": float(events.kinetic.mean()),
+        **events.levels(),
         "bic_preference_for_hyperbolic": preference,
-        "static_std_between_events": float(np.std(events.static, ddof=1)),
-        "kinetic_std_between_events": float(np.std(events.kinetic, ddof=1)),
-        "drop_mean": float(drop.mean()),
-        "drop_std_between_events": float(np.std(drop, ddof=1)),
         "level_correlation_events": correlation_length(events.static),
         "rms_residual": float(np.median(events.rms)),
         "rms_residual_of_amplitude": float(np.median(events.rms / events.amplitude)),

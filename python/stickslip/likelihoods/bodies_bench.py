@@ -13,15 +13,14 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
-from stickslip.fitted.unknowns import HELD
 from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.declared_numbers import STRIDE_CONSTANT, held_loosely
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
 
-STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
 WIDE = 2.3  # width of the prior of a number of a law that is identified, in the logarithm: a factor of ten
 
 
@@ -56,16 +55,7 @@ class BodiesBench:
 
     def of_law(self) -> list[Number]:
         """Return the numbers of the laws, held loosely about what is declared."""
-        out = []
-        for name, value in self.model.friction.numbers.items():
-            if name.rpartition(".")[2] in HELD:
-                continue
-            if value > 0:
-                at = math.log(value)
-                out.append(Number(name, at, at, self.law_spread, True, stride=STRIDE_LAW))
-            else:
-                out.append(Number(name, value, value, self.law_spread, low=0.0))
-        return out
+        return held_loosely(self.model.friction.numbers, self.law_spread)
 
     def of_rig(self) -> list[Number]:
         """Return the constants, over what is declared of them, and the gains that are not exact."""

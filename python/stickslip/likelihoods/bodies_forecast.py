@@ -21,6 +21,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, StickslipError, number
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
+from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.bodies_cuts import cuts, tail
 from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
 from stickslip.likelihoods.fit import null
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Floats = NDArray[np.float64]
-MEMBERS = 200  # runs of an ensemble: its mean is then known to a fourteenth of its spread
-FRESH = 10  # draws of noise for each member
-TAILS = (0.025, 0.975)  # of the band
 FEWEST = 3  # windows of a past that shows scatter
 AHEAD = 1.5  # natural periods that members are simulated at once
 MOST = 1_000_000  # samples of a forecast
@@ -144,22 +142,10 @@ def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -
         )
         warnings.warn(words, ModelWarning, stacklevel=4)
     members = _Members(fit, run, future, np.random.default_rng(seed))
-    whole = np.stack([members.run(k) for k in range(MEMBERS)])
-    good = np.isfinite(whole).all(axis=(1, 2))
-    if good.sum() < MEMBERS // 2:
+    whole = standing(np.stack([members.run(k) for k in range(MEMBERS)]))
+    if whole is None:
         raise StickslipError("most runs of the model stop before the horizon")
-    return _summed(whole[good], run, fit, future, members.rng)
-
-
-def _summed(
-    whole: Floats, run: BodiesData, fit: Fit, future: Floats, rng: np.random.Generator
-) -> Distribution:
-    noise = run.noise * np.sqrt(np.maximum(fit.noise, 1.0))
-    sides = []
-    for channel in range(whole.shape[2]):
-        draws = rng.standard_normal((FRESH, *whole.shape[:2])) * noise[channel] + whole[None, :, :, channel]
-        sides.append(np.quantile(draws.reshape(-1, whole.shape[1]), TAILS, axis=0))
-    low, high = np.stack(sides, axis=-1)
+    low, high = band(whole, run.noise * np.sqrt(np.maximum(fit.noise, 1.0)), members.rng)
     return Distribution(future, run.channels, whole.mean(axis=0), low, high)
 
 

@@ -14,11 +14,11 @@ from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError, StickslipError
-from stickslip.fitted.identified import Estimate, estimate
+from stickslip.fitted.identified import Estimate, Spread, estimate
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
-from stickslip.likelihoods.identified_rig import Constant, IdentifiedRig, Spread
+from stickslip.likelihoods.identified_rig import Constant, IdentifiedRig
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.variances import Deviance
 from stickslip.measured.case import Case

@@ -17,15 +17,21 @@ STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
 
 def of_law(model: Model, policy: Policy) -> list[Number]:
     """Return the numbers of the law, held loosely about what is declared."""
+    law = {name: value for name, value in model.parameters.items() if hasattr(model.friction, name)}
+    return held_loosely(law, policy.law_spread)
+
+
+def held_loosely(law: Mapping[str, float], spread: float) -> list[Number]:
+    """Return numbers of laws under a prior `spread` wide about what is declared; positive ones in the logarithm."""
     out = []
-    for name, value in model.parameters.items():
-        if not hasattr(model.friction, name) or name in HELD:
+    for name, value in law.items():
+        if name.rpartition(".")[2] in HELD:
             continue
         if value > 0:
             at = math.log(value)
-            out.append(Number(name, at, at, policy.law_spread, True, stride=STRIDE_LAW))
+            out.append(Number(name, at, at, spread, True, stride=STRIDE_LAW))
         else:
-            out.append(Number(name, value, value, policy.law_spread, low=0.0))
+            out.append(Number(name, value, value, spread, low=0.0))
     return out
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
@@ -30,9 +31,6 @@ from stickslip.likelihoods.single_windows import window_posterior
 from stickslip.likelihoods.stretches import Stretch, stretches
 
 Floats = NDArray[np.float64]
-MEMBERS = 200  # runs of an ensemble: its mean is then known to a fourteenth of its spread
-FRESH = 10  # draws of noise for each member
-TAILS = (0.025, 0.975)  # of the band
 AHEAD = 2.0  # cycles that members are simulated at once
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
 FEWEST = 3  # windows of a past that shows scatter
@@ -93,18 +91,11 @@ def distribution(
 
 def _summed(whole: Floats, run: Data, fit: Fit, rng: np.random.Generator) -> Distribution | None:
     """Mean and band of the members (m, n, channels), noise of the readings included."""
-    good = np.isfinite(whole).all(axis=(1, 2))
-    if good.sum() < MEMBERS // 2:
+    members = standing(whole)
+    if members is None:
         return None
-    whole = whole[good]
-    noise = run.noise * np.sqrt(np.maximum(fit.noise, 1.0))
-    sides = []
-    for channel in range(whole.shape[2]):
-        # each member with several draws of noise: the quantiles of so few members alone are rough
-        draws = rng.standard_normal((FRESH, *whole.shape[:2])) * noise[channel] + whole[None, :, :, channel]
-        sides.append(np.quantile(draws.reshape(-1, whole.shape[1]), TAILS, axis=0))
-    low, high = np.stack(sides, axis=-1)
-    return Distribution(whole.mean(axis=0), low, high, _scatter(fit))
+    low, high = band(members, run.noise * np.sqrt(np.maximum(fit.noise, 1.0)), rng)
+    return Distribution(members.mean(axis=0), low, high, _scatter(fit))
 
 
 def _scatter(fit: Fit) -> float:

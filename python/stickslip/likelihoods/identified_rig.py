@@ -2,37 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.scale import percent, to_digits
-from stickslip.declared.toml_file import write_text
-from stickslip.files import folder
-from stickslip.fitted.identified import IDENTIFIED, Estimate
+from stickslip.fitted.identified import Estimate, Spread
+from stickslip.fitted.saved_result import SavedResult
 from stickslip.measured.fit_window import Array
-from stickslip.objects import Drawn
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 BEYOND = 3.0  # standard uncertainties within which a constant is as declared
-
-
-@dataclass(frozen=True)
-class Spread:
-    """A relative standard deviation with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -61,7 +48,7 @@ class Constant:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IdentifiedRig(Drawn):
+class IdentifiedRig(SavedResult):
     """What `identify` finds on a rig of bodies or matrices; numbers are in SI.
 
     Attributes
@@ -172,20 +159,6 @@ class IdentifiedRig(Drawn):
             "fastest": dict(self.fastest),
             "messages": list(self.messages),
         }
-
-    def save(self, out: str | Path, *, force: bool = False) -> list[Path]:
-        """Write `model.toml` and `identified.json` into the folder `out` (made if absent); return their paths.
-
-        Files of these names that no earlier result put there are replaced only with `force`.
-        """
-        with folder(Path(out), IDENTIFIED, force=force) as temporary:
-            self.fill(temporary)
-        return [Path(out) / name for name in IDENTIFIED]
-
-    def fill(self, into: Path) -> None:
-        """Write the files of `save` into an existing folder."""
-        self.model.save(into / "model.toml")
-        write_text(into / "identified.json", json.dumps(self.to_dict(), indent=1))
 
 
 def _row(

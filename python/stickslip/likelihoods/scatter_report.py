@@ -147,7 +147,6 @@ def _one_way(material: Material, found: Identified, fit: Fit, units: Scaled, pre
         estimates[n + other] = Estimate(value, None, None, None, "unidentified")
     law = kind(**{n: one.value for n, one in estimates.items()})
     events = _events(fit, units)
-    drop = events.static - events.kinetic
     assert found.fitted is not None
     words = event_messages(
         name,
@@ -177,13 +176,8 @@ def _one_way(material: Material, found: Identified, fit: Fit, units: Scaled, pre
             "messages": (*words, *kept, *idle),
             "diagnostics": {
                 **found.diagnostics,
-                "static_mean": float(events.static.mean()),
-                "kinetic_mean": float(events.kinetic.mean()),
+                **events.levels(),
                 "bic_preference_for_hyperbolic": preference,
-                "static_std_between_events": float(np.std(events.static, ddof=1)),
-                "kinetic_std_between_events": float(np.std(events.kinetic, ddof=1)),
-                "drop_mean": float(drop.mean()),
-                "drop_std_between_events": float(np.std(drop, ddof=1)),
             },
         }
     )
