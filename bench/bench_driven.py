@@ -23,7 +23,7 @@ from scipy.io import loadmat
 
 import stickslip as ss
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.fit import Declared
+from stickslip.discovery.driven_slider.fitted_motion import Declared
 from stickslip.discovery.driven_slider.loop import balance, discover, model, uncertainty
 from stickslip.discovery.driven_slider.noise import Noise
 from stickslip.discovery.driven_slider.search import Search

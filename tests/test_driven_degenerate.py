@@ -10,7 +10,8 @@ import pytest
 
 import stickslip as ss
 from stickslip.discovery.driven_slider.dictionary import tried
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import band, motion
 from stickslip.discovery.driven_slider.noise import Noise

@@ -10,7 +10,8 @@ import driven_truth as truth
 import stickslip as ss
 from stickslip.discovery.driven_slider.dictionary import mass_term
 from stickslip.discovery.driven_slider.feedback import feedback
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared
 from stickslip.discovery.driven_slider.motion import motion, spread
 from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener
 from stickslip.discovery.driven_slider.policy import STEER

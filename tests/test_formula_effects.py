@@ -13,8 +13,6 @@ import scipy
 import stickslip as ss
 from stickslip.declared.effect import KINDS
 from stickslip.errors import InputError
-from stickslip.likelihoods.bodies_windows import BodiesWindows
-from stickslip.likelihoods.shared import Declared
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-12}
 TIMES = np.linspace(0.0, 12.0, 121)
@@ -394,8 +392,3 @@ def test_a_constant_load_over_a_long_time_is_a_spring_that_is_slack_elsewhere() 
     np.testing.assert_allclose(
         loaded.state, ss.simulate(ss.Model(slack, friction=law), **options).state, atol=1e-10
     )
-
-
-def test_a_fit_of_windows_with_effects_on_a_general_rig_is_refused() -> None:
-    with pytest.raises(InputError, match="can be simulated, and no more as yet"):
-        BodiesWindows(block(ss.effect("constant_load", f=0.1)), [], [], [], Declared())

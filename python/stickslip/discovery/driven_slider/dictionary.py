@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.terms import Law, Term
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.fit import Fit
+from stickslip.discovery.driven_slider.fitted_motion import Fit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.residual import Shown
 from stickslip.discovery.result import ErrorBlock, RunError

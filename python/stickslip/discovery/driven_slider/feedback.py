@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Fit
 from stickslip.discovery.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]

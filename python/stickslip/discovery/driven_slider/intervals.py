@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider import terms as tm
-from stickslip.discovery.driven_slider.fit import STEP, Balance, Choice, Fit, lengths
+from stickslip.discovery.driven_slider.fit import STEP, Balance, lengths
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 

@@ -17,7 +17,8 @@ from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import percent, plainly
 from stickslip.discovery.driven_slider.errors import error_block, share
 from stickslip.discovery.driven_slider.feedback import Feedback, feedback
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Declared, Fit
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared, Fit
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import band, motion
 from stickslip.discovery.driven_slider.policy import STEER

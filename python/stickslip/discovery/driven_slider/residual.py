@@ -9,7 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fit import Balance, Fit
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Fit
 from stickslip.discovery.driven_slider.motion import Band, Motion, stacked
 from stickslip.discovery.driven_slider.noise import Whitener
 from stickslip.discovery.driven_slider.policy import STEER

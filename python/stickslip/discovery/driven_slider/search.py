@@ -13,7 +13,8 @@ from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
 from stickslip.discovery.driven_slider.dictionary import Dictionary, mass_term, tried
-from stickslip.discovery.driven_slider.fit import Balance, Choice, Fit
+from stickslip.discovery.driven_slider.fit import Balance
+from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 from stickslip.likelihoods.policy import POLICY
