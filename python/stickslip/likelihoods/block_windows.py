@@ -11,11 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Chain, read
 from stickslip.likelihoods.sensors import Samples
 from stickslip.simulated.states import LAGGED, X1
 
 Floats = NDArray[np.float64]
+DROWNED = 3  # peaks of the velocity's noise a slip
 
 
 @dataclass(frozen=True)
@@ -58,3 +60,8 @@ class BlockSensors:
         if "stiffness" in s.names:
             chain.slopes[:, :, s.names.index("stiffness")] += as_sprung / self.spring
         return chain
+
+
+def drowned(run: Data, slips: int) -> bool:
+    """Return whether the noise of the velocity has many more peaks than the run has slips."""
+    return len(run.slips) > DROWNED * max(slips, 1)

@@ -21,7 +21,7 @@ from stickslip.fitted.identify import Alone, Material
 from stickslip.fitted.slip_levels import DeclaredLaw, preferred
 from stickslip.likelihoods import declared_numbers
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.policy import POLICY
@@ -35,7 +35,6 @@ from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Recording
 
 LAWS = (PaperFriction, CoulombFriction, HyperbolicFriction)
-DROWNED = 3  # peaks of the velocity's noise a slip
 DECAYS = (1.5, 12.0)  # over the speed of a slip, that the hyperbolic law is sought from
 
 
@@ -135,7 +134,7 @@ def _of_block(material: Material, declared: Declared, units: Scaled) -> Bench | 
     if data is None or len({run.belt_speed > 0 for run in data}) > 1:
         return None
     slips = [len(run.track.slips) for run in material.runs]
-    if any(len(run.slips) > DROWNED * max(seen, 1) for run, seen in zip(data, slips, strict=True)):
+    if any(drowned(run, seen) for run, seen in zip(data, slips, strict=True)):
         return None
     channel = used[0].channel("x1")
     force = units.block().stiffness if channel == "spring_force" else None

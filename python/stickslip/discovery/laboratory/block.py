@@ -37,7 +37,7 @@ from stickslip.discovery.slider.views import Motion, validate_view, view
 from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
-from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
@@ -45,9 +45,8 @@ from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
-from stickslip.measured.case import Case, Recording
+from stickslip.measured.case import Case
 
-DROWNED = 3  # peaks of the velocity's noise a slip
 ABSORBED = "a constant load on the block is absorbed whole by the friction law: every run slips one way only"
 
 
@@ -81,7 +80,9 @@ def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
     units = scaled(rig, case.train)
     data = prepare([units.run(one) for one in runs])
     train = data[: len(case.train)]
-    if any(_drowned(one, run) for one, run in zip(train, case.train, strict=True)):
+    if any(
+        drowned(one, len(prepare_events(run).track.slips)) for one, run in zip(train, case.train, strict=True)
+    ):
         return None
     declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
     channel = case.train[0].channel("x1")
@@ -89,12 +90,6 @@ def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
     return Bench(declared, train, stretches(train), known(case), sensors, POLICY), units, data
-
-
-def _drowned(run: Data, recording: Recording) -> bool:
-    """Whether the noise of the velocity has many more peaks than the run has slips."""
-    track = prepare_events(recording).track
-    return len(run.slips) > DROWNED * max(len(track.slips), 1)
 
 
 def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:
