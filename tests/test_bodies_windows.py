@@ -140,7 +140,12 @@ def test_a_drive_goes_as_far_as_its_speed_says() -> None:
 
 
 def test_a_fit_of_windows_with_effects_on_a_general_rig_is_refused() -> None:
-    model = next(iter(CASES.values()))().model
-    pushed = ss.Model(model.rig, friction=model.friction, effects=(ss.effect("constant_load", f=0.1),))
+    rig = ss.BodiesRig(
+        body={"block": ss.Body(mass=1)},
+        link=[ss.Link(between=("block", "ground"), stiffness=1)],
+        contact=[ss.Contact(body="block", against="belt")],
+    )
+    law = ss.CoulombFriction(static=1.0, kinetic=0.5)
+    pushed = ss.Model(rig, friction=law, effects=(ss.effect("constant_load", f=0.1),))
     with pytest.raises(InputError, match="can be simulated, and no more as yet"):
         BodiesWindows(pushed, [], [], [], Declared())
