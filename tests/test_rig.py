@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from known_numbers import SI
-from stickslip.declared.rig import BlockOnBelt, Rig, Scales
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.errors import InputError
 
 POSITIVE = st.floats(1e-3, 1e3)
@@ -44,6 +44,25 @@ def test_from_si_gives_the_same_motion() -> None:
     acceleration = length * rig.scales.omega**2
     assert newton / SI["m"] == pytest.approx(a_block * acceleration, rel=1e-13)
     assert euler / (SI["J"] / SI["r"] ** 2) == pytest.approx(a_leg * acceleration, rel=1e-13)
+
+
+def test_numbers_may_have_units() -> None:
+    block = BlockOnBelt(mass="1200 g", stiffness="0.85 N/mm", damping="0.5 N s/m")
+    assert block == BlockOnBelt(mass=1.2, stiffness=850.0, damping=0.5)
+    assert block.mass == pytest.approx(1.2, rel=1e-15)
+    assert DrivenSlider(mass="0.3 t", damping=2) == DrivenSlider(mass=300.0, damping=2.0)
+    units = {"m": "kg", "J": "kg m^2", "r": "m", "length": "m", "c1": "N s/m", "c2": "N s/m"}
+    text = {name: f"{size!r} {units.get(name, 'N/m')}" for name, size in SI.items()}
+    assert Rig.from_si(**text) == Rig.from_si(**SI)
+    assert Rig.from_si(**{**SI, "r": f"{1e3 * SI['r']!r} mm"}).alpha2 == pytest.approx(
+        Rig.from_si(**SI).alpha2
+    )
+    with pytest.raises(InputError, match=r"mass = '3 N': is .*; it must be"):
+        BlockOnBelt(mass="3 N")
+    with pytest.raises(InputError, match="mass = 'heavy': not a number with a unit"):
+        DrivenSlider(mass="heavy")
+    with pytest.raises(InputError, match=r"k1 = '-3 N/m'|k1 = -3"):
+        Rig.from_si(**{**SI, "k1": "-3 N/m"})
 
 
 def test_scales() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import (
@@ -17,6 +17,7 @@ from stickslip.declared.dimensions import (
     STIFFNESS,
     Dimension,
 )
+from stickslip.declared.in_si import in_si
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 from stickslip.objects import Displayed
@@ -140,18 +141,18 @@ class Rig(Displayed):
     def from_si(
         cls,
         *,
-        m: float,
-        J: float,
-        r: float,
-        k1: float,
-        k2: float,
-        k3: float,
-        c1: float,
-        c2: float,
-        length: float,
+        m: float | str,
+        J: float | str,
+        r: float | str,
+        k1: float | str,
+        k2: float | str,
+        k3: float | str,
+        c1: float | str,
+        c2: float | str,
+        length: float | str,
         coupling: Coupling = "reciprocal",
     ) -> Self:
-        """Make the rig of (2.1) from SI constants; `scales` remembers the units.
+        """Make the rig of (2.1) from constants in SI, or with a unit ("1.2 kg"); `scales` remembers the units.
 
         Parameters
         ----------
@@ -171,11 +172,12 @@ class Rig(Displayed):
         InputError
             A number is not finite, or mass, inertia, stiffness or damping has the wrong sign.
         """
-        positive = {"m": m, "J": J, "r": r, "k2": k2, "length": length}
-        m, J, r, k2, length = (number(name, value, above=0) for name, value in positive.items())
-        k1, k3 = number("k1", k1, least=0), number("k3", k3, least=0)
-        c1 = number("c1", c1, least=0, why="negative damping creates energy")
-        c2 = number("c2", c2, least=0, why="negative damping creates energy")
+        given = {"m": m, "J": J, "r": r, "k1": k1, "k2": k2, "k3": k3, "c1": c1, "c2": c2, "length": length}
+        si = {name: in_si(name, value, cls.dimensions[name]) for name, value in given.items()}
+        m, J, r, k2, length = (number(name, si[name], above=0) for name in ("m", "J", "r", "k2", "length"))
+        k1, k3 = (number(name, si[name], least=0) for name in ("k1", "k3"))
+        why = "negative damping creates energy"
+        c1, c2 = (number(name, si[name], least=0, why=why) for name in ("c1", "c2"))
         omega = math.sqrt((k1 + k2) / m)
         if not (r * r * k2 > 0 and math.isfinite(omega * omega * J / (r * r * k2))):
             words = "too small beside J: alpha2 = omega^2 J/(r^2 k2) would be infinite"
@@ -246,7 +248,14 @@ class BlockOnBelt(Displayed):
     stiffness: float = 1.0
     damping: float = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, mass: float | str = 1.0, stiffness: float | str = 1.0, damping: float | str = 0.0
+        ) -> None: ...
+
     def __post_init__(self) -> None:
+        _to_si(self)
         object.__setattr__(self, "mass", number("mass", self.mass, above=0))
         object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, above=0))
         why = "negative damping creates energy"
@@ -257,7 +266,7 @@ class BlockOnBelt(Displayed):
 class DrivenSlider(Displayed):
     """An inertia with friction and no spring, moved by a known force: mass x2' = drive - damping x2 - T(x2).
 
-    State (x1, x2). There is no belt: the sliding velocity v_w is x2. Numbers in SI give results in SI.
+    State (x1, x2). There is no belt: the sliding velocity v_w is x2. Numbers in SI, or with a unit, give results in SI.
 
     Parameters
     ----------
@@ -281,10 +290,22 @@ class DrivenSlider(Displayed):
     mass: float
     damping: float = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(self, *, mass: float | str, damping: float | str = 0.0) -> None: ...
+
     def __post_init__(self) -> None:
+        _to_si(self)
         object.__setattr__(self, "mass", number("mass", self.mass, above=0))
         why = "negative damping creates energy"
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
+
+
+def _to_si(rig: BlockOnBelt | DrivenSlider) -> None:
+    """Turn what is given with a unit."""
+    for field in fields(rig):
+        size = in_si(field.name, getattr(rig, field.name), rig.dimensions[field.name])
+        object.__setattr__(rig, field.name, size)
 
 
 AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig
