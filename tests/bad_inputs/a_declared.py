@@ -58,7 +58,7 @@ for name, changed in (
     ("negative stiffness", {"k3": -1.0}),
     ("negative damping", {"c2": -0.1}),
     ("zero length", {"length": 0.0}),
-    ("a mass that is text", {"m": "40 kg"}),
+    ("a mass that is a force", {"m": "40 N"}),
     ("a leg too short for a number", {"r": 1e-300}),
     ("a constant it has not", {"k4": 1.0}),
 ):

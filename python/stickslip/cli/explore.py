@@ -9,8 +9,8 @@ import click
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.formula.dimension import dimensions
-from stickslip.declared.formula_law import quantity
 from stickslip.declared.model import Model, load_model, model_file
+from stickslip.declared.quantity import quantity
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
 from stickslip.errors import InputError

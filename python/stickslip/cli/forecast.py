@@ -11,11 +11,11 @@ import numpy as np
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
-from stickslip.declared.prescribed import sized
+from stickslip.declared.quantity import sized, with_unit
 from stickslip.declared.rig import Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
-from stickslip.declared.units import Channel, with_unit
+from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import apart, time_digits, write_csv
 from stickslip.fitted.forecast import MOST

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.model import Model
-from stickslip.declared.prescribed import formula_of_time, sized
+from stickslip.declared.prescribed import formula_of_time
+from stickslip.declared.quantity import sized
 from stickslip.declared.rig import AnyRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale, read_quantity

@@ -13,11 +13,11 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated, effect, tabulated
 from stickslip.declared.formula_effect import formula_effect
-from stickslip.declared.formula_law import quantity
 from stickslip.declared.formula_laws.formula import FormulaFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import check_size
 from stickslip.declared.laws import ALL_LAWS
+from stickslip.declared.quantity import quantity
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig, RigError

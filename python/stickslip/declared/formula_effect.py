@@ -13,8 +13,8 @@ from stickslip.declared.acts import Acts
 from stickslip.declared.formula.parse import CONSTANTS, FUNCTIONS, parse
 from stickslip.declared.formula.range import check_range
 from stickslip.declared.formula.tree import Tree, names
-from stickslip.declared.formula_law import quantity
 from stickslip.declared.formula_laws.formula import LawState
+from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError, did_you_mean, number
 
 Kind = Literal["force", "factor", "reading"]

@@ -11,35 +11,13 @@ import numpy as np
 import scipy
 
 from stickslip.declared.dimensions import Dimension
-from stickslip.declared.formula.dimension import to_si
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.formula.value import Value, value
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
-from stickslip.declared.units import with_unit
+from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError, number
-
-
-def quantity(key: str, given: object) -> tuple[float, str | None]:
-    """Return a number in SI and its SI unit; the unit is None where it is given bare.
-
-    Raises
-    ------
-    InputError
-        Not a finite number, or a unit that is not known.
-    """
-    if not isinstance(given, str):
-        return number(key, given), None  # type: ignore[arg-type]  # `number` looks
-    try:
-        size, unit = with_unit(given)
-    except ValueError:
-        raise InputError("not a number with a unit; give one like '4 N'", key=key, value=given) from None
-    number(key, size)
-    try:
-        return to_si(size, unit) if unit else (size, None)
-    except InputError as error:
-        raise InputError(error.what, key=key, value=given) from None
 
 
 @dataclass(frozen=True)

@@ -2,28 +2,11 @@
 
 from __future__ import annotations
 
-from stickslip.declared.formula.dimension import dimensions, said
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names
-from stickslip.declared.formula_law import quantity
+from stickslip.declared.quantity import sized
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
-
-
-def sized(text: float | str, unit: str, key: str) -> float:
-    """Return a number in SI; one without a unit is in it already.
-
-    Raises
-    ------
-    InputError
-        Not a number with a unit, or the unit measures something else than `unit`.
-    """
-    size, own = quantity(key, text)
-    if own is not None and unit != "1" and dimensions(own) != dimensions(unit):
-        raise InputError(
-            f"is {said(dimensions(own))}; it must be {said(dimensions(unit))}", key=key, value=text
-        )
-    return size
 
 
 def formula_of_time(text: str, key: str) -> Speed | None:

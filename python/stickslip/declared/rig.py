@@ -17,7 +17,7 @@ from stickslip.declared.dimensions import (
     STIFFNESS,
     Dimension,
 )
-from stickslip.declared.in_si import in_si
+from stickslip.declared.quantity import sized
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 from stickslip.objects import Displayed
@@ -173,7 +173,7 @@ class Rig(Displayed):
             A number is not finite, or mass, inertia, stiffness or damping has the wrong sign.
         """
         given = {"m": m, "J": J, "r": r, "k1": k1, "k2": k2, "k3": k3, "c1": c1, "c2": c2, "length": length}
-        si = {name: in_si(name, value, cls.dimensions[name]) for name, value in given.items()}
+        si = {name: sized(value, cls.dimensions[name].unit, name) for name, value in given.items()}
         m, J, r, k2, length = (number(name, si[name], above=0) for name in ("m", "J", "r", "k2", "length"))
         k1, k3 = (number(name, si[name], least=0) for name in ("k1", "k3"))
         why = "negative damping creates energy"
@@ -304,7 +304,7 @@ class DrivenSlider(Displayed):
 def _to_si(rig: BlockOnBelt | DrivenSlider) -> None:
     """Turn what is given with a unit."""
     for field in fields(rig):
-        size = in_si(field.name, getattr(rig, field.name), rig.dimensions[field.name])
+        size = sized(getattr(rig, field.name), rig.dimensions[field.name].unit, field.name)
         object.__setattr__(rig, field.name, size)
 
 

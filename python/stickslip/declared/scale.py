@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from stickslip.declared.dimensions import FORCE
+from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.si import si_of
-from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle, with_unit
+from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle
 from stickslip.errors import InputError, number
 
 Quantity = Literal["t", "x1", "x2", "y1", "y2", "belt", "force"]

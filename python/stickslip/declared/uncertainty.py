@@ -15,9 +15,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, Rig
 from stickslip.declared.rigs.general import GeneralRig
-from stickslip.declared.units import with_unit
 from stickslip.errors import InputError, did_you_mean, number
 
 MASS, STIFFNESS, DAMPING, GAIN, EXACT = 0.015, 0.015, 0.15, 0.005, 0.0

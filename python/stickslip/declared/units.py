@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, number
@@ -208,27 +208,6 @@ def _scales(rig: Rig, unit: str) -> Scales:
         words = "the rig is nondimensional: give unit '1', or declare it in SI (m, J, r, k1, ..., length)"
         raise InputError(words, key="unit", value=unit)
     return rig.scales
-
-
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-
-
-def with_unit(text: str) -> tuple[float, str]:
-    """Return the number and the unit of "14 mm/s" or "14mm/s"; the unit is "" where there is none.
-
-    Raises
-    ------
-    ValueError
-        It does not begin with a number.
-    """
-    text = text.strip()
-    found = _NUMBER.match(text)
-    if found is None:
-        return float(text), ""  # nan and inf are numbers too
-    unit = text[found.end() :].strip()
-    if unit != "1" and (unit[:1] in {",", ".", "'"} or unit[:1].isdigit()):
-        raise ValueError("a number goes on behind what looks like its end: a decimal comma?")
-    return float(found[0]), unit
 
 
 def speed(given: float | str, unit: str, rig: AnyRig) -> float:

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig
-from stickslip.declared.units import default_speed_unit, in_si, speed, with_unit
+from stickslip.declared.units import default_speed_unit, in_si, speed
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.channels import check_channels
 from stickslip.measured.column_roles import Roles, roles_of

@@ -12,8 +12,9 @@ from stickslip.declared.formula.parse import CONSTANTS, FUNCTIONS, fit, parse
 from stickslip.declared.formula.range import check_range
 from stickslip.declared.formula.tree import Number, Tree, names, substituted
 from stickslip.declared.formula.value import value
-from stickslip.declared.formula_law import LawByFormula, quantity
+from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.law_form import READS, VARIABLES, BranchForm, LawForm, StateForm
+from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError, did_you_mean
 from stickslip.objects import Displayed
 

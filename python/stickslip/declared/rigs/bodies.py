@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.arguments import explained, must_be
 from stickslip.declared.formula.dimension import dimensions, said
-from stickslip.declared.formula_law import quantity
+from stickslip.declared.quantity import quantity
 from stickslip.declared.rigs.general import (
     Against,
     ContactRow,
