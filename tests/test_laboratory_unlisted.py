@@ -16,6 +16,7 @@ from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import begin
+from stickslip.likelihoods.repeating import lost
 
 X1 = np.linspace(-0.8, 0.8, 17)
 PULL = ss.tabulated("block", "x1", X1, 0.12 / (0.9 - X1) ** 2)  # of a magnet: no power of x1
@@ -39,6 +40,27 @@ def test_a_name_that_only_stands_in_leaves_a_curve(
     if found is not None:
         assert (found.where, found.variable) == ("block", "x1")
         assert loop.Verdicts(bench, Searched(named, named), found, beside=True).told is named
+
+
+def test_what_names_leave_is_told_from_a_share_of_what_they_explain(tmp_path: Path) -> None:
+    read = ss.load_case(case(tmp_path, (PULL,), 0.015, 0.005, 7))
+    bench = loop.bench_of(read, prepare(read.train))
+    found = Searched(fit_of(bench, ()), fit_of(bench, (Term(CUBIC),)))
+    left = loop._left_over(bench, found, 0)
+    assert left is not None
+    share = np.sqrt(left.gain / (found.null.fit.deviance - found.chosen.fit.deviance))
+    for size, told in ((0.9 * share, True), (1.1 * share, False)):
+        strict = replace(bench, policy=replace(bench.policy, stands_in=size))
+        assert (loop._left_over(strict, found, 0) is not None) == told
+
+
+def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> None:
+    read = ss.load_case(case(tmp_path, (), 0.015, 0.005, 7))
+    fit = fit_of(loop.bench_of(read, prepare(read.train)), ()).fit
+    weight = np.ones(len(fit.own))
+    for share, gone in ((0.1, False), (0.3, True)):
+        weight[: int(share * len(weight))] = 0.01
+        assert lost(replace(fit, linear=replace(fit.linear, weight=weight))) == gone
 
 
 def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> None:

@@ -147,9 +147,8 @@ class Material:
         return "" if self.recordings[0].unit("x1") == "1" else " N"
 
 
-Alone = Callable[
-    [], Identified
-]  # the law where every slip has levels of its own, fitted when first asked for
+# the law where every slip has levels of its own, fitted when first asked for
+Alone = Callable[[], Identified]
 Scattering = Callable[[Material, Progress, Alone | None], Identified | None]
 
 
