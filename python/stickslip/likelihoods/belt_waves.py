@@ -8,6 +8,7 @@ beside that is as large, but far less than what friction's own scatter does, and
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 import scipy.signal
@@ -48,8 +49,11 @@ def root(length: float, count: int, slow: tuple[float, float]) -> Floats:
 
 def hats(t: Floats, count: int) -> Floats:
     """Return the line's shapes over a window, (n, count)."""
-    at = np.linspace(t[0], t[-1], count)
-    return np.stack([np.interp(t, at, row) for row in np.eye(count)], axis=1)
+    at = (t - t[0]) * ((count - 1) / (t[-1] - t[0])) if len(t) > 1 else np.zeros(1)
+    left = np.minimum(at.astype(np.int64), count - 2)
+    out, rows = np.zeros((len(t), count)), np.arange(len(t))
+    out[rows, left], out[rows, left + 1] = 1.0 - (at - left), at - left
+    return out
 
 
 def ridden(t: Floats, speed: Floats, mode: NDArray[np.int8], belt_speed: float, shapes: Floats) -> Floats:
@@ -86,5 +90,12 @@ def leg(place: Floats, step: float, values: Mapping[str, float]) -> Floats:
     step : between samples
     values : numbers of the rig of (2.1)
     """
-    b, a = [-values["eta1"], -1.0], [values["alpha2"], values["eta12"], values["beta3"]]
-    return np.asarray(scipy.signal.lfilter(*scipy.signal.bilinear(b, a, 1.0 / step), place, axis=0))
+    b, a = _filter(step, *(values[name] for name in ("eta1", "alpha2", "eta12", "beta3")))
+    return np.asarray(scipy.signal.lfilter(b, a, place, axis=0))
+
+
+@lru_cache(maxsize=64)  # every window of a run asks for the same one, and it takes longer to make than to use
+def _filter(step: float, eta1: float, alpha2: float, eta12: float, beta3: float) -> tuple[Floats, Floats]:
+    """The leg's filter between samples."""
+    b, a = scipy.signal.bilinear([-eta1, -1.0], [alpha2, eta12, beta3], 1.0 / step)
+    return np.asarray(b), np.asarray(a)

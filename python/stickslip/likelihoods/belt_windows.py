@@ -318,12 +318,15 @@ class _Run:
         """Let the window's own belt be seen: where the block rides it, and by its own sensor."""
         v_b, k = self.data.belt_speed, self.of.policy.knots
         waves = slice(chain.slopes.shape[2] - 1 - k, chain.slopes.shape[2] - 1)
+        step = float(np.median(np.diff(self.data.t)))
         for a, b, own in zip(self.offset[:-1], self.offset[1:], self.own, strict=True):
             t, line = self.data.t[self.samples[a:b]], own[-1 - k : -1]
             shapes = belt_waves.hats(t, k)
+            if not self.local:  # the line itself is all that is asked for
+                shapes, line = (shapes @ line)[:, None], np.ones(1)
             shown = {0: belt_waves.ridden(t, state[a:b, X2], mode[a:b], v_b, shapes)}
             if "alpha2" in self.values:
-                shown[1] = belt_waves.leg(shown[0], float(np.median(np.diff(self.data.t))), self.values)
+                shown[1] = belt_waves.leg(shown[0], step, self.values)
             if chain.values.shape[1] == 3:
                 shown[2] = v_b * shapes
                 chain.values[a:b, 2] += v_b * own[-1]
