@@ -45,22 +45,34 @@ def measure(model: Model, run: Data) -> Measured:
     """Forecast a run one and two cycles ahead and compare with its readings."""
     forecaster = Forecaster(model, run, 1, curves_of(model))
     try:
-        prediction, samples = stitched(forecaster, 1.0)
+        one = stitched(forecaster, 1.0)
     except StickslipError:
-        prediction, samples = _second_half(forecaster)
-    rmse = _rmse(prediction, run, samples)
-    v = _as_seen(run, prediction.rate)
+        one = _second_half(forecaster)
     try:
-        longer, later = stitched(forecaster, 2.0)
-        two = _relative(_rmse(longer, run, later), run)
+        return compared(run, *one, rmse(*stitched(forecaster, 2.0), run))
     except StickslipError:
-        two = float("nan")
+        return compared(run, *one, None)
+
+
+def compared(
+    run: Data, prediction: Prediction, samples: NDArray[np.int64], two: tuple[float, float] | None
+) -> Measured:
+    """
+    Return what forecasts of one cycle make of a run.
+
+    Parameters
+    ----------
+    run : as measured
+    prediction, samples : the forecasts, laid end to end
+    two : rms errors of x1 and y1 over two cycles, None where the run is too short
+    """
+    one, v = rmse(prediction, samples, run), as_seen(run, prediction.rate)
     return Measured(
-        _relative(rmse, run),
-        two,
+        relative(one, run),
+        float("nan") if two is None else relative(two, run),
         *_events(v, run, samples),
         _portrait(prediction, v, run, samples),
-        rmse,
+        one,
         prediction,
         samples,
     )
@@ -73,7 +85,8 @@ def _second_half(forecaster: Forecaster) -> tuple[Prediction, NDArray[np.int64]]
     return forecaster.forecast(half, t[half:]), np.arange(half, len(t))
 
 
-def _rmse(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tuple[float, float]:
+def rmse(prediction: Prediction, samples: NDArray[np.int64], run: Data) -> tuple[float, float]:
+    """Return the rms errors of x1 and y1 over the samples forecast."""
     out = []
     for c in range(2):
         good = run.weight[samples, c] > 0
@@ -82,7 +95,8 @@ def _rmse(prediction: Prediction, run: Data, samples: NDArray[np.int64]) -> tupl
     return out[0], out[1]
 
 
-def _relative(rmse: tuple[float, float], run: Data) -> float:
+def relative(rmse: tuple[float, float], run: Data) -> float:
+    """Return the rms errors of x1 and y1 over the spread of their readings, the two together."""
     spread = [max(float(np.std(run.readings[:, c])), float(run.noise[c])) for c in range(2)]
     return float(np.sqrt(np.mean([(e / s) ** 2 for e, s in zip(rmse, spread, strict=True)])))
 
@@ -93,8 +107,8 @@ def _onsets(t: Floats, stuck: NDArray[np.bool_]) -> Floats:
     return times[np.diff(times, prepend=-np.inf) > 0.5] if len(times) else times
 
 
-def _as_seen(run: Data, v: Floats) -> Floats:
-    """A model's velocity as the quadratics see one that the run's own is taken from: their parabola of weights."""
+def as_seen(run: Data, v: Floats) -> Floats:
+    """Return a model's velocity as the quadratics see one that the run's own is taken from."""
     width = velocity_width(run.t, float(run.noise[0]), run.belt_speed)
     h = width // 2
     weights = 1.0 - (np.arange(-h, h + 1) / (h + 1)) ** 2
@@ -146,10 +160,15 @@ def error_block(
         assert was is not None
         assert now is not None
         kept[run.name] = (was, now)
-        floor = _mean([one for one in others[:DRAWS] if one is not None]) or now
-        table.append(_row(run, recording, (was, now, floor)))
-    mean = {who: float(np.mean([row.one_cycle[who] for row in table])) for who in WHO}
-    return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(table)), kept
+        floor = mean([one for one in others[:DRAWS] if one is not None]) or now
+        table.append(row(run, recording, (was, now, floor)))
+    return block(METRIC, table), kept
+
+
+def block(metric: str, table: Sequence[RunError]) -> ErrorBlock:
+    """Return the error over all validate runs."""
+    mean = {who: float(np.mean([one.one_cycle[who] for one in table])) for who in WHO}
+    return ErrorBlock(metric, mean["before"], mean["after"], mean["floor"], tuple(table))
 
 
 def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> Measured | None:
@@ -164,8 +183,8 @@ def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> Me
         return None
 
 
-def _mean(draws: Sequence[Measured]) -> Measured | None:
-    """One with the mean of what these measured."""
+def mean(draws: Sequence[Measured]) -> Measured | None:
+    """Return one with the mean of what these measured; None of none."""
     if not draws:
         return None
     names = ("one", "two", "transition", "period", "fraction", "portrait")
@@ -174,7 +193,9 @@ def _mean(draws: Sequence[Measured]) -> Measured | None:
     return replace(draws[0], **numbers, rmse=(x1, y1))  # type: ignore[arg-type]  # floats by name
 
 
-def _row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:
+def row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:
+    """Return the errors on one run, before, after and at the floor."""
+
     def each(name: str) -> dict[str, float]:
         return {who: float(getattr(m, name)) for who, m in zip(WHO, measured, strict=True)}
 

@@ -144,7 +144,7 @@ def _field(bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np
     kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
     root = np.linalg.cholesky(kernel)
     made = root @ rng.standard_normal((len(points), bench.policy.draws))
-    return np.asarray(made.reshape(len(members), len(places), -1))
+    return np.asarray(made.reshape(len(members), len(places), bench.policy.draws))
 
 
 def _wobble(

@@ -10,8 +10,8 @@ import numpy as np
 
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.errors import error_block
 from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.curves import Learned, leading
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.proven import proven
@@ -150,7 +150,9 @@ def discovered(
     chosen = verdicts.told
     before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
     tell("forecasting the validate runs")
-    error, forecasts = error_block(before, after, validate, case.validate, workers, seed)
+    error, forecasts = error_block(
+        (found.null.fit, chosen.fit), (before, after), validate, case.validate, workers, seed
+    )
     effects = outcome.effects(bench, found)
     if curve is not None:
         effects = (outcome.unlisted(found, curve, verdicts.told),)

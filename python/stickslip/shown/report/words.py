@@ -286,12 +286,18 @@ def floor(found: Found, *, single: bool) -> str:
     if single:
         return (
             "is the noise of the readings over their standard deviation in an event; the few numbers fitted to each "
-            "event take up a little of the noise."
+            "event take up a little of the noise. It is the same for both models."
+        )
+    if found.scatter:
+        return (
+            "is what a model that is right leaves: the noise of the readings, and the friction of the events to come, "
+            "which nobody can know. Both models have it in their error."
         )
     which = "with what was found" if found.effects else "declared"
     return (
         f"is the error of the model {which} on records that it simulated itself, with fresh noise, forecast in "
-        f"the same way: the mean of {DRAWS} draws."
+        f"the same way: the mean of {DRAWS} draws, so that an error, with the one draw that was measured, can lie "
+        "below it. Grey: before and after differ by less than the floor, so that the difference says nothing."
     )
 
 

@@ -1,0 +1,140 @@
+"""What carries over: forecasts of runs never fitted, the friction of each event to come as the model lets expect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.model import Model
+from stickslip.discovery import errors
+from stickslip.discovery.errors import Measured
+from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.discovery.workers import Workers
+from stickslip.fitted.data import Data
+from stickslip.fitted.predict import Prediction, joined
+from stickslip.fitted.readings import reading_rate
+from stickslip.likelihoods.ahead import KEPT, Ahead, ahead
+from stickslip.likelihoods.fit_state import Fit
+from stickslip.measured.case import Recording
+
+Floats = NDArray[np.float64]
+Samples = NDArray[np.int64]
+METRIC = (
+    "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone and events to come as they scatter; "
+    "mean over validate runs"
+)
+
+
+def error_block(
+    fits: tuple[Fit, Fit],
+    models: tuple[Model, Model],
+    runs: Sequence[Data],
+    recordings: Sequence[Recording],
+    workers: Workers,
+    seed: int,
+) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
+    """
+    Return `error` of the report, and the forecasts it rests on.
+
+    Its floor is what a model that is right leaves: the friction of the next events, and the noise.
+
+    Parameters
+    ----------
+    fits, models : before and after
+    runs, recordings : never fitted
+    workers, seed : make the forecasts
+    """
+    light = tuple(replace(one, blocks=[], linear=None, solution=None) for one in fits)
+    same = fits[0] is fits[1]
+    tasks = [(fit, run) for run in runs for fit in (light[1:] if same else light)]
+    done = iter(workers.map(partial(_made, seed=seed), tasks))
+    table: list[RunError] = []
+    kept: dict[str, tuple[Measured, Measured]] = {}
+    for run, recording in zip(runs, recordings, strict=True):
+        made = [one for one in (next(done) for _ in range(1 if same else 2)) if one is not None]
+        if len(made) < (1 if same else 2):  # too few windows to know where the run stands
+            part, others = errors.error_block(*models, [run], [recording], workers, seed)
+            table.append(part.runs[0])
+            kept |= others
+            continue
+        (was, _), (now, floor) = made[0], made[-1]
+        kept[run.name] = (was, now)
+        table.append(errors.row(run, recording, (was, now, floor)))
+    return errors.block(METRIC, table), kept
+
+
+def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | None:
+    """What a fit makes of a run, and of what it might itself have been; None where it forecasts nothing."""
+    fit, run = task
+    short = two = ahead(fit, run, 2.0, seed)
+    if not two and not (short := ahead(fit, run, 1.0, seed)):
+        return None
+    firsts = [_first(one, run) for one in short]
+    samples = np.concatenate([np.arange(a, b) for a, b in firsts])
+    longer = None
+    if two:
+        every = np.concatenate([np.arange(one.start, one.stop) for one in two])
+        longer = errors.rmse(_expected(two, run, [one.stop for one in two]), every, run)
+    stops = [b for _, b in firsts]
+    expected = _expected(short, run, stops)
+    measured = errors.compared(run, expected, samples, longer)
+    noise = run.noise[:2] * np.sqrt(fit.noise[:2])
+    draws = [
+        errors.compared(_as(run, _member(short, run, stops, k), samples), expected, samples, None)
+        for k in range(1, KEPT)
+    ]
+    left = errors.mean(draws)
+    assert left is not None
+    one = _spread(short, stops, noise)
+    floor = replace(
+        left,
+        one=errors.relative(one, run),
+        two=errors.relative(_spread(two, [w.stop for w in two], noise), run) if two else float("nan"),
+        rmse=one,
+    )
+    return measured, floor
+
+
+def _first(one: Ahead, run: Data) -> tuple[int, int]:
+    """The samples of its first cycle."""
+    stop = int(np.searchsorted(run.t, run.t[one.start] + run.cycle))
+    return one.start, min(max(stop, one.start + 1), one.stop)
+
+
+def _expected(every: Sequence[Ahead], run: Data, stops: Sequence[int]) -> Prediction:
+    """Forecasts end to end: readings as they are expected, the motion where events have no friction of their own."""
+    parts = [_part(one, run, stop, 0) for one, stop in zip(every, stops, strict=True)]
+    means = [one.mean[: stop - one.start] for one, stop in zip(every, stops, strict=True)]
+    return replace(joined(parts), readings=np.concatenate(means))
+
+
+def _member(every: Sequence[Ahead], run: Data, stops: Sequence[int], k: int) -> Prediction:
+    """A member, which might have been the run."""
+    return joined([_part(one, run, stop, k) for one, stop in zip(every, stops, strict=True)])
+
+
+def _part(one: Ahead, run: Data, stop: int, k: int) -> Prediction:
+    n = stop - one.start
+    t, state = run.t[one.start : stop], one.flown.state[k, :n]
+    rate = reading_rate(t, state, one.values)
+    return Prediction(t, one.flown.readings[k, :n], rate, state, one.flown.mode[k, :n])
+
+
+def _as(run: Data, member: Prediction, samples: Samples) -> Data:
+    """The run as a member might have been it."""
+    readings, v = run.readings.copy(), run.v.copy()
+    readings[samples], v[samples] = member.readings, errors.as_seen(run, member.rate)
+    return replace(run, readings=readings, v=v)
+
+
+def _spread(every: Sequence[Ahead], stops: Sequence[int], noise: Floats) -> tuple[float, float]:
+    """Rms errors of x1 and y1 that a model which is right has."""
+    spread = np.concatenate(
+        [one.spread[: stop - one.start, :2] for one, stop in zip(every, stops, strict=True)]
+    )
+    x1, y1 = np.sqrt(np.mean(spread**2, axis=0) + noise**2).tolist()
+    return x1, y1

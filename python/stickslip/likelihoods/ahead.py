@@ -1,0 +1,172 @@
+"""Forecasts of a run never fitted, from cycle to cycle: the population is known, the past alone says where it stands.
+
+Windows of the run are fitted with what differs between them as the runs of the fit have it. A phase that is another in
+every run is fitted to the windows before a forecast begins, to first order about the whole run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.fit import fitted
+from stickslip.likelihoods.fit_state import Fit, begin
+from stickslip.likelihoods.members import Events, Flown, Members
+from stickslip.likelihoods.memory import KINETIC, memory
+from stickslip.likelihoods.mixed import solve
+from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.shared import Declared
+from stickslip.likelihoods.single_windows import settled
+from stickslip.likelihoods.stretches import Stretch, stretches
+
+Floats = NDArray[np.float64]
+DRAWN = 60  # members of an ensemble: its mean is known to an eighth of its spread
+KEPT = 4  # members whose states are kept: the one without friction of its own, then those that stand for the truth
+EXACT = 1e-6  # standard deviation of what is known
+PHASES = 12  # of a turn, tried for a phase that is another in every run
+ALONE = 15  # steps of each window alone
+FIRST = 3.0  # cycles of the past, at least one
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """
+    One forecast.
+
+    Parameters
+    ----------
+    start, stop : samples that it is for
+    values : numbers of the run, by name
+    flown : its members over these samples, the first `KEPT` with states: that whose events to come have no friction of
+        their own, then others
+    """
+
+    start: int
+    stop: int
+    values: dict[str, float]
+    flown: Flown
+
+    @property
+    def mean(self) -> Floats:
+        """Expected readings, (n, channels)."""
+        return np.asarray(self.flown.readings[1:].mean(axis=0))
+
+    @property
+    def spread(self) -> Floats:
+        """Standard deviation of the readings to come, their noise apart, (n, channels)."""
+        return np.asarray(self.flown.readings[1:].std(axis=0, ddof=1))
+
+
+def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
+    """
+    Return forecasts of a run from every cycle on; none where it has no windows, or where nothing can be simulated.
+
+    Parameters
+    ----------
+    fit : of other runs
+    run : never fitted
+    cycles : that a forecast lasts
+    seed : of the draws
+    """
+    cut = stretches([run], fit.windows.policy)
+    known = _known(fit, run, cut)
+    if known is None:
+        return []
+    rng = np.random.default_rng(seed)
+    rest = float(np.median([one.rest for one in cut]))
+    found, _ = memory(fit, KINETIC)
+    out = []
+    for start, stop in _spans(run, cycles):
+        tail, before = _tail(cut, start, fit.windows.policy.fewest_stuck)
+        at, last = _of_past(known, before)
+        windows = known.windows
+        assert isinstance(windows, BeltWindows)
+        root = factor(fit.population, windows.places)[0]
+        events = Events(
+            root,
+            np.full(DRAWN + 1, found),
+            np.zeros((DRAWN + 1, windows.effects)),
+            np.ones(DRAWN + 1),
+            1,
+        )
+        members = Members(windows, at, run, events, rest, rng)
+        own = members.begun(tail, fit.population, fit.noise, found * last)
+        if own is None:
+            continue
+        flown = members.run(own, tail, stop, KEPT)
+        part = slice(start - tail.start, stop - tail.start)
+        good = np.array([bool(np.isfinite(one[part]).all()) for one in flown.readings])
+        if good[:KEPT].all() and good.sum() > DRAWN // 2:
+            kept = Flown(flown.readings[good][:, part], flown.state[:, part], flown.mode[:, part])
+            out.append(Ahead(start, stop, windows.values(at, 0), kept))
+    return out
+
+
+def _spans(run: Data, cycles: float) -> Iterator[tuple[int, int]]:
+    """Samples start to stop of the forecasts, one a cycle."""
+    first = max(1.0, min(FIRST, float(run.t[-1] - run.t[0]) / run.cycle - cycles - 1.0))
+    at = float(run.t[0]) + first * run.cycle
+    while at + cycles * run.cycle <= run.t[-1] + 1e-9:
+        start, stop = np.searchsorted(run.t, [at, at + cycles * run.cycle])
+        if stop > start:
+            yield int(start), int(stop)
+        at += run.cycle
+
+
+def _tail(cut: Sequence[Stretch], start: int, least: int) -> tuple[Stretch, int]:
+    """The window that a forecast begins in, up to its first sample, and how many windows lie before it."""
+    every = list(cut)
+    for one, other in zip(cut, [*cut[1:], None], strict=True):
+        if other is None or other.start > one.stop:
+            every.append(replace(one, start=one.stop, stop=one.stop))
+    every.sort(key=lambda one: one.start)
+    begun = [one for one in every if one.start + least <= start] or every[:1]
+    return replace(begun[-1], stop=start), sum(one.stop <= begun[-1].start for one in cut)
+
+
+def _known(fit: Fit, run: Data, cut: Sequence[Stretch]) -> Fit | None:
+    """The windows of a run fitted with all known that is not its own; None where they cannot be."""
+    windows = fit.windows
+    assert isinstance(windows, BeltWindows)
+    if not cut:
+        return None
+    shared = {n.name: float(x) for n, x in zip(windows.numbers, fit.at, strict=True)}
+    numbers = []
+    for n in windows.numbers:
+        if n.run in (None, 0):
+            held = replace(n, start=shared[n.name], centre=shared[n.name], sd=EXACT)
+            numbers.append(held if n.run is None else replace(n, centre=0.0, sd=math.inf))
+    own = BeltWindows(windows.model, [run], cut, numbers, Declared(), windows.sensors, windows.policy)
+    turns = [i for i, n in enumerate(numbers) if n.run is not None]
+    best, least = None, np.inf
+    for phase in np.arange(PHASES) * 2 * math.pi / PHASES if turns else [0.0]:
+        first = begin(own)
+        first = replace(first, population=fit.population, noise=fit.noise)
+        first.at[turns] = phase
+        numbers_of_own, _, cost = settled(first, ALONE)
+        if cost.sum() < least:
+            best, least = replace(first, own=numbers_of_own), float(cost.sum())
+    if best is None or not turns:
+        return best
+    try:
+        return fitted(best, windows.policy, held=windows.policy.most_steps)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        return None
+
+
+def _of_past(known: Fit, before: int) -> tuple[Floats, Floats]:
+    """Shared numbers as the windows before a forecast have them, and the random effects of the last of those."""
+    last = known.random[before - 1] if before else np.zeros(known.windows.effects)
+    if known.linear is None or before == 0:
+        return known.at, last
+    weight = np.where(np.arange(len(known.own)) < before, known.linear.weight, 0.0)
+    roots = factor(known.population, known.windows.places)
+    prior = known.windows.prior.at(known.at)
+    found = solve(replace(known.linear, weight=weight), roots, known.noise, *prior, known.random)
+    return known.at + found.shared, found.effects[before - 1]

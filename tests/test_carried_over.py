@@ -1,0 +1,99 @@
+"""The error on runs never fitted, where friction scatters: forecasts as the model and its scatter let expect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from scattering import DT, RIG, record
+from stickslip.discovery.laboratory.carried import error_block
+from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.workers import Workers
+from stickslip.fitted.data import Data, prepare
+from stickslip.likelihoods.ahead import ahead
+from stickslip.likelihoods.fit_state import Fit, begin
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.rig_windows import RigSensors
+from stickslip.likelihoods.shared import Declared
+from stickslip.likelihoods.stretches import stretches
+
+NOISE, SCATTER = 1e-3, 0.02
+DAMPED = ss.effect("block_viscous_damping", c=1.0)
+FORCED = ss.effect("harmonic_forcing", a=0.12, w=1.3, phi=0.7)
+PLAIN = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction())
+
+
+def recorded(*effects: ss.Effect, speeds: tuple[float, ...], seed: int) -> list[ss.Recording]:
+    rng, out = np.random.default_rng(seed), []
+    for speed in speeds:
+        t, readings = record(PLAIN.with_effects(effects), speed, 16, SCATTER, rng)
+        x1, y1 = (readings + NOISE * rng.standard_normal(readings.shape)).T
+        columns = {"t": t, "x1": x1, "y1": y1}
+        out.append(ss.load_recording(columns, PLAIN.rig, belt_speed=speed, noise={"x1": NOISE, "y1": NOISE}))
+    return out
+
+
+def known(data: list[Data], *effects: ss.Effect) -> tuple[Fit, ss.Model]:
+    """A fit of other runs that found all numbers as they are."""
+    terms = [Term(one, tuple(0.0 for _ in data) if "phi" in one.parameters else ()) for one in effects]
+    bench = Bench(PLAIN, data, stretches(data), Declared(), RigSensors(), POLICY)
+    scatter = Population(level=SCATTER, curve=1e-4, length=0.4, static=1e-4, belt=1e-4)
+    return replace(begin(bench.windows(terms)), population=scatter), PLAIN.with_effects(effects)
+
+
+def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
+    runs = recorded(DAMPED, speeds=(0.1, -0.12, 0.15), seed=1)
+    data = prepare(runs)
+    (lacking, before), (right, after) = known(data), known(data, DAMPED)
+    block, views = error_block((lacking, right), (before, after), data, runs, Workers(1), 0)
+    assert block.after == pytest.approx(block.floor, rel=0.25)
+    assert block.before > 1.3 * block.after
+    assert block.floor > 5 * NOISE / np.std(data[0].readings[:, 0])
+    for row in block.runs:
+        assert row.two_cycles["after"] > 0.8 * row.one_cycle["after"]
+        assert row.rmse["x1"]["floor"] > NOISE
+        assert row.transition_time["after"] < 0.1
+    made = views[runs[0].name][1]
+    assert len(made.samples) == len(made.prediction.readings) > 0.5 * len(data[0].t)
+
+
+def test_it_forecasts_from_the_past_alone() -> None:
+    (data,) = prepare(recorded(DAMPED, speeds=(0.1,), seed=2))
+    fit, _ = known([data], DAMPED)
+    first = ahead(fit, data, 1.0)
+    assert len(first) > 8
+    middle = first[4]
+    # what is read later says nothing: but for the places of the friction curve's knots
+    readings = data.readings.copy()
+    readings[middle.start :] += (
+        0.3 * NOISE * np.random.default_rng(0).standard_normal(readings[middle.start :].shape)
+    )
+    again = ahead(fit, replace(data, readings=readings), 1.0)[4]
+    np.testing.assert_allclose(again.mean, middle.mean, atol=0.1 * NOISE)
+    readings[: middle.start] += 20 * NOISE
+    moved = ahead(fit, replace(data, readings=readings), 1.0)[4]
+    assert np.abs(moved.mean - middle.mean).max() > 5 * NOISE
+
+
+def test_a_phase_is_known_from_the_windows_before() -> None:
+    model = PLAIN.with_effects([FORCED])
+    t = np.arange(0.0, 160.0, DT)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0.0, 0.0), t_end=160.0, t_eval=t)
+    noisy = run.state[:, [0, 2]] + NOISE * np.random.default_rng(5).standard_normal((len(t), 2))
+    columns = {"t": t, "x1": noisy[:, 0], "y1": noisy[:, 1]}
+    one = ss.load_recording(columns, PLAIN.rig, belt_speed=0.1, noise={"x1": NOISE, "y1": NOISE})
+    data = prepare([one])
+    (plain, before), (fit, after) = known(data), known(data, FORCED)
+    repeat = Population(level=1e-4, curve=1e-4, length=0.4, static=1e-4, belt=1e-4)
+    fits = tuple(replace(each, population=repeat) for each in (plain, fit))
+    block, _ = error_block(fits, (before, after), data, [one], Workers(1), 0)
+    noise = np.sqrt(np.mean((NOISE / data[0].readings[:, :2].std(axis=0)) ** 2))
+    assert block.after < 2 * noise
+    assert block.before > 8 * noise
+    first = ahead(fits[1], data[0], 1.0)
+    turns = [one.values["harmonic_forcing.phi"] for one in first]
+    off = np.mod(np.array(turns) - 0.7 + np.pi, 2 * np.pi) - np.pi
+    assert np.abs(off).max() < 0.1
+    assert len(set(turns)) == len(turns)  # each from its own past
