@@ -8,12 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from known_numbers import SI
+from stickslip.declared.check_model import idle
 from stickslip.declared.effect import CATALOGUE, AnyEffect, effect, tabulated
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.model import Model, idle, load_model
+from stickslip.declared.model import Model, load_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError

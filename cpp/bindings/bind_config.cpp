@@ -36,7 +36,21 @@ py::dict build_config() {
 
 void bind_config(py::module_& m) {
   m.def("build_config", &build_config,
-        "How this build was made and which instruction set its kernel uses on this processor.");
+        R"(How this build was made and which instruction set its kernel uses on this processor.
+
+Returns
+-------
+dict
+    version, compiler, build_type, flags, sanitize, eigen and pybind11 are text; isa is the instruction set in use,
+    isa_compiled those that it was chosen from, simd_width how many members of a sweep go side by side.
+
+Examples
+--------
+>>> import stickslip as ss
+>>> config = ss.build_config()
+>>> config["isa"] in config["isa_compiled"]
+True
+)");
 }
 
 }  // namespace stickslip::bindings

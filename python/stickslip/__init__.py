@@ -19,8 +19,9 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.declared.friction.paper import PaperFriction
     from stickslip.declared.model import Model, load_model
     from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
-    from stickslip.declared.rigs.bodies import BodiesRig, Body, Contact, Link
+    from stickslip.declared.rigs.bodies import BodiesRig
     from stickslip.declared.rigs.matrices import MatricesRig
+    from stickslip.declared.rigs.parts import Body, Contact, Link
     from stickslip.declared.speeds import Speed
     from stickslip.declared.units import Channel
     from stickslip.discovery.discover import Found, discover
@@ -38,8 +39,9 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.simulated import reference
     from stickslip.simulated.orbits.branch import Branch, SpecialPoint
     from stickslip.simulated.orbits.continuation import continuation
+    from stickslip.simulated.orbits.cycle import LimitCycle
     from stickslip.simulated.orbits.cycle_sensitivity import CycleSensitivity, cycle_sensitivity
-    from stickslip.simulated.orbits.limit_cycle import LimitCycle, limit_cycle
+    from stickslip.simulated.orbits.limit_cycle import limit_cycle
     from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum, lyapunov
     from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, steady_sliding
     from stickslip.simulated.simulate import simulate
@@ -53,13 +55,13 @@ check_instruction_set()  # before anything is computed with another one than was
 _HOME = {  # where each public name lives; imported when it is first used, for a quick start
     "BlockOnBelt": "stickslip.declared.rig",
     "BodiesRig": "stickslip.declared.rigs.bodies",
-    "Body": "stickslip.declared.rigs.bodies",
+    "Body": "stickslip.declared.rigs.parts",
     "Branch": "stickslip.simulated.orbits.branch",
     "CATALOGUE": "stickslip.declared.effect",
     "Case": "stickslip.measured.case",
     "Channel": "stickslip.declared.units",
     "Comparison": "stickslip.fitted.compare",
-    "Contact": "stickslip.declared.rigs.bodies",
+    "Contact": "stickslip.declared.rigs.parts",
     "CoulombFriction": "stickslip.declared.friction.coulomb",
     "CycleSensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
     "DahlFriction": "stickslip.declared.formula_laws.dahl",
@@ -72,8 +74,8 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "IdentifiedRig": "stickslip.likelihoods.identified_rig",
     "InputError": "stickslip.errors",
     "LawState": "stickslip.declared.formula_laws.formula",
-    "LimitCycle": "stickslip.simulated.orbits.limit_cycle",
-    "Link": "stickslip.declared.rigs.bodies",
+    "LimitCycle": "stickslip.simulated.orbits.cycle",
+    "Link": "stickslip.declared.rigs.parts",
     "LuGreFriction": "stickslip.declared.formula_laws.lugre",
     "LyapunovSpectrum": "stickslip.simulated.orbits.lyapunov",
     "MatricesRig": "stickslip.declared.rigs.matrices",

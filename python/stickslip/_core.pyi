@@ -116,6 +116,19 @@ def bodies_layout(
 def build_config() -> dict[str, object]:
     """
     How this build was made and which instruction set its kernel uses on this processor.
+
+    Returns
+    -------
+    dict
+        version, compiler, build_type, flags, sanitize, eigen and pybind11 are text; isa is the instruction set in use,
+        isa_compiled those that it was chosen from, simd_width how many members of a sweep go side by side.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> config = ss.build_config()
+    >>> config["isa"] in config["isa_compiled"]
+    True
     """
 
 def first_order(

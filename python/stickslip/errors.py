@@ -43,7 +43,17 @@ class Place:
 
 
 class StickslipError(ValueError):
-    """Base of every error this package raises on purpose."""
+    """Base of every error this package raises on purpose.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.load_model("nowhere.toml")
+    ... except ss.StickslipError as error:
+    ...     print(error)
+    nowhere.toml: no such file
+    """
 
 
 class InputError(StickslipError):
@@ -59,6 +69,15 @@ class InputError(StickslipError):
         What was given for `key`; None leaves it out of the sentence.
     place
         File, line, table and column.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.effect("sensor_lagg", tau=0.1)
+    ... except ss.InputError as error:
+    ...     print(error)
+    unknown effect 'sensor_lagg'; did you mean 'sensor_lag'?
     """
 
     def __init__(
@@ -92,7 +111,19 @@ class InputError(StickslipError):
 
 
 class ModelWarning(UserWarning):
-    """What is computed is what was declared, but it can hardly be meant."""
+    """What is computed is what was declared, but it can hardly be meant.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import stickslip as ss
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     link = ss.Link(between=("a", "ground"), stiffness=-1)
+    ...     rig = ss.BodiesRig(body={"a": ss.Body(mass=1)}, link=[link])
+    >>> caught[0].category is ss.ModelWarning
+    True
+    """
 
 
 class CallError(InputError, TypeError):

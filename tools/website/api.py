@@ -72,7 +72,16 @@ GROUPS: Mapping[str, tuple[str, tuple[str, ...]]] = {  # page: title, names of `
     "errors": ("Errors and the build", ("StickslipError", "InputError", "ModelWarning", "build_config")),
 }
 CONSTANTS = {
-    "CATALOGUE": "Every effect of a rig on a belt by its name: see the pages of [effects](../effects_of/index.md).",
+    "CATALOGUE": """\
+Every effect of a rig on a belt by its name: see the pages of [effects](../effects_of/index.md).
+
+```pycon
+>>> import stickslip as ss
+>>> lag = ss.CATALOGUE["sensor_lag"]
+>>> lag.where, [one.name for one in lag.parameters]
+('x1 channel', ['tau'])
+
+```""",
 }
 MODULES = {
     "reference": "The model again in plain Python, slow and obviously right.",

@@ -1,4 +1,7 @@
-"""Sphinx reads docstrings as they are meant: bars, stars and underscores of formulas are no markup."""
+"""Sphinx reads docstrings as they are meant: bars, stars and underscores of formulas are no markup.
+
+Examples are left as they are: a program is a program.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,15 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 BEFORE_NAPOLEON = 400
+EXAMPLE = re.compile(r"(^[ ]*>>>.*?(?:\n[ ]*\n|\Z))", re.DOTALL | re.MULTILINE)  # up to an empty line
 
 
 def plain(text: str) -> str:
-    """Return a docstring whose only markup is what stands between backticks."""
+    """Return a docstring whose only markup is what stands between backticks, examples apart."""
+    return "".join(one if one.lstrip().startswith(">>>") else _prose(one) for one in EXAMPLE.split(text))
+
+
+def _prose(text: str) -> str:
     kept = re.split(r"(`[^`]+`)", re.sub(r"(`[^`\n]+`)(?=s\b)", r"\1\\ ", text))  # several of a `Link`
     return "".join(one if one.startswith("`") else _escaped(one) for one in kept)
 

@@ -47,7 +47,24 @@ TabulatedVariable = Literal["x1", "x2", "y1", "y2", "v_w", "t"]
 
 @dataclass(frozen=True)
 class Effect(Displayed):
-    """One effect of the catalogue with its numbers; made by `effect`."""
+    """One effect of the catalogue with its numbers; made by `effect`.
+
+    Attributes
+    ----------
+    name
+        Its name in `CATALOGUE`, as "sensor_lag".
+    where
+        What it acts on: a place of the catalogue, as "x1 channel", or one of a rig of bodies or matrices.
+    parameters
+        Its numbers by name, nondimensional for the rig of (2.1), otherwise in the rig's units.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> lag = ss.effect("sensor_lag", tau=0.12)
+    >>> lag.where, lag.parameters
+    ('x1 channel', {'tau': 0.12})
+    """
 
     name: str
     where: str
@@ -110,6 +127,17 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
     ------
     InputError
         Unknown effect or parameter (with the nearest known one), a missing parameter, or one out of bounds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> aged = model.with_effects([ss.effect("static_aging", dT=1.0, tau=2.0)])
+    >>> for one in (model, aged):
+    ...     print(f"period {ss.limit_cycle(one, belt_speed=0.1).period:.3f}")
+    period 10.475
+    period 11.145
     """
     if name == "formula":
         return formula_effect(**parameters)
@@ -143,6 +171,22 @@ class Tabulated(Drawn):
     limits included, is multiplied by 1 + g; on `x1 channel` and `y1 channel` g is added to the reading, and the
     motion does not feel it. Between knots g is the natural cubic spline; beyond the outer knots it keeps their values.
     With a `period` it is the periodic spline, read at t + phi period/(2 pi).
+
+    Attributes
+    ----------
+    where, variable
+        Where it acts, and what it is a curve of.
+    knots, values : (n,)
+        The curve, in the model's own units.
+    period, phi
+        Of a curve of t that repeats: its period, in the model's unit of time, and its phase [rad].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> curve = ss.tabulated("block", "x1", knots=[-1, 0, 1], values=[0.0, 0.1, 0.0])
+    >>> print(f"{curve.curve(0.5):.4f}")
+    0.0688
     """
 
     where: str
@@ -240,10 +284,25 @@ def tabulated(
         Of a curve that repeats: its phase at the start of the run, in radians; the curve is read at
         t + phi period/(2 pi).
 
+    Returns
+    -------
+    Tabulated
+        For the `effects` of a `Model`.
+
     Raises
     ------
     InputError
         Unknown place or variable, knots that do not increase, lengths that differ, a number not finite.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> bump = ss.tabulated("contact", "x1", knots=[-1, 0, 1], values=[0.0, 0.1, 0.0])  # 10 % at x1 = 0
+    >>> run = ss.simulate(model.with_effects([bump]), belt_speed=0.1, t_end=40)
+    >>> len(run.transitions)
+    8
     """
     place = _member("where", where, get_args(TabulatedPlace))
     variable = _member("depends_on", depends_on, get_args(TabulatedVariable))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Self
@@ -12,7 +12,8 @@ from typing import Self
 from stickslip.arguments import explained, listed, must_be
 from stickslip.arguments import path as as_path
 from stickslip.declared.bodies_model import check_general, named_laws
-from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
+from stickslip.declared.catalogue import CONSTANTS
+from stickslip.declared.check_model import check_belt, check_driven, idle, needs_angle_body
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.declaration import (
     effect_table,
@@ -24,7 +25,6 @@ from stickslip.declared.declaration import (
     rig_table,
 )
 from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulated, with_numbers
-from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
@@ -78,6 +78,15 @@ class Model(Drawn):
     InputError
         Something is of the wrong kind, or an effect is there twice, needs what the rig lacks, or could do nothing under
         the law or beside another effect.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> worn = model.replace(T_s_minus=5.0).with_effects([ss.effect("belt_speed_ripple", a=0.1, w=6.3)])
+    >>> worn.parameters["T_s_minus"], worn.parameters["belt_speed_ripple.a"]
+    (5.0, 0.1)
     """
 
     rig: AnyRig
@@ -107,13 +116,13 @@ class Model(Drawn):
         if isinstance(self.rig, GeneralRig):
             return
         if not isinstance(self.rig, DrivenSlider):
-            _check_belt(self.effects)
+            check_belt(self.effects)
         if isinstance(self.rig, BlockOnBelt):
             for one in self.effects:
-                if _needs_angle_body(one):
+                if needs_angle_body(one):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
         elif isinstance(self.rig, DrivenSlider):
-            _check_driven(self.friction, self.effects)
+            check_driven(self.friction, self.effects)
         elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
             raise InputError(
                 f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
@@ -286,10 +295,23 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         A file as `Model.save` writes it, or the folder in which `identify` or `discover` put one.
         [rig] may also be in SI; Table 1 where there is no [friction].
 
+    Returns
+    -------
+    Model
+
     Raises
     ------
     InputError
         No such file, not TOML, or a key that is misspelt, missing or out of bounds, with its line.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> model.save("model.toml")
+    >>> ss.load_model("model.toml") == model
+    True
     """
     document = read_toml(model_file(as_path("path", path)))
     tables = document.tables
@@ -344,57 +366,3 @@ def _table(value: object) -> Mapping[str, object]:
 
 def _list(value: object) -> list[Mapping[str, object]]:
     return [_table(one) for one in value] if isinstance(value, list) else []
-
-
-def idle(law: FrictionLaw, effects: Collection[str]) -> str | None:
-    """Say which of some named effects could not act under a law and beside the others; None if each can."""
-    for name, kind in KINDS.items():
-        why = kind.behaves.idle if name in effects else None
-        if why and (words := why(law, effects)):
-            return words
-    return None
-
-
-def _check_driven(law: FrictionLaw, effects: Iterable[AnyEffect]) -> None:
-    """Refuse a law and effects that a driven slider has no place for."""
-    if not isinstance(law, CoulombFriction):
-        raise InputError("the law of a driven slider is coulomb; declare kind = 'coulomb'", key="friction")
-    for one in effects:
-        if isinstance(one, Effect) and one.name not in DRIVEN:
-            raise InputError(
-                f"effect '{one.name}' is not one of a DrivenSlider; {did_you_mean(one.name, DRIVEN)}"
-            )
-        if isinstance(one, FormulaEffect):
-            words = f"effect '{one.name}' is a formula, for rigs on a belt and rigs of bodies or matrices"
-            raise InputError(words, key="effects")
-        if isinstance(one, Effect):
-            continue
-        if _needs_angle_body(one):
-            raise InputError(f"effect '{one.name}' needs the angle body, which a DrivenSlider has not")
-        if one.of_reading:
-            words = f"effect '{one.name}': the position of a DrivenSlider is read as it is; "
-            raise InputError(words + "a curve acts on its block or its contact")
-
-
-def _check_belt(effects: Iterable[AnyEffect]) -> None:
-    """Refuse effects that only a driven slider has a place for."""
-    for one in effects:
-        if isinstance(one, Effect) and one.name not in CATALOGUE and one.name not in CONSTANTS:
-            raise InputError(
-                f"effect '{one.name}' is for a DrivenSlider; {did_you_mean(one.name, CATALOGUE)}"
-            )
-    curves = [one.name for one in effects if isinstance(one, Tabulated) and not one.of_reading]
-    if len(curves) > 1:
-        raise InputError(
-            f"effects '{curves[0]}' and '{curves[1]}': a motion can have one tabulated term; name what the other "
-            "stands for, or put both into one curve",
-            key="effects",
-        )
-
-
-def _needs_angle_body(one: AnyEffect) -> bool:
-    if isinstance(one, FormulaEffect):
-        return False
-    if isinstance(one, Effect):
-        return one.kind.two_degree
-    return one.where in ("angle_body", "y1 channel") or one.variable in ("y1", "y2")

@@ -42,6 +42,15 @@ class Scales(Displayed):
         Stiffness [N/m].
     r
         Leg of the angle body [m]: y1 is the displacement r * angle of its end.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig.from_si(
+    ...     m=42.3, J=0.277, r=0.1256, k1=6243, k2=362.1, k3=1234, c1=2.48, c2=2.94, length=8.9e-3
+    ... )
+    >>> print(f"1 of time is {rig.scales.time:.4f} s, 1 of force {rig.scales.force:.4f} N")
+    1 of time is 0.0800 s, 1 of force 3.2227 N
     """
 
     length: float
@@ -97,6 +106,16 @@ class Rig(Displayed):
     ------
     InputError
         A number is not finite or out of its bounds, or the coupling is unknown.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> measured = ss.Rig.from_si(
+    ...     m=42.3, J=0.277, r=0.1256, k1=6243, k2=362.1, k3=1234, c1=2.48, c2=2.94, length=8.9e-3
+    ... )
+    >>> print(f"{measured.alpha1:.3f}, {measured.alpha2:.3f}")
+    18.241, 7.572
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2", "y1", "y2")
@@ -235,6 +254,19 @@ class BlockOnBelt(Displayed):
     ------
     InputError
         A number is not finite or out of its bounds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass="500 g", stiffness="500 N/m")
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
+    >>> run = ss.simulate(model, belt_speed=0.01, t_end=1)  # m/s, s
+    >>> print(run.transitions)
+        0.004179  slip - -> stick
+        0.402086  stick  -> slip -
+        0.513773  slip - -> stick
+        0.833773  stick  -> slip -
+        0.945460  slip - -> stick
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
@@ -279,6 +311,14 @@ class DrivenSlider(Displayed):
     ------
     InputError
         A number is not finite or out of its bounds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.DrivenSlider(mass=95.1, damping="200 N s/m")
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=20, kinetic=20))  # N
+    >>> rig.state_names
+    ('x1', 'x2')
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")

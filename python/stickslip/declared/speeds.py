@@ -34,6 +34,13 @@ class Speed(Drawn):
         Formulas of t, trees (k,).
     text
         As a person would write it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> speed = ss.Speed.of("0.1*sin(2*t)")
+    >>> print(f"{speed(0.5):.4f}")
+    0.0841
     """
 
     begins: tuple[float, ...]

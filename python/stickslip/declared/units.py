@@ -43,6 +43,13 @@ class Channel(Displayed):
     ------
     InputError
         The scale is zero or not finite.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> force = ss.Channel("F", "N", scale=0.301)  # the column F holds 0.301 N for 1
+    >>> force.unit
+    'N'
     """
 
     column: str

@@ -104,6 +104,23 @@ def discover(
         The case is not one that a verdict can be reached on, with the reason.
     StickslipError
         The declared model cannot be simulated.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> true = ss.Model(ss.BlockOnBelt(mass=1.0), friction=ss.CoulombFriction(static=0.4, kinetic=0.25))
+    >>> t = np.arange(0, 100, 0.1)
+    >>> x1 = ss.simulate(true, belt_speed=0.1, initial=(0, 0.1), t_end=100, t_eval=t).x1
+    >>> x1 = x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> declared = ss.BlockOnBelt(mass=0.8)
+    >>> found = ss.discover(
+    ...     {"t": t, "x1": x1}, rig=declared, friction=true.friction, belt_speed=0.1, noise={"x1": 1e-3}
+    ... )
+    >>> print(found.verdict.value)
+    effect_found
+    >>> print(f"error of forecasts: {found.error.before:.2f} before, {found.error.after:.2f} after")
+    error of forecasts: 0.11 before, 0.01 after
     """
     if isinstance(case, Case):
         given = {

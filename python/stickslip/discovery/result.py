@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from pathlib import Path
 from typing import Literal
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.discovery.plain import Json, plain
 from stickslip.errors import InputError
 from stickslip.measured.case import Case
 from stickslip.measured.thinning import Thinned
@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 SEEN = 4  # samples in stick, at least, of a block that sticks
 LEFT = 12.0  # way against the belt, over the noise, below which a block never slips
 SELDOM = 0.1  # and its share of slip
-Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 
 
 class Verdict(Enum):
@@ -282,7 +281,7 @@ class Found(Drawn):
     effects : in order of weight; empty for `no_effect`.
     before, after : complete models: the declared law identified alone, and with what was found (both `Model`;
         they carry channels and noise). `model` is `after`.
-    law : parameter name -> Interval of the friction law in `after`; `law_before` the same for `before`.
+    law, law_before : parameter name -> Interval of the friction law in `after`, and in `before`.
     residual_before, residual_after : on the training runs.
     error : on the validate runs.
     ranking : all rivals fitted, best first.
@@ -299,6 +298,20 @@ class Found(Drawn):
         "belt"; empty where every event is like every other.
     thinned : what was done to runs too long to be fitted reading by reading.
     case : what was searched; `write_report` needs it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> true = ss.Model(ss.BlockOnBelt(mass=1.0), friction=ss.CoulombFriction(static=0.4, kinetic=0.25))
+    >>> t = np.arange(0, 100, 0.1)
+    >>> x1 = ss.simulate(true, belt_speed=0.1, initial=(0, 0.1), t_end=100, t_eval=t).x1
+    >>> x1 = x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> found = ss.discover({"t": t, "x1": x1}, rig=true.rig, friction=true.friction, belt_speed=0.1)
+    >>> found.verdict.value
+    'no_effect'
+    >>> print(f"kinetic friction {found.law['kinetic'].value:.3f}")
+    kinetic friction 0.250
     """
 
     title: str
@@ -378,22 +391,3 @@ class Found(Drawn):
         skipped = {"before", "after", "runs", "spectrum", "constants", "case"}
         items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
         return {name: plain(value) for name, value in items.items()}
-
-
-def plain(value: object) -> Json:
-    """Dataclasses, arrays, enums and mappings as what JSON can hold; a number that is not finite as None."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
-    if isinstance(value, Enum):
-        return str(value.value)
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [plain(one) for one in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if math.isfinite(value) else None
-    return None if value is None else str(value)

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.check_model import idle
 from stickslip.declared.effect import CATALOGUE, Effect
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.model import idle
 from stickslip.discovery.periodic import periodic_starts
 from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
 from stickslip.discovery.rivals import PERIODIC, Start, hypothesis, shapes

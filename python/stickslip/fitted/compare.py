@@ -50,6 +50,22 @@ class Comparison(Drawn):
     recording : Recording
     belt_speed : float
         v_b used, in the rig's units.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, t_end=6, t_eval=t)
+    >>> x = 1e3 * run.x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)  # mm
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> recording = ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.01)
+    >>> compared = ss.compare(ss.Model(rig, friction=law), recording)
+    >>> row = compared.rows[0]
+    >>> print(f"{row.quantity}: {row.measured:.3f} measured, {row.simulated:.3f} simulated")
+    period: 0.432 measured, 0.432 simulated
     """
 
     rows: tuple[Row, ...]

@@ -194,6 +194,23 @@ class Identified(SavedResult):
         What was done to runs too long to be fitted reading by reading.
     channels, reading_noise : mapping or None
         Columns and units of the readings, and the noise declared in these units, where a case says so.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, t_end=6, t_eval=t)
+    >>> x = 1e3 * run.x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)  # mm
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> recording = ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.01)
+    >>> found = ss.identify(recording, rig=rig, friction=law)
+    >>> one = found.estimates["static"]
+    >>> print(f"{one.low:.2f} N to {one.high:.2f} N")
+    2.00 N to 2.00 N
+    >>> found.model.save("identified.toml")
     """
 
     rig: AnyRig

@@ -40,6 +40,22 @@ class RigComparison(Drawn):
     t : (n,) times from the first window on, in s
     channels : names of the readings
     readings, simulated : (n, channels) measured, and a free run of the model with friction of the mean event
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> pin = ss.MatricesRig(M=[[0.5]], C=[[0.4]], K=[[800]], contact=[1], names=["x"])  # kg, N s/m, N/m
+    >>> law = ss.CoulombFriction(static=4.0, kinetic=2.0)  # N
+    >>> t = np.arange(0, 2, 0.002)
+    >>> run = ss.simulate(ss.Model(pin, friction=law), belt_speed=0.05, initial=(0, 0.05), t_end=2, t_eval=t)
+    >>> x = run.x + 1e-5 * np.random.default_rng(0).standard_normal(t.size)  # m
+    >>> recording = ss.load_recording({"t": t, "x": x}, pin, belt_speed=0.05, noise={"x": 1e-5})
+    >>> found = ss.identify(recording, friction=law)
+    >>> compared = ss.compare(found.model, recording)
+    >>> row = compared.rows[0]
+    >>> print(f"{row.quantity}: {row.measured:.2f} measured, {row.simulated:.2f} simulated")
+    stick fraction of contact_1: 0.50 measured, 0.50 simulated
     """
 
     rows: tuple[Row, ...]

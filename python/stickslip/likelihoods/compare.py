@@ -50,6 +50,23 @@ def compare(
     ------
     InputError
         If the model does not belong to the recording's rig, or cannot be simulated from the estimated start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, t_end=6, t_eval=t)
+    >>> x = 1e3 * run.x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)  # mm
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> recording = ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.01)
+    >>> compared = ss.compare(ss.Model(rig, friction=law), recording)
+    >>> print(f"forecast NRMSE {compared.rows[-1].simulated:.3f}")
+    forecast NRMSE 0.001
+    >>> len(compared.rows)
+    10
     """
     must_be("model", model, Model, "load_model(file) or identify(case).model give one")
     if not isinstance(model.rig, GeneralRig):

@@ -56,13 +56,13 @@ def forecast(
         Complete model, as `discover` or `identify` give it.
     recording
         The past, at least one cycle of it.
+    horizon
+        How far to predict, in the model's unit of time.
     belt_speed
         v_b in model units, that of the recording and of what follows it. For a rig of bodies or matrices it may be
         left out, as the recording has it, and may be a formula of t.
     drive_speed
         The same of the drive of such a rig.
-    horizon
-        How far to predict, in the model's unit of time.
 
     Returns
     -------
@@ -87,6 +87,21 @@ def forecast(
     ModelWarning
         The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
         belt, the sticks of the past ride at another speed than `belt_speed`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, t_end=6, t_eval=t)
+    >>> x = 1e3 * run.x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)  # mm
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> recording = ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.01)
+    >>> ahead = ss.forecast(ss.Model(rig, friction=law), recording, belt_speed=0.01, horizon=0.5)  # m/s, s
+    >>> [*ahead.columns]
+    ['t', 'x1', 'x1_low', 'x1_high']
     """
     import pandas as pd  # slow to import
 

@@ -75,6 +75,20 @@ class IdentifiedRig(SavedResult):
         The fastest slip that the runs show, by contact: beyond, the law is not known.
     messages : tuple of str
         Sentences a person should read.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> pin = ss.MatricesRig(M=[[0.5]], C=[[0.4]], K=[[800]], contact=[1], names=["x"])  # kg, N s/m, N/m
+    >>> law = ss.CoulombFriction(static=4.0, kinetic=2.0)  # N
+    >>> t = np.arange(0, 2, 0.002)
+    >>> run = ss.simulate(ss.Model(pin, friction=law), belt_speed=0.05, initial=(0, 0.05), t_end=2, t_eval=t)
+    >>> x = run.x + 1e-5 * np.random.default_rng(0).standard_normal(t.size)  # m
+    >>> recording = ss.load_recording({"t": t, "x": x}, pin, belt_speed=0.05, noise={"x": 1e-5})
+    >>> found = ss.identify(recording, friction=law)
+    >>> print(f"{found.estimates['kinetic'].value:.2f} N from {found.windows} windows")
+    2.00 N from 9 windows
     """
 
     model: Model

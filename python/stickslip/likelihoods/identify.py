@@ -71,6 +71,23 @@ def identify(
     InputError
         If a channel is missing, a record too short, or no slip is found; if the channels of a case for the rig of
         (2.1) cannot be what it says, or no law of this kind moves its rig like the readings.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, t_end=6, t_eval=t)
+    >>> x = 1e3 * run.x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)  # mm
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> recording = ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.01)
+    >>> found = ss.identify(recording, rig=rig, friction=law)
+    >>> for name, one in found.estimates.items():
+    ...     print(f"{name}: {one.value:.3f} N, {one.status}")
+    static: 2.000 N, identified
+    kinetic: 1.200 N, identified
     """
     own = general_rig(source, rig)
     declared = (

@@ -90,6 +90,15 @@ class Case(Drawn):
         Numbers of `friction` that the file does not give: they are where a fit starts, and nobody's word.
     known
         How well the constants and the gains are known, as [uncertainty] says; None: nothing is said of it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.data import example
+    >>> case = ss.load_case(example("paper_slider"))
+    >>> run = case.train[0]
+    >>> print(f"{len(run)} samples at {1e3 * run.belt_speed:g} mm/s, {len(run.findings)} findings")
+    16821 samples at 1.1 mm/s, 2 findings
     """
 
     title: str
@@ -184,11 +193,26 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
         The folder that its recordings must lie in, or below; that of rig.toml if not given. A case that came from
         somebody else reads nothing besides.
 
+    Returns
+    -------
+    Case
+        Its runs in the model's numbers, with what is odd about them.
+
     Raises
     ------
     InputError
         A key is misspelt, missing or wrong (with its line), a file is missing or holds what is not a run
         (with line and column), a run is there twice, or a window of one overlaps another of another role.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.data import example
+    >>> case = ss.load_case(example("paper_slider"))  # a folder with rig.toml and its recordings
+    >>> case.rig
+    BlockOnBelt(mass=0.0307, stiffness=168.0, damping=0.0)
+    >>> [run.role for run in case.runs]
+    ['train', 'validate']
     """
     document = read_toml(_case_file(as_path("path", path)))
     if "run" not in document.tables and {"rig", "friction"} <= document.tables.keys():

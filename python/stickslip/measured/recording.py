@@ -20,7 +20,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import scales
 from stickslip.declared.speeds import Speed
 from stickslip.declared.units import Channel, default_speed_unit, factor, is_electric, speed
-from stickslip.errors import InputError, Place, did_you_mean
+from stickslip.errors import InputError, did_you_mean
 from stickslip.measured.channels import (
     bare_channels,
     by_heads,
@@ -28,6 +28,7 @@ from stickslip.measured.channels import (
     check_channels,
     noise_in_model,
 )
+from stickslip.measured.check_recording import check_belt, check_times, cut
 from stickslip.measured.findings import (
     Finding,
     FindingKind,
@@ -38,14 +39,12 @@ from stickslip.measured.findings import (
     time_findings,
 )
 from stickslip.measured.prescribed import prescribed
-from stickslip.measured.readers.tables import Columns, Held, open_table
+from stickslip.measured.readers.tables import Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
 from stickslip.objects import Sampled
 
 Floats = NDArray[np.float64]
 Role = Literal["train", "validate"]
-
-FEWEST = 8  # samples below which no derivative, let alone a law, can be had
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +90,17 @@ class Recording(Sampled):
         the first of them.
     speeds
         Of such a rig, what is prescribed: "belt_speed", "drive_speed". `belt_speed` is NaN where it is no number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> t = np.arange(0, 6, 0.002)
+    >>> channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "mm")}
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)
+    >>> run = ss.load_recording({"t": t, "x1": np.sin(t)}, rig, channels=channels, belt_speed="5 mm/s")
+    >>> print(f"{run.x1.max():.4f} m in the model, {run.raw['x1'].max():.1f} mm in the column")
+    0.0010 m in the model, 1.0 mm in the column
     """
 
     name: str
@@ -229,11 +239,28 @@ def load_recording(
     friction
         Declared law; readings of a size it cannot explain are then found.
 
+    Returns
+    -------
+    Recording
+        In the model's numbers, with what is odd about it in `findings`.
+
     Raises
     ------
     InputError
         The file, a column or a cell is wrong (with line and column); a unit is not one of its channel; times
         do not increase; fewer than 8 samples; a recorded belt that never moves though its set-point is not 0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> t = np.arange(0, 6, 0.002)
+    >>> x = np.abs((10 * t) % 1 - 0.5)  # mm
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)
+    >>> channels = {"t": ss.Channel("time", "s"), "x1": ss.Channel("deflection", "mm")}
+    >>> run = ss.load_recording({"time": t, "deflection": x}, rig, channels=channels, belt_speed="5 mm/s")
+    >>> print(f"{len(run)} samples, x1 up to {run.x1.max():.4f} m")
+    3000 samples, x1 up to 0.0005 m
     """
     must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
     table: Held | Path
@@ -249,13 +276,13 @@ def load_recording(
     columns = opened.read(list(units), units)
     factors = {one: channel_factor(one, channel, rig) for one, channel in declared.items()}
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
-    _check_times(columns, declared, raw)
-    raw = _cut(columns, declared, raw, window)
+    check_times(columns, declared, raw)
+    raw = cut(columns, declared, raw, window)
     speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
     belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
     position = _position(rig, declared)
     model = {one: column * factors[one] for one, column in raw.items()}
-    _check_belt(columns, declared, raw, belt)
+    check_belt(columns, declared, raw, belt)
     sizes = noise_in_model(noise or {}, declared, rig)
     recording = Recording(
         name=name or columns.path.stem,
@@ -299,57 +326,6 @@ def _position(rig: AnyRig, channels: Mapping[str, Channel]) -> str:
     if isinstance(rig, GeneralRig):
         return next(name for name in rig.state_names if name in channels)
     return "spring_force" if "spring_force" in channels else "x1"
-
-
-def _check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:
-    t, name = raw["t"], channels["t"].column
-    if t.size < FEWEST:
-        count = "1 sample" if t.size == 1 else f"{t.size} samples"
-        raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(str(columns.path)))
-    step = np.diff(t) * np.sign(channels["t"].scale)
-    wrong = np.flatnonzero(step <= 0)
-    if not wrong.size:
-        return
-    at = int(wrong[0]) + 1
-    place = columns.place(name, at)
-    for other, column in raw.items():
-        if wrong.size > 0.05 * t.size and other != "t" and (np.diff(column) > 0).all():
-            swapped = channels[other].column
-            words = f"does not increase, but column '{swapped}' does; are the two swapped?"
-            raise InputError(words, place=place)
-    what = f"{t[at]:g} twice in a row" if t[at] == t[at - 1] else f"{t[at]:g} after {t[at - 1]:g}"
-    more = "" if wrong.size == 1 else f" ({wrong.size} such places)"
-    raise InputError(f"{what}{more}; times must increase", place=place)
-
-
-def _cut(
-    columns: Columns,
-    channels: Mapping[str, Channel],
-    raw: Mapping[str, Floats],
-    window: tuple[float | None, float | None],
-) -> dict[str, Floats]:
-    """Keep the samples within the window, in the unit of t."""
-    start, end = window
-    if start is None and end is None:
-        return dict(raw)
-    t = raw["t"] * channels["t"].scale
-    kept = (t >= (-np.inf if start is None else start)) & (t < (np.inf if end is None else end))
-    if np.count_nonzero(kept) < FEWEST:
-        said = f"{'its start' if start is None else start} to {'its end' if end is None else end}"
-        words = f"{np.count_nonzero(kept)} samples from {said}; the run lasts from {t[0]:g} to {t[-1]:g}"
-        raise InputError(words, place=Place(str(columns.path), column=channels["t"].column))
-    return {name: column[kept] for name, column in raw.items()}
-
-
-def _check_belt(
-    columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats], set_point: float
-) -> None:
-    if "belt" not in raw or set_point == 0 or np.any(raw["belt"] != 0):
-        return
-    words = (
-        "the belt never moves (0 throughout) but its set-point is not 0; leave the channel out if it is dead"
-    )
-    raise InputError(words, place=Place(str(columns.path), column=channels["belt"].column))
 
 
 def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Finding]:

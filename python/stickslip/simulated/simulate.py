@@ -101,6 +101,22 @@ def simulate(
     ModelWarning
         An effect turns the sign of friction within the run (a `friction_drift` that goes on too long, a curve below
         -1 at the contact): it is simulated as declared, with friction that drives.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> run = ss.simulate(
+    ...     model, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=20, sensitivity=("T_s_minus",)
+    ... )
+    >>> print(run.transitions)
+        2.754597  stick  -> slip -
+        7.219832  slip - -> stick
+       12.857874  stick  -> slip -
+       17.396113  slip - -> stick
+    >>> print(f"d x1(20) / d T_s_minus = {run.sensitivity[-1, 0, 0]:.4f}")
+    d x1(20) / d T_s_minus = -0.2903
     """
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
     start, end = _span(t_start, t_end)

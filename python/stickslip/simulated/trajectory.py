@@ -18,7 +18,19 @@ CONTACTS = {"auto": 2, "stick": 0, "slip-": -1, "slip+": 1}  # modes to start in
 
 
 class Status(Enum):
-    """How a run ended; the value is the sentence for the user."""
+    """How a run ended; the value is the sentence for the user.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> run = ss.simulate(model, belt_speed=0.1, t_end=5)
+    >>> run.status is ss.Status.finished
+    True
+    >>> print(run.status)
+    reached the end time
+    """
 
     finished = "reached the end time"
     chatter = (
@@ -56,6 +68,21 @@ class Transitions(Drawn):
         every contact.
     sensitivity : (k, p) derivative of the times.
     state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
+    >>> found = ss.simulate(model, belt_speed=0.01, t_end=1).transitions
+    >>> print(found)
+        0.004179  slip - -> stick
+        0.402086  stick  -> slip -
+        0.513773  slip - -> stick
+        0.833773  stick  -> slip -
+        0.945460  slip - -> stick
+    >>> print(f"breakaway at {found.t[found.before == 0][0]:.4f} s")
+    breakaway at 0.4021 s
     """
 
     t: Floats
@@ -104,6 +131,18 @@ class Trajectory(Sampled):
     model, belt_speed : what was simulated.
 
     States and hidden states go by their names, too: `run.x1` is the column of `state`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
+    >>> run = ss.simulate(model, belt_speed=0.01, t_end=1)
+    >>> print(f"{1e3 * run.x1.max():.3f} mm; {run.status.value}")
+    4.000 mm; reached the end time
+    >>> frame = run.to_dataframe()
+    >>> [*frame.columns]
+    ['t', 'x1', 'x2', 'mode']
     """
 
     t: Floats

@@ -29,6 +29,15 @@ class DahlFriction(LawByFormula):
     ------
     InputError
         A number is not finite or not positive.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.DahlFriction(sigma0=1e4, F_c=5)  # N/m, N
+    >>> model = ss.Model(ss.BlockOnBelt(mass=1, stiffness=100, damping=20), friction=law)
+    >>> run = ss.simulate(model, belt_speed=0.01, t_end=20, atol=1e-12)
+    >>> print(f"{100 * run.x1[-1]:.4f} N")  # of the spring in steady sliding: F_c
+    5.0000 N
     """
 
     kind: ClassVar[str] = "dahl"

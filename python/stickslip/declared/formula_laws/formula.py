@@ -33,6 +33,14 @@ class LawState(Displayed):
         What it begins with where a run does not say: a formula of u and v at the start.
     unit
         What it is measured in, "m" or "s"; "1" is a pure number.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> bristle = ss.LawState(rate="v - s0*u*z/F", unit="m")
+    >>> law = ss.FormulaFriction(force="s0*z", states={"z": bristle}, s0="1e4 N/m", F="5 N")
+    >>> [*law.states]
+    [('z', LawState(rate='v - s0*u*z/F', start='0', unit='m'))]
     """
 
     rate: str
@@ -68,6 +76,16 @@ class FormulaFriction(LawByFormula):
     InputError
         A formula that cannot be read, a name that is unknown or taken, a number that no formula reads, a division by
         zero at some speed, friction that is negative at rest or lower there than in sliding.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.FormulaFriction(
+    ...     kinetic="F_k + c*u", static="F_k + F_b*log(1 + dwell/tau)",
+    ...     F_k="1.2 N", c="2 N s/m", F_b="0.2 N", tau="10 ms",
+    ... )
+    >>> print(law.magnitude([0.0, 0.1]).round(4))
+    [1.2 1.4]
     """
 
     kind: ClassVar[str] = "formula"

@@ -35,6 +35,15 @@ class LuGreFriction(LawByFormula):
     ------
     InputError
         A number is not finite or out of its bounds, or F_c exceeds F_s.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.LuGreFriction(sigma0=1e5, sigma1=316, sigma2=0.4, F_c=1, F_s=1.5, v_s=1e-3)  # N, m, s
+    >>> model = ss.Model(ss.BlockOnBelt(mass=1, stiffness=2), friction=law)
+    >>> run = ss.simulate(model, belt_speed=0.1, t_end=20, atol=1e-12)
+    >>> print(f"the spring pulls {2 * run.x1.max():.3f} N before the first slip")
+    the spring pulls 1.508 N before the first slip
     """
 
     kind: ClassVar[str] = "lugre"

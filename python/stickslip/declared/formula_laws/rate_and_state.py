@@ -51,6 +51,18 @@ class RateAndStateFriction(LawByFormula):
     ------
     InputError
         A number is not finite or out of its bounds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rock = ss.RateAndStateFriction(mu0=0.6, a=0.008, b=0.012, D_c=1e-5, V_0=1e-5, normal=100)
+    >>> k = 0.9 * 100 * (0.012 - 0.008) / 1e-5  # N/m, below the critical normal (b - a)/D_c
+    >>> slider = ss.Model(ss.BlockOnBelt(mass=1, stiffness=k), friction=rock)
+    >>> t, start = np.linspace(0, 30, 3001), (60 / k * 1.0005, 0)
+    >>> run = ss.simulate(slider, belt_speed=1e-5, initial=start, t_end=30, t_eval=t, atol=1e-14)
+    >>> print(f"{np.ptp(run.x1[2000:]) / np.ptp(run.x1[500:1500]):.1f} times as far as at first")
+    1.4 times as far as at first
     """
 
     kind: ClassVar[str] = "rate_and_state"

@@ -32,6 +32,13 @@ class StribeckFriction(LawByFormula):
     ------
     InputError
         A number is not finite or out of its bounds, or F_c exceeds F_s.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.StribeckFriction(F_c="5 N", F_s="8 N", v_s="10 mm/s")
+    >>> print(law.magnitude([0.0, 0.01]).round(4))
+    [8.     6.1036]
     """
 
     kind: ClassVar[str] = "stribeck"

@@ -39,6 +39,13 @@ class TabulatedFriction(LawByFormula):
     ------
     InputError
         The lists differ in length, speeds do not increase, a number is negative or not finite.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.TabulatedFriction(speeds=[0, "1 cm/s", "10 cm/s"], forces=["2 N", "1.2 N", "1.5 N"])
+    >>> print(law.magnitude([0.0, 0.005]).round(4))
+    [2.     1.4896]
     """
 
     kind: ClassVar[str] = "tabulated"

@@ -30,6 +30,15 @@ class CoulombFriction(FrictionLaw):
     ------
     InputError
         A number is not finite or negative, or kinetic exceeds static.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> law.static_limits
+    (2.0, 2.0)
+    >>> law.magnitude(0.01)
+    array(1.2)
     """
 
     kind: ClassVar[str] = "coulomb"

@@ -33,6 +33,13 @@ class HyperbolicFriction(FrictionLaw):
     ------
     InputError
         A number is not finite or out of its bounds, or R turns negative at some speed.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.HyperbolicFriction(scale=1, decay=3)
+    >>> print(law.magnitude([-0.1, 0.5]).round(4))
+    [0.7692 0.4   ]
     """
 
     kind: ClassVar[str] = "hyperbolic"

@@ -39,6 +39,15 @@ class PaperFriction(FrictionLaw):
     ------
     InputError
         A number is not finite or out of its bounds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.PaperFriction()
+    >>> print(law.magnitude([-0.1, 0.1]).round(4))
+    [4.3297 2.6041]
+    >>> law.static_limits
+    (5.94, 3.63)
     """
 
     kind: ClassVar[str] = "paper"

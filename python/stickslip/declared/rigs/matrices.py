@@ -59,6 +59,15 @@ class MatricesRig(GeneralRig):
     -----
     ModelWarning
         Without friction the motion would grow without bound.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> pin = ss.MatricesRig(M=[[0.5]], C=[[0.4]], K=[[800]], contact=[1], names=["x"])  # kg, N s/m, N/m
+    >>> model = ss.Model(pin, friction=ss.CoulombFriction(static=4.0, kinetic=2.0))  # N
+    >>> run = ss.simulate(model, belt_speed=0.05, t_end=1)
+    >>> print(f"{1e3 * run.x.max():.3f} mm")
+    4.975 mm
     """
 
     kind: ClassVar[str] = "matrices"

@@ -8,7 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.result import Found, Json, plain
+from stickslip.discovery.plain import Json, plain
+from stickslip.discovery.result import Found
 
 Floats = NDArray[np.float64]
 

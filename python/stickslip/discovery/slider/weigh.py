@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.check_model import idle
 from stickslip.declared.effect import CONSTANTS
 from stickslip.declared.friction.coulomb import CoulombFriction
-from stickslip.declared.model import idle
 from stickslip.discovery.slider.candidates import Candidate
 from stickslip.discovery.slider.population import Block, without
 

@@ -1,4 +1,18 @@
-"""Recorded channels: checked, filtered and differentiated, by (3.1) or better."""
+"""Recorded channels: checked, filtered and differentiated, by (3.1) or better.
+
+Times, displacements and speeds may be in any one system of units.
+
+Examples
+--------
+>>> import numpy as np
+>>> from stickslip import signals
+>>> t = np.arange(0, 10, 0.01)
+>>> x = np.sin(t) + 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+>>> signals.check_time_base(t).problems
+[]
+>>> print(f"noise {signals.noise_std(x):.4f}")
+noise 0.0010
+"""
 
 from stickslip.measured.signals.belt import BeltSpeed, find_belt_speed
 from stickslip.measured.signals.derivatives import Derivatives, derivatives

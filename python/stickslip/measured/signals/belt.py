@@ -25,6 +25,19 @@ class BeltSpeed:
         Scatter of the slopes about it: what `smooth` may be given as `stick_speed` [unit of x / time].
     share : float
         Part of all windows with a slope within two `std`: near 0, there is no stick to speak of.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> x = ss.simulate(model, belt_speed=0.01, t_end=6, t_eval=t).x1
+    >>> x = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)  # m
+    >>> found = ss.signals.find_belt_speed(t, x, set_point=0.01)
+    >>> print(f"{found.share:.0%} of the windows ride the belt")
+    71% of the windows ride the belt
     """
 
     speed: float
@@ -61,6 +74,19 @@ def find_belt_speed(
     ------
     InputError
         If the set-point is 0, an argument is out of range, or no slope is near the set-point.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
+    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
+    >>> t = np.arange(0, 6, 0.002)
+    >>> x = ss.simulate(model, belt_speed=0.01, t_end=6, t_eval=t).x1
+    >>> x = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)  # m
+    >>> found = ss.signals.find_belt_speed(t, 1.1 * x, set_point=0.01)  # a sensor 10 % off
+    >>> print(f"{found.speed:.4f} m/s")
+    0.0110 m/s
     """
     times, values = finite_vector(t, "t", at_least=12), finite_vector(x, "x", at_least=12)
     if times.shape != values.shape or not (np.diff(times) > 0.0).all():

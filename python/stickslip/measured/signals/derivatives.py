@@ -32,6 +32,16 @@ class Derivatives:
         False while the start ``y_0 = 0`` is still felt (to 0.1 %), and at an end that was shifted away.
     differentiator : Differentiator
         The constants of (3.1).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> found = signals.derivatives(np.sin(np.arange(0, 10, 0.01)), dt=0.01, tau=0.05)
+    >>> print(f"{found.lag_x:.2f} {found.lag_v:.2f} {found.lag_a:.2f}")
+    0.10 0.10 0.10
+    >>> print(f"noise of 1 becomes {found.noise_gain_a:.0f}")
+    noise of 1 becomes 373
     """
 
     x: Floats
@@ -90,6 +100,16 @@ def derivatives(
     (3.1) with ``k1 = -k0`` is ``H(z) = (1-a)/(1-a/z) (1-1/z)/dt``. Its low-pass half is taken as
     ``G(z) = (1-a)/(1-a/z) (1+1/z)/2``, (3.1) with ``k0 = k1 = (1-a)/2``: ``H/G = (2j/dt) tan(omega dt/2)``
     has no phase of its own, so ``G G x``, ``G H x`` and ``H H x`` are aligned exactly.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> found = signals.derivatives(np.sin(t), dt=0.01, tau=0.05)
+    >>> late = t - found.lag_v
+    >>> print(f"{np.abs(found.v - np.cos(late))[found.settled].max():.3f}")
+    0.002
     """
     if align not in get_args(Align):
         raise InputError(f"align must be one of {', '.join(get_args(Align))}, not {align!r}")

@@ -27,6 +27,17 @@ class Lowpassed:
         End of the pass band [1/time].
     sos : ndarray, shape (sections, 6)
         The filter, run once (causal) or forth and back (zero phase).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> causal = signals.lowpass(x, dt=0.01, cutoff=2.0, zero_phase=False)
+    >>> print(f"{causal.delay:.3f}")  # how late it is
+    0.186
     """
 
     x: Floats
@@ -76,6 +87,18 @@ def lowpass(
     -----
     Filters smear what is sudden: kinks of the velocity at onset and capture are rounded over about
     ``1/(2 cutoff)``. `stickslip.measured.signals.smooth` keeps them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> smooth = signals.lowpass(x, dt=0.01, cutoff=2.0)
+    >>> left = (smooth.x - np.sin(t))[100:-100]  # the ends are worse
+    >>> print(f"noise of {np.std(x - np.sin(t)):.4f} becomes {np.std(left):.4f}")
+    noise of 0.0010 becomes 0.0015
     """
     values = real_array(x, "x")
     if values.ndim not in (1, 2) or values.shape[0] == 0:

@@ -56,6 +56,16 @@ def noise_std(x: ArrayLike, *, t: ArrayLike | None = None, cut: float = 3.5) -> 
     ------
     InputError
         On samples that are not finite, too few, or times that do not increase.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> print(f"{signals.noise_std(x):.4f}")
+    0.0010
     """
     values = finite_vector(x, "x", at_least=12)
     times = None
@@ -95,6 +105,18 @@ class Glitches:
         Sample less the cubic through its four neighbours [unit of x].
     threshold : ndarray, shape (n,)
         What `deviation` had to exceed [unit of x].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> x[500] += 0.1
+    >>> found = signals.find_glitches(x)
+    >>> print(f"{found.deviation[500]:.2f}, where {found.threshold[500]:.3f} is allowed")
+    0.10, where 0.007 is allowed
     """
 
     mask: Booleans
@@ -135,6 +157,18 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
     ------
     InputError
         If `x` is not one finite channel, or a number is out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> x[500] += 0.1
+    >>> found = signals.find_glitches(x)
+    >>> print(np.flatnonzero(found.mask))
+    [500]
     """
     values = finite_vector(x, "x").copy()
     if not 0.0 < false_alarms < 1.0:
@@ -188,6 +222,18 @@ def remove_glitches(x: ArrayLike, glitches: Glitches) -> Floats:
     -------
     ndarray, shape (n,)
         Marked samples lie on the cubic through the two sound neighbours on either side (fewer at the ends).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> t = np.arange(0, 10, 0.01)
+    >>> noise = 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> x = np.sin(t) + noise
+    >>> x[500] += 0.1
+    >>> mended = signals.remove_glitches(x, signals.find_glitches(x))
+    >>> print(f"{x[500]:.2f} {mended[500]:.2f}")
+    -0.86 -0.96
     """
     values = finite_vector(x, "x").copy()
     sound = np.flatnonzero(~glitches.mask)
@@ -216,6 +262,14 @@ class Quantisation:
         Distinct values that occur.
     fraction_on_grid : float
         Part of the distinct spacings that are whole multiples of `step`, to 5 % of it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> found = signals.quantisation(np.round(np.sin(np.arange(0, 10, 0.01)), 2))
+    >>> print(f"{found.noise:.5f}")  # step/sqrt(12), the noise of rounding
+    0.00289
     """
 
     step: float
@@ -241,6 +295,19 @@ def quantisation(x: ArrayLike) -> Quantisation:
     -------
     Quantisation
         The printed digits of a text file are a grid too; `noise` says whether it matters.
+
+    Raises
+    ------
+    InputError
+        `x` is not one finite channel.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> found = signals.quantisation(np.round(np.sin(np.arange(0, 10, 0.01)), 2))
+    >>> print(f"{found.step:.2f}, {found.levels} levels")
+    0.01, 201 levels
     """
     values = finite_vector(x, "x")
     if values.size == 0:
@@ -273,6 +340,14 @@ class Clipping:
         The limit, None where the channel is not clipped [unit of x].
     mask : ndarray of bool, shape (n,)
         Samples at a limit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> found = signals.find_clipping(np.minimum(np.sin(np.arange(0, 10, 0.01)), 0.8))
+    >>> print(f"{found.mask.mean():.0%} of the samples are at the limit")
+    26% of the samples are at the limit
     """
 
     low: float | None
@@ -295,6 +370,19 @@ def find_clipping(x: ArrayLike) -> Clipping:
     Returns
     -------
     Clipping
+
+    Raises
+    ------
+    InputError
+        A sample is NaN.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> found = signals.find_clipping(np.minimum(np.sin(np.arange(0, 10, 0.01)), 0.8))
+    >>> found.low, float(found.high)
+    (None, 0.8)
     """
     values = real_array(x, "x")
     if values.ndim != 1 or np.isnan(values).any():

@@ -53,7 +53,8 @@ def first_order(x: ArrayLike, a: float, k0: float, k1: float) -> Floats:
 
     Examples
     --------
-    >>> first_order([0.0, 1.0, 2.0, 3.0], a=0.5, k0=0.5, k1=-0.5)
+    >>> from stickslip import signals
+    >>> signals.first_order([0.0, 1.0, 2.0, 3.0], a=0.5, k0=0.5, k1=-0.5)
     array([0.   , 0.5  , 0.75 , 0.875])
     """
     array = real_array(x, "x")
@@ -96,6 +97,13 @@ class Differentiator:
         Sampling interval and time constant [time].
     rule : str
         How `a` was found from `tau` and `dt`.
+
+    Examples
+    --------
+    >>> from stickslip import signals
+    >>> made = signals.differentiator(dt=0.01, tau=0.05, rule="backward-euler")
+    >>> print(f"noise of 1 becomes {made.noise_gain():.2f}")
+    noise of 1 becomes 17.41
     """
 
     a: float
@@ -183,6 +191,13 @@ def differentiator(dt: float, tau: float, rule: Rule = "tustin") -> Differentiat
     ==================  =====================================  ==============  ===========================
 
     With ``tau < dt/2`` Tustin's pole is negative: stable, but the derivative rings from sample to sample.
+
+    Examples
+    --------
+    >>> from stickslip import signals
+    >>> made = signals.differentiator(dt=0.01, tau=0.05)
+    >>> print(f"a = {made.a:.4f}, k0 = {made.k0:.4f}, late by {made.delay:.4f}")
+    a = 0.8182, k0 = 18.1818, late by 0.0500
     """
     h = positive(dt, "dt")
     if rule not in get_args(Rule):
@@ -224,6 +239,14 @@ def differentiate(x: ArrayLike, dt: float, tau: float, rule: Rule = "tustin") ->
     ------
     InputError
         As `first_order` and `differentiator`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> x = 3.0 * np.arange(200) * 0.01
+    >>> print(f"{signals.differentiate(x, dt=0.01, tau=0.05)[-1]:.4f}")
+    3.0000
     """
     d = differentiator(dt, tau, rule)
     return first_order(x, d.a, d.k0, d.k1)

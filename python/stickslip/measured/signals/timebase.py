@@ -29,6 +29,14 @@ class TimeBase:
         Samples that would fill the gaps.
     duplicates, backward, irregular : ndarray of int
         Samples whose time equals, precedes, or follows off schedule that of the sample before.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import signals
+    >>> base = signals.check_time_base(np.arange(100) / 50)
+    >>> base.regular, round(base.dt, 6)
+    (True, 0.02)
     """
 
     samples: int
@@ -102,6 +110,15 @@ def check_time_base(t: ArrayLike, *, tolerance: float = 0.01) -> TimeBase:
     ------
     InputError
         If a time is not finite, there are fewer than two, or none increases.
+
+    Examples
+    --------
+    >>> from stickslip import signals
+    >>> found = signals.check_time_base([0.0, 0.1, 0.2, 0.5, 0.6])
+    >>> found.dt, found.missing
+    (0.1, 2)
+    >>> found.problems
+    ['1 gap(s), 2 sample(s) missing, the first from t = 0.2 to 0.5']
     """
     times = finite_vector(t, "t", at_least=2)
     allowed = positive(tolerance, "tolerance")

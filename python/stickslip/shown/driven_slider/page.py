@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stickslip.discovery.driven_slider.result import DrivenFound
-from stickslip.discovery.result import Json
+from stickslip.discovery.plain import Json
 from stickslip.measured.case import Case
 from stickslip.shown.driven_slider.figures import drawn
 from stickslip.shown.pages.shared import shared

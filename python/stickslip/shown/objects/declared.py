@@ -15,8 +15,9 @@ from stickslip.declared.formula_laws.tabulated import TabulatedFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
-from stickslip.declared.rigs.bodies import BodiesRig, Part
+from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.rigs.parts import Part
 from stickslip.declared.si import si_of
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, describe

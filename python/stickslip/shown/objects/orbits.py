@@ -12,8 +12,8 @@ from stickslip.shown.objects.runs import read_in
 from stickslip.shown.plot.branch import plot_branch
 from stickslip.shown.plot.curves import GREY, MEASURED, SIMULATED, label
 from stickslip.simulated.orbits.branch import Branch, SpecialPoint
+from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.cycle_sensitivity import CycleSensitivity
-from stickslip.simulated.orbits.limit_cycle import LimitCycle
 from stickslip.simulated.orbits.lyapunov import LyapunovSpectrum
 from stickslip.simulated.orbits.steady_sliding import SteadySliding
 

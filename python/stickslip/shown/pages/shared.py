@@ -8,7 +8,8 @@ from typing import Any
 
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.si import scales_of
-from stickslip.discovery.result import Found, Json
+from stickslip.discovery.plain import Json
+from stickslip.discovery.result import Found
 from stickslip.measured.case import Case
 from stickslip.shown.pages.skeleton import Saved, download, rig, shown, today
 from stickslip.shown.pages.skeleton import command as usual_command

@@ -12,7 +12,8 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension, scales_of, si_of
 from stickslip.declared.uncertainty import GAINS
-from stickslip.discovery.result import Curve, Found, FoundEffect, Interval, Json, plain
+from stickslip.discovery.plain import Json, plain
+from stickslip.discovery.result import Curve, Found, FoundEffect, Interval
 from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words

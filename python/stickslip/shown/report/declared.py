@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from stickslip.declared.rig import LONG, AnyRig, Rig
 from stickslip.declared.si import dimension, scales_of
 from stickslip.declared.units import Channel
-from stickslip.discovery.result import Found, Interval, Json, plain
+from stickslip.discovery.plain import Json, plain
+from stickslip.discovery.result import Found, Interval
 from stickslip.discovery.rig_numbers import constant
 from stickslip.measured.case import Case
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.discovery.result import Found, Json, Verdict
+from stickslip.discovery.plain import Json
+from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.workers import Workers
 from stickslip.measured.case import Case
 from stickslip.shown.pages.filters import number

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.objects import Displayed, Sampled
+from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Floats
-from stickslip.simulated.orbits.limit_cycle import LimitCycle
 from stickslip.simulated.orbits.steady_sliding import Complexes
 
 if TYPE_CHECKING:
@@ -47,6 +47,14 @@ class SpecialPoint(Displayed):
         Does the branch turn round in a corner here (a fold that is not smooth)?
     ends
         Does the branch end here, the cycle jumping or vanishing?
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> model = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    >>> branch = ss.continuation(model, 2.0, span=(1.9, 3.2), guess=(3.0, 0.0))
+    >>> [f"{point.kind} at {point.value:.4f}" for point in branch.special]
+    ['loss_of_stick at 2.8923']
     """
 
     kind: Kind
@@ -90,6 +98,17 @@ class Branch(Sampled):
         "max_points"; "closed" twice where it has come round to a part of itself, a loop.
     forced
         Is the rig moved from outside? States are then those once a period of that, not those of greatest x1.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> branch = ss.continuation(model, 0.1, span=(0.09, 0.11), step=0.5)
+    >>> print(f"the period goes from {branch.period[0]:.3f} to {branch.period[-1]:.3f}")
+    the period goes from 10.873 to 10.151
+    >>> branch.special
+    ()
     """
 
     parameter: str

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from stickslip.errors import StickslipError
+from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow
-from stickslip.simulated.orbits.limit_cycle import LimitCycle, cycle_of
+from stickslip.simulated.orbits.limit_cycle import cycle_of
 
 CORRECTIONS = 10
 CLOSED = 1e-9  # of the cycle's size

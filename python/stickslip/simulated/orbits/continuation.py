@@ -34,8 +34,9 @@ from stickslip.simulated.orbits.branch import (
     neimark_sacker_test,
 )
 from stickslip.simulated.orbits.branch_equations import Point, Problem
+from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Floats, Flow
-from stickslip.simulated.orbits.limit_cycle import LimitCycle, check_states, limit_cycle
+from stickslip.simulated.orbits.limit_cycle import check_states, limit_cycle
 from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, equilibrium
 
 SMALLEST = 1e-9  # step at which a branch counts as ended or cornered
@@ -84,6 +85,15 @@ def continuation(
         A bad span, a start outside it, an unknown parameter.
     NoLimitCycleError
         There is no cycle to start from.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> branch = ss.continuation(model, 0.1, span=(0.09, 0.11), step=0.5)
+    >>> print(f"{branch.values.min():.2f} to {branch.values.max():.2f}, all stable: {branch.stable.all()}")
+    0.09 to 0.11, all stable: True
     """
     if len(ends := listed("span", span, "two numbers, the least and the greatest value")) != 2:
         raise InputError("must be two numbers, the least and the greatest value", key="span", value=span)

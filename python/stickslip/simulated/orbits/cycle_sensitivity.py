@@ -10,8 +10,8 @@ import numpy as np
 from stickslip.arguments import explained, must_be, texts
 from stickslip.objects import Displayed
 from stickslip.simulated.orbits.branch_equations import Problem
+from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Floats, Flow
-from stickslip.simulated.orbits.limit_cycle import LimitCycle
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,6 +26,15 @@ class CycleSensitivity(Displayed):
         d period / d parameter.
     state : (d, p)
         d state on the section / d parameter.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> slope = ss.cycle_sensitivity(ss.limit_cycle(model, belt_speed=0.1), ["alpha1", "T_s_minus"])
+    >>> slope.names, slope.period.shape, slope.state.shape
+    (('alpha1', 'T_s_minus'), (2,), (4, 2))
     """
 
     names: tuple[str, ...]
@@ -46,12 +55,27 @@ def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivi
     names
         "belt_speed" or names in `model.parameters`.
 
+    Returns
+    -------
+    CycleSensitivity
+        Derivatives of the period (p,) and of the state on the section (d, p), in the model's own units.
+
     Raises
     ------
     InputError
         An unknown name, with the nearest known one.
     numpy.linalg.LinAlgError
         The cycle is at a fold.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> cycle = ss.limit_cycle(model, belt_speed=0.1)
+    >>> slope = ss.cycle_sensitivity(cycle, ["belt_speed"])
+    >>> print(f"d period / d belt_speed = {slope.period[0]:.3f}")
+    d period / d belt_speed = -35.934
     """
     must_be("cycle", cycle, LimitCycle, "limit_cycle(model, belt_speed) gives one")
     chosen = texts("names", names, "parameter names")

@@ -11,18 +11,16 @@ makes it singular, since where the block sticks its speed is forgotten.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.arguments import explained, whole_number
+from stickslip.arguments import explained
 from stickslip.declared.model import Model
 from stickslip.errors import InputError, StickslipError, number
-from stickslip.objects import Drawn
+from stickslip.simulated.orbits.cycle import LimitCycle, even
 from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow, wiped_out
 from stickslip.simulated.orbits.steady_sliding import Complexes, NoLimitCycleError, equilibrium
-from stickslip.simulated.trajectory import Trajectory, Transitions
+from stickslip.simulated.trajectory import Transitions
 
 NEWTON_STEPS = 30
 LOOK_BACK = 40  # crossings of the section in which a repetition is looked for
@@ -30,91 +28,6 @@ CLOCK = (
     16 * np.finfo(float).eps
 )  # of a time, what rounding leaves of it: a few events each off by an eps or two
 SAMPLES = 48  # a natural period, when looking for crossings
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class LimitCycle(Drawn):
-    """A periodic motion, stable or not.
-
-    Attributes
-    ----------
-    period
-        Its period.
-    state : (d,)
-        State on the section: x2 = 0 going down (x1 greatest), or at t = 0 of what moves the rig.
-    states
-        Names of the states; hidden ones of effects after the visible ones.
-    transitions
-        Those of one period, t counted from the section.
-    kinks : (j,)
-        Times at which a branch saturates or an effect switches.
-    monodromy : (d, d)
-        d state one period later / d state.
-    multipliers : (d - 1,) complex
-        Floquet multipliers of the return map, greatest modulus first; (d,) for a rig moved from outside. The
-        multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0. A hidden state
-        without influence on this cycle, as the time at rest where nothing sticks, has none.
-    residual
-        Greatest difference between the state and that one period later, in the model's own scale (see `limit_cycle`).
-    iterations
-        Newton steps taken.
-    turns
-        Crossings of the section, or periods of what moves the rig, in one period.
-    belt_speed, model
-        What it is a cycle of.
-    contact
-        Mode at the section.
-    """
-
-    period: float
-    state: Floats
-    states: tuple[str, ...]
-    transitions: Transitions
-    kinks: Floats
-    monodromy: Floats
-    multipliers: Complexes
-    residual: float
-    iterations: int
-    turns: int
-    belt_speed: float
-    model: Model = field(repr=False)
-    contact: Contact = "auto"
-
-    def __repr__(self) -> str:
-        state = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.states, self.state, strict=True))
-        sort = "stable" if self.stable else "neutral" if self.neutral else "unstable"
-        sort += ", sticks" if self.sticks else ""
-        return f"<LimitCycle: period {self.period:.9g}, {sort}; {state}>"
-
-    @property
-    def stable(self) -> bool:
-        """Does the motion return to it after a small disturbance?"""
-        return bool(np.all(np.abs(self.multipliers) < 1)) and not self.neutral
-
-    @property
-    def neutral(self) -> bool:
-        """Does a small disturbance neither grow nor die out, to first order?
-
-        The greatest multiplier has modulus 1, as near as it is known: a double one is off by the root of the error.
-        """
-        greatest = float(np.abs(self.multipliers).max(initial=0.0))
-        return abs(greatest - 1) <= float(np.sqrt(Flow.tolerance))
-
-    @property
-    def sticks(self) -> bool:
-        """Has it a stick phase?"""
-        return self.contact == "stick" or bool(np.any(self.transitions.after == 0))
-
-    @property
-    def initial(self) -> Floats:
-        """State on the section as `simulate` takes it: all hidden states, also those that the model has not, as 0."""
-        return Flow(self.model, self.belt_speed).initial(self.state)
-
-    def trajectory(self, samples: int = 400) -> Trajectory:
-        """Simulate one period at `samples` even times, both ends included."""
-        samples = whole_number("samples", samples, least=2, most=10**7)
-        flow = Flow(self.model, self.belt_speed)
-        return flow.run(self.state, _even(self.period, samples), contact=self.contact)
 
 
 @explained
@@ -156,6 +69,15 @@ def limit_cycle(
         The motion settles to steady sliding or to rest, or Newton's method does not converge.
     InputError
         A number out of bounds, or a model no motion of which repeats.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> cycle = ss.limit_cycle(model, belt_speed=0.1)
+    >>> print(f"period {cycle.period:.6f}, stable: {cycle.stable}")
+    period 10.475382, stable: True
     """
     flow = Flow(model, number("belt_speed", belt_speed))
     wanted = number("tol", tol, above=0)
@@ -313,7 +235,7 @@ def _settled(flow: Flow, z: Floats, lasting: float) -> tuple[Floats, float, int,
     if flow.belt_speed == 0:
         raise NoLimitCycleError("the belt stands still and nothing moves the rig: it comes to rest")
     for stretch in (1, 8, 64):  # a slow belt takes many natural periods to load the spring
-        seen = _even(3 * LOOK_BACK * unit * stretch, 3 * LOOK_BACK * SAMPLES * stretch + 1)
+        seen = even(3 * LOOK_BACK * unit * stretch, 3 * LOOK_BACK * SAMPLES * stretch + 1)
         tail = np.asarray(lasting * stretch + seen, dtype=np.float64)
         run = flow.run(z, tail)
         x2, x1 = run.state[:, 1], run.state[:, 0]
@@ -339,7 +261,7 @@ def _slow_crossings(flow: Flow, z: Floats, lasting: float) -> Floats | None:
     once = 2 * flow.size[0] / abs(flow.belt_speed)  # the spring, from limit to limit
     events = flow.run(z, [lasting + 2 * LOOK_BACK * (once + unit)]).transitions
     released = events.t[(events.before == 0) & (events.t > lasting)][:-1][-LOOK_BACK:]
-    window = _even(unit, SAMPLES + 1)
+    window = even(unit, SAMPLES + 1)
     if len(released) < 3 or np.diff(released).min() < 2 * unit:
         return None
     run = flow.run(z, np.concatenate([t + window for t in released]))
@@ -371,17 +293,13 @@ def _least_period(flow: Flow, arc: Arc, turns: int, contact: Contact, tol: float
 
 def _summit(flow: Flow, arc: Arc) -> Floats:
     """State near the greatest x1 of a closed arc."""
-    states = flow.full(flow.run(arc.start, _even(arc.span, 8 * SAMPLES)))
+    states = flow.full(flow.run(arc.start, even(arc.span, 8 * SAMPLES)))
     return np.asarray(states[np.argmax(states[:, 0])])
-
-
-def _even(span: float, samples: int) -> Floats:
-    return np.linspace(0.0, span, samples, dtype=np.float64)
 
 
 def _swing(flow: Flow, arc: Arc) -> float:
     """How far x1 moves on the arc."""
-    run = flow.run(arc.start, _even(arc.span, 33))
+    run = flow.run(arc.start, even(arc.span, 33))
     return float(np.ptp(run.state[:, 0]))
 
 

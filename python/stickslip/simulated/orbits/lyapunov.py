@@ -49,6 +49,15 @@ class LyapunovSpectrum(Sampled):
         the state matters.
     states
         Names of the states; hidden ones of effects after the visible ones.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> found = ss.lyapunov(model, belt_speed=0.1, t_end=450, transient=50)
+    >>> float(found.exponents[-1])  # of a direction that a stick wipes out
+    -inf
     """
 
     exponents: Floats
@@ -112,6 +121,15 @@ def lyapunov(
     ------
     InputError
         A number is out of bounds, or fewer than 40 intervals fit between `transient` and `t_end`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> found = ss.lyapunov(model, belt_speed=0.1, t_end=450, transient=50)
+    >>> found.chaotic
+    False
     """
     flow = Flow(model, number("belt_speed", belt_speed), number("tolerance", tolerance, above=0))
     natural = 2 * np.pi * flow.natural_time

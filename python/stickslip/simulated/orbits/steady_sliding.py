@@ -27,6 +27,14 @@ class SteadySliding(Displayed):
     state : (d,) with x2 = y2 = 0.
     eigenvalues : of the linearised motion, one for each state that has influence; stable if all real parts are
         negative.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> model = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    >>> rest = ss.steady_sliding(model, belt_speed=1.0)
+    >>> print(f"a disturbance grows as exp({rest.eigenvalues.real.max():.4f} t)")
+    a disturbance grows as exp(0.0438 t)
     """
 
     state: Floats
@@ -39,7 +47,23 @@ class SteadySliding(Displayed):
 
 
 class NoLimitCycleError(StickslipError):
-    """No cycle was found; `equilibrium` is what the motion settles to instead, where it does."""
+    """No cycle was found.
+
+    Attributes
+    ----------
+    equilibrium
+        The `SteadySliding` that the motion settles to instead; None where it does not.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> model = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    >>> try:
+    ...     ss.limit_cycle(model, belt_speed=2.0)
+    ... except ss.NoLimitCycleError as error:
+    ...     print(error.equilibrium.stable)
+    True
+    """
 
     def __init__(self, what: str, equilibrium: SteadySliding | None = None) -> None:
         self.equilibrium = equilibrium
@@ -57,12 +81,25 @@ def steady_sliding(model: Model, belt_speed: float, guess: ArrayLike | None = No
     guess
         State (d,) to start Newton's method from; the origin if absent.
 
+    Returns
+    -------
+    SteadySliding
+        The state (d,) and the eigenvalues of the motion near it.
+
     Raises
     ------
     NoLimitCycleError
         Newton's method does not converge to a point at which the block slips.
     InputError
         The belt stands still, or the model depends on time.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> model = ss.Model(ss.BlockOnBelt(damping=0.1), friction=ss.HyperbolicFriction(scale=1, decay=3))
+    >>> rest = ss.steady_sliding(model, belt_speed=2.0)
+    >>> print(f"x1 = {rest.state[0]:.4f}, stable: {rest.stable}")
+    x1 = 0.1429, stable: True
     """
     flow = Flow(model, number("belt_speed", belt_speed))
     if flow.belt_speed == 0:

@@ -127,6 +127,17 @@ def sweep(
     -----
     An interrupt (Ctrl-C) returns what is done with a warning; the rest has status -1, "not_computed". So does a
     cluster that loses all its workers again and again; with `out` that is an error, and the same call goes on.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    >>> model = ss.Model(rig, friction=ss.PaperFriction())
+    >>> over = {"belt_speed": np.linspace(0.05, 0.2, 4)}
+    >>> ds = ss.sweep(model, over, t_end=400, after=300, observe=("stick_fraction", "period"))
+    >>> print(ds.period.values.round(3))
+    [ 8.324 10.484  4.08   3.781]
     """
     if client is not None:
         usable(client)
