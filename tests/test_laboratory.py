@@ -113,3 +113,15 @@ def test_the_gate_draws_a_belt_that_wanders_where_no_waves_of_it_are_scored(tmp_
         bench, replace(plain, population=p), [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=False
     )
     assert not whole[:, plain.windows.kinetic.stop :].any()
+
+
+def test_a_run_that_has_no_window_is_drawn_nothing(tmp_path: Path) -> None:
+    """A run that never sticks has none; a search over it ended in a ValueError of NumPy."""
+    read = ss.load_case(case(tmp_path, (), 0.01, 0.0, 4))
+    bench = loop.bench_of(read, prepare(read.train))
+    plain = begin(bench.windows())
+    *others, last = plain.windows.by_run
+    plain.windows.by_run = [*others, last[:0]]
+    drawn = _effects(bench, plain, [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=True)
+    assert drawn[others[0]].any()
+    assert not drawn[last].any()
