@@ -118,7 +118,8 @@ def main() -> int:
         "chi-squared": found.chi2,
         "chi-squared by scipy": theirs,
     }
-    print(json.dumps(out, indent=2))
+    rounded = {name: one if isinstance(one, int) else float(f"{one:.6g}") for name, one in out.items()}
+    print(json.dumps(rounded, indent=2))
     wrong = abs(found.per_reading - 1) > 4 * np.sqrt(2 / found.readings) or found.chi2 > 1.001 * theirs + 1
     if wrong:
         print("bench_fit: the fit did not reach the noise, or the library's fit is better", file=sys.stderr)

@@ -6,7 +6,7 @@ import re
 import shutil
 from pathlib import Path
 
-from website import api, effects, gallery, laws
+from website import api, benchmarks, effects, gallery, laws
 
 ROOT = Path(__file__).parent.parent.parent
 DOCS = ROOT / "docs"
@@ -14,7 +14,7 @@ PAGES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }  # of the repository, as pages of the site
-MADE = ("api", "laws", "effects_of", "gallery")  # folders of pages that are made from the code
+MADE = ("api", "laws", "effects_of", "gallery", "benchmarks")  # folders of pages that are made from the code
 LINK = re.compile(r"(?P<before>!?\[(?P<words>[^\]]*)\])\((?P<to>[^)#\s]+)(?P<anchor>#[^)]*)?\)")
 
 
@@ -31,6 +31,7 @@ def prepare(folder: Path) -> None:
     laws.write(folder / "laws")
     effects.write(folder / "effects_of")
     gallery.write(folder / "gallery")
+    benchmarks.write(folder / "benchmarks")
 
 
 def inside(text: str, home: Path, folder: Path, path: Path) -> str:
