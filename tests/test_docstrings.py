@@ -7,6 +7,7 @@ import doctest
 import inspect
 import re
 from enum import Enum
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -14,7 +15,7 @@ import pytest
 
 import stickslip as ss
 from website.api import CONSTANTS
-from website.docstrings import plain
+from website.docstrings import plain, singly
 
 SPOKEN = {f"stickslip.{name}": getattr(ss, name) for name in dir(ss) if name != "__version__"}
 SPOKEN |= {f"stickslip.signals.{name}": getattr(ss.signals, name) for name in ss.signals.__all__}
@@ -81,6 +82,17 @@ def test_a_class_says_what_its_numbers_are(name: str) -> None:
     assert [one for one in numbers if one not in told] == []
 
 
+@pytest.mark.parametrize("name", [*FUNCTIONS, *CLASSES])
+def test_every_number_has_words(name: str) -> None:
+    """A shape or a type alone says not what it is; words in the place of the type are set as a type."""
+    lines = [
+        line for title in ("Parameters", "Attributes") for line in section(said_of(name), title).splitlines()
+    ]
+    lines = [*filter(None, lines), ""]
+    silent = [a for a, b in pairwise(lines) if not a.startswith(" ") and not b.startswith(" ")]
+    assert silent == []
+
+
 def test_what_is_neither_a_function_nor_a_record_is_known() -> None:
     others = [one for name, one in SPOKEN.items() if name not in FUNCTIONS and name not in CLASSES]
     kinds = [one for one in others if not isinstance(one, ModuleType) and one is not ss.CATALOGUE]
@@ -98,3 +110,18 @@ def test_an_example_is_shown_as_it_is_run() -> None:
     shown = plain(text)
     assert ">>> a_ = [*map(abs, (1,))]  # |v|\n>>> a_ | b_\n{1|2}\n" in shown
     assert shown.endswith("and R(\\|v\\|)")
+
+
+def test_attributes_that_share_their_words_are_shown_singly() -> None:
+    lines = [
+        ":ivar a, b: What they",
+        "           are.",
+        ":vartype a, b: float",
+        ":ivar c: Other.",
+        "",
+        "End, of it.",
+    ]
+    assert singly(lines) == [
+        ":ivar a: What they", "           are.", ":ivar b: What they", "           are.",
+        ":vartype a: float", ":vartype b: float", ":ivar c: Other.", "", "End, of it.",
+    ]  # fmt: skip

@@ -276,28 +276,34 @@ class Found(Drawn):
 
     Attributes
     ----------
-    title : the case's.
-    verdict : Verdict.
-    effects : in order of weight; empty for `no_effect`.
-    before, after : complete models: the declared law identified alone, and with what was found (both `Model`;
-        they carry channels and noise). `model` is `after`.
-    law, law_before : parameter name -> Interval of the friction law in `after`, and in `before`.
-    residual_before, residual_after : on the training runs.
-    error : on the validate runs.
-    ranking : all rivals fitted, best first.
-    experiments : next experiments, best first; empty where nothing is tied.
-    gate : the bootstrap.
-    runs : what the figures draw.
-    spectrum : "frequency" (angular, model units), "before", "after": (k,) mean normalised power of the residual,
-        1 for white noise.
-    messages : sentences a person should read (ties, one speed only, absorbed loads, short records ...).
-    seconds : wall-clock time of the whole.
-    constants : what the runs say of declared constants, each with all others as declared, where that was asked: by
-        the model's number ("alpha2", "mass", ...), or by the channel of a gain, which is 1 where it is as declared.
-    scatter : relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the
-        "belt"; empty where every event is like every other.
-    thinned : what was done to runs too long to be fitted reading by reading.
-    case : what was searched; `write_report` needs it.
+    title, verdict
+        What the case is called, and the `Verdict`.
+    effects
+        In order of weight; empty for `no_effect`.
+    before, after
+        Complete models, channels and noise included: the declared law identified alone, and with what was found.
+        `model` is `after`.
+    law, law_before
+        Numbers of the friction law in `after`, and in `before`: name -> Interval.
+    residual_before, residual_after, error
+        What is left on the train runs; the errors on the validate runs.
+    ranking, experiments
+        All rivals fitted, and experiments that would separate those that are tied, best first.
+    gate
+        The bootstrap: what noise alone would gain.
+    runs, spectrum
+        What the figures draw. The spectrum has "frequency" (angular, in the model's units) and, "before" and "after",
+        the mean normalised power of the residual, 1 for white noise (k,).
+    messages, seconds
+        Sentences a person should read (ties, one speed only, absorbed loads, ...); the time it took [s].
+    constants
+        What the runs say of declared constants, each with all others as declared, where that was asked: by the
+        model's number ("alpha2", "mass", ...), or by the channel of a gain, which is 1 where it is as declared.
+    scatter
+        Relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the "belt";
+        empty where every event is like every other.
+    thinned, case
+        What was done to runs too long to be fitted reading by reading; what was searched, for `write_report`.
 
     Examples
     --------

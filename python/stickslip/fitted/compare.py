@@ -40,14 +40,16 @@ class Comparison(Drawn):
     Attributes
     ----------
     rows : tuple of Row
+        The table, a row a quantity: measured, simulated, and the scatter of single measured cycles.
     measured, simulated : Track
         Displacement, velocity and modes of both sides on the same times; the simulation runs freely from the
         state estimated at the start.
     readings, simulated_readings : (n, c) arrays
+        Of the channels recorded, in the rig's units.
     units : mapping-like tuple
         Units of time, displacement and velocity in `rows`.
-    model : Model
-    recording : Recording
+    model, recording
+        What was compared.
     belt_speed : float
         v_b used, in the rig's units.
 

@@ -179,6 +179,7 @@ class Identified(SavedResult):
     reduced_chi2 : float
         Squared residual over noise per degree of freedom: 1 where noise alone remains.
     force : ForcePoints or None
+        Friction over sliding velocity, point by point, as the figure has it.
     events : Events or None
         Slips of a block on a belt, where friction was fitted event by event.
     scatter : Scatter or None
@@ -188,6 +189,7 @@ class Identified(SavedResult):
     fitted : Model or None
         Rig and law as fitted, where constants were fitted beside the law; else `rig` and `law` are the model.
     diagnostics : mapping of str to float
+        What else the fit tells: events, mean levels, their scatter, ...
     messages : tuple of str
         Sentences a person should read.
     thinned : tuple of Thinned

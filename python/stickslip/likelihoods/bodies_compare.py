@@ -36,10 +36,15 @@ class RigComparison(Drawn):
     Attributes
     ----------
     rows : tuple of Row
+        The table, a row a quantity: measured, simulated, and the scatter of what was measured.
     model, recording
-    t : (n,) times from the first window on, in s
-    channels : names of the readings
-    readings, simulated : (n, channels) measured, and a free run of the model with friction of the mean event
+        What was compared.
+    t : (n,)
+        Times from the first window on [s].
+    channels
+        Names of the readings.
+    readings, simulated : (n, channels)
+        Measured, and a free run of the model with friction of the mean event, in SI.
 
     Examples
     --------

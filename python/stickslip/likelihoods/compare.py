@@ -28,10 +28,13 @@ def compare(
     Parameters
     ----------
     model : Model
+        Complete model of the recording's rig.
     recording : Recording
+        A run, of a cycle at least.
     belt_speed : "set-point" or "plateau"
         As in `identify`; of a rig of bodies or matrices the set-point.
     progress : callable, optional
+        Called with what is being done and the share done.
 
     Returns
     -------

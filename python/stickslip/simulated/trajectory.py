@@ -62,12 +62,16 @@ class Transitions(Drawn):
 
     Attributes
     ----------
-    t : (k,) times.
-    state : (k, d) states at them.
-    before, after : (k,) modes in {-1, 0, 1}: the sign of v_w, 0 for stick. Of a rig of bodies or matrices (k, m), of
-        every contact.
-    sensitivity : (k, p) derivative of the times.
-    state_sensitivity : (k, d, p) derivative of the states at the (moving) times.
+    t : (k,)
+        Times.
+    state : (k, d)
+        States at them.
+    before, after : (k,) int8
+        Modes in {-1, 0, 1}: the sign of v_w, 0 for stick. Of a rig of bodies or matrices (k, m), of every contact.
+    sensitivity : (k, p)
+        d time / d parameter.
+    state_sensitivity : (k, d, p)
+        d state / d parameter, at the (moving) times.
 
     Examples
     --------
@@ -109,28 +113,40 @@ class Transitions(Drawn):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Sampled):
-    """What `simulate` returns.
+    """What `simulate` returns; `run.x1` is the column x1 of `state`, and so for every state and hidden state.
 
     Attributes
     ----------
-    t : (n,) times: `t_eval`, or the ends of the integrator's own steps.
-    state : (n, d) states in the order of `rig.state_names`.
-    mode : (n,) int8 in {-1, 0, 1}: the mode that holds from that time on. Of a rig of bodies or matrices (n, m), of
-        every contact.
-    hidden : name -> (n,) hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell; or of laws.
-    transitions : changes of the contact mode.
-    kinks : (j,) times at which a branch saturates or an effect switches, the mode staying.
-    sensitivity : (n, d, p) d state / d parameter at fixed time, parameters in the order asked for.
-    hidden_sensitivity : name -> (n, p).
-    status : how it ended.
-    steps : number of integration steps.
-    sensitivity_names, state_names : what the columns of `sensitivity` and `state` are.
-    hidden_names : hidden states that an effect or a law of the model has; of the others nothing hangs.
-    contact_names : contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
-    readings : channel -> (n,) what its sensor reads, of each that an effect of a rig of bodies or matrices acts on.
-    model, belt_speed : what was simulated.
-
-    States and hidden states go by their names, too: `run.x1` is the column of `state`.
+    t : (n,)
+        Times, in the rig's unit: `t_eval`, or the ends of the integrator's own steps.
+    state : (n, d)
+        States in the order of `rig.state_names`.
+    mode : (n,) int8
+        The mode in {-1, 0, 1} that holds from that time on. Of a rig of bodies or matrices (n, m), of every contact.
+    hidden : mapping of str to (n,)
+        Hidden states of effects: memory w, bristle z, belt b, lagged reading m, dwell; or of laws.
+    transitions : Transitions
+        Changes of the contact mode.
+    kinks : (j,)
+        Times at which a branch saturates or an effect switches, the mode staying.
+    sensitivity : (n, d, p)
+        d state / d parameter at fixed time, parameters in the order asked for.
+    hidden_sensitivity : mapping of str to (n, p)
+        The same of hidden states.
+    status : Status
+        How it ended.
+    steps : int
+        Number of integration steps.
+    sensitivity_names, state_names
+        What the columns of `sensitivity` and `state` are.
+    hidden_names
+        Hidden states that an effect or a law of the model has; of the others nothing hangs.
+    contact_names
+        Contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
+    readings : mapping of str to (n,)
+        What its sensor reads, of each channel that an effect of a rig of bodies or matrices acts on.
+    model, belt_speed
+        What was simulated.
 
     Examples
     --------

@@ -215,6 +215,7 @@ def remove_glitches(x: ArrayLike, glitches: Glitches) -> Floats:
     Parameters
     ----------
     x : array_like, shape (n,)
+        Channel.
     glitches : Glitches
         From `find_glitches`.
 

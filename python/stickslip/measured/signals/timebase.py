@@ -19,6 +19,7 @@ class TimeBase:
     Attributes
     ----------
     samples : int
+        How many times there are.
     dt : float
         Sampling interval: the median of the increasing steps [time].
     jitter : float

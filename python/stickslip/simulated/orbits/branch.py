@@ -81,6 +81,7 @@ class Branch(Sampled):
     values : (n,)
         The parameter.
     period : (n,)
+        Of the cycles, in the rig's unit of time.
     state : (n, d)
         On the section.
     states
@@ -88,6 +89,7 @@ class Branch(Sampled):
     multipliers : (n, m) complex
         Greatest first; nan at the end of a row where a state that has influence elsewhere has none.
     stable : (n,) bool
+        Does a small disturbance die out?
     stick_time : (n,)
         Time stuck in one period, all stick phases together.
     special

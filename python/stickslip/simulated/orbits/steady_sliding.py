@@ -24,9 +24,10 @@ class SteadySliding(Displayed):
 
     Attributes
     ----------
-    state : (d,) with x2 = y2 = 0.
-    eigenvalues : of the linearised motion, one for each state that has influence; stable if all real parts are
-        negative.
+    state : (d,)
+        The state, with x2 = y2 = 0.
+    eigenvalues : complex
+        Of the linearised motion, one for each state that has influence; stable if all real parts are negative.
 
     Examples
     --------
