@@ -48,6 +48,10 @@ def test_every_law_has_its_equations_and_every_number_a_unit(kind: str) -> None:
         assert row in page.split("## Parameters")[1]
 
 
+def test_a_unit_is_not_broken_over_lines() -> None:
+    assert "| N/m, N\N{NO-BREAK SPACE}s/m, N\N{NO-BREAK SPACE}s/m |" in laws.page(ALL_LAWS["lugre"])
+
+
 def test_a_formula_in_tex() -> None:
     assert tex("F_s*(1 + b*log(1 + dwell/tau))") == (
         r"F_{s}\,\left(1 + b\,\ln\left(1 + \frac{\mathrm{dwell}}{\tau}\right)\right)"

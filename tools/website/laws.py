@@ -162,12 +162,17 @@ def _table(law: type[FrictionLaw]) -> str:
         units = [] if twins else [law.dimensions[name].unit for name in names if name in law.dimensions]
         values = [default.get(name, dataclasses.MISSING) for name in names]
         given = [str(one) for one in values if one is not dataclasses.MISSING and one is not None]
-        lines.append(f"| {shown} | {escaped(words)} | {_once(units)} | {', '.join(given)} |")
+        lines.append(f"| {shown} | {escaped(words)} | {_whole(_once(units))} | {', '.join(given)} |")
     return "\n".join(lines) + "\n\nAt a contact that turns, N is N m and m is rad."
 
 
 def _once(words: list[str]) -> str:
     return words[0] if len(set(words)) == 1 else ", ".join(words)
+
+
+def _whole(units: str) -> str:
+    """Units that no line breaks within: N s/m."""
+    return ", ".join(one.replace(" ", "\N{NO-BREAK SPACE}") for one in units.split(", "))
 
 
 def _example(kind: str) -> str:
