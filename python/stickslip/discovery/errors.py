@@ -39,6 +39,7 @@ class Measured:
     rmse: tuple[float, float]
     prediction: Prediction
     samples: NDArray[np.int64]
+    band: tuple[Floats, Floats] | None = None  # of the readings at the samples
 
 
 def measure(model: Model, run: Data) -> Measured:

@@ -186,7 +186,8 @@ class RunView:
     `before`, `after` hold predicted readings: keys x1, y1 (and belt); `rate_*` is the rate of x1's.
     `state_before`/`state_after` are (n, 4) states, `force_before`/`force_after` the friction T and
     `speed_before`/`speed_after` v_w at the samples, `mode_*` in {-1, 0, 1}. Residuals are
-    (measured - predicted)/noise. For train runs the trajectories are the fits, for validate runs one-cycle-ahead
+    (measured - predicted)/noise. `low`, `high` are the 95 % band of the readings that the model after forecasts, where
+    friction scatters. For train runs the trajectories are the fits, for validate runs one-cycle-ahead
     forecasts stitched together.
     """
 
@@ -208,6 +209,8 @@ class RunView:
     force_after: Floats
     speed_before: Floats
     speed_after: Floats
+    low: Mapping[str, Floats] = field(default_factory=dict)
+    high: Mapping[str, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -233,13 +236,17 @@ class RunError:
 
 @dataclass(frozen=True)
 class ErrorBlock:
-    """`error` of report.json: one metric over all validate runs, and every run's table."""
+    """`error` of report.json: one metric over all validate runs, and every run's table.
+
+    `covered`: share of the validate runs' readings that the 95 % band of the model after holds; None without a band.
+    """
 
     metric: str
     before: float
     after: float
     floor: float
     runs: tuple[RunError, ...]
+    covered: float | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,13 @@ def train_view(run: Data, number: int, before: Fit, after: Fit) -> RunView:
 
 def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> RunView:
     """A run that was forecast; NaN before the first forecast."""
-    return view(run, _forecast(run, before), _forecast(run, after), rig)
+    seen = view(run, _forecast(run, before), _forecast(run, after), rig)
+    if after.band is None:
+        return seen
+    low, high = np.full((2, *run.readings.shape), np.nan)
+    low[after.samples, :2], high[after.samples, :2] = after.band
+    sides = [{c: side[:, i] for i, c in enumerate(run.channels[:2])} for side in (low, high)]
+    return replace(seen, low=sides[0], high=sides[1])
 
 
 def _fitted(fit: Fit, number: int) -> Made:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.band import band
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin
@@ -56,6 +57,10 @@ class Ahead:
     def mean(self) -> Floats:
         """Expected readings, (n, channels)."""
         return np.asarray(self.flown.readings[1:].mean(axis=0))
+
+    def band(self, noise: Floats, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        """Return the ends of the band that holds 95 % of the readings to come, (n, channels) each."""
+        return band(self.flown.readings[1:], noise, rng)
 
     @property
     def spread(self) -> Floats:

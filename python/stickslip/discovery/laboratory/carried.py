@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -64,7 +64,19 @@ def error_block(
         (was, _), (now, floor) = made[0], made[-1]
         kept[run.name] = (was, now)
         table.append(errors.row(run, recording, (was, now, floor)))
-    return errors.block(METRIC, table), kept
+    return replace(errors.block(METRIC, table), covered=_covered(runs, kept)), kept
+
+
+def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[Measured, Measured]]) -> float | None:
+    """Share of the readings that the bands of the model after hold."""
+    inside = []
+    for run in runs:
+        now = kept[run.name][1]
+        if now.band is not None:
+            low, high = now.band
+            read, good = run.readings[now.samples, :2], run.weight[now.samples, :2] > 0
+            inside.append(((low <= read) & (read <= high))[good])
+    return float(np.mean(np.concatenate(inside))) if inside else None
 
 
 def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | None:
@@ -81,8 +93,15 @@ def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | N
         longer = errors.rmse(_expected(two, run, [one.stop for one in two]), every, run)
     stops = [b for _, b in firsts]
     expected = _expected(short, run, stops)
-    measured = errors.compared(run, expected, samples, longer)
-    noise = run.noise[:2] * np.sqrt(fit.noise[:2])
+    noise = run.noise * np.sqrt(fit.noise)
+    rng = np.random.default_rng(seed)
+    sides = [one.band(noise, rng) for one in short]
+    low, high = (
+        np.concatenate([side[i][: b - a, :2] for side, (a, b) in zip(sides, firsts, strict=True)])
+        for i in range(2)
+    )
+    measured = replace(errors.compared(run, expected, samples, longer), band=(low, high))
+    noise = noise[:2]
     draws = [
         errors.compared(_as(run, _member(short, run, stops, k), samples), expected, samples, None)
         for k in range(1, KEPT)

@@ -388,6 +388,11 @@ def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
         f"{100 * sizes['kinetic'].value:.2g} %, the belt's speed by {100 * sizes['belt'].value:.2g} % (standard "
         "deviations); the law is that of the mean event"
     ]
+    if error.covered is not None:
+        out.append(
+            f"the 95 % band of forecasts of one cycle holds {100 * error.covered:.0f} % of the readings of runs "
+            "never used"
+        )
     if trial.terms and error.after > WORSE * error.before:
         out.append(
             f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "

@@ -58,6 +58,10 @@ def _panel(ax: Plot, found: Found, run: RunView, channel: str, axes: Axes) -> No
         alpha=0.45,
         label="measured",
     )
+    if channel in run.low:
+        low, high = (size * side[channel][::every] for side in (run.low, run.high))
+        name = "95 % of readings"
+        ax.fill_between(axes.t.size * t, low, high, color=AFTER, alpha=0.18, lw=0, label=name)
     models = [(run.before, run.state_before, BEFORE, DASH, before_name(found))]
     if found.effects:
         models.append((run.after, run.state_after, AFTER, "-", after_name(found)))
