@@ -367,3 +367,23 @@ def test_the_derivative_by_an_exponent_is_that_of_differences(delta: float) -> N
     want = (run(delta + step).state - run(delta - step).state) / (2 * step)
     assert len(found.transitions) > 2
     assert np.abs(found.sensitivity[:, :, 0] - want).max() < 1e-4 * np.abs(want).max()
+
+
+def test_the_derivative_by_a_bristle_in_steady_sliding_dies_out_as_in_closed_form() -> None:
+    """The bristle is constant, so its own series says nothing of how fast a disturbance goes: it grew to 1e43."""
+    k, sigma0, F_c, v = 2.0, 1e3, 1.0, 0.1
+    model = ss.Model(ss.BlockOnBelt(stiffness=k), friction=ss.DahlFriction(sigma0=sigma0, F_c=F_c))
+    t, rate, w = np.array([0.01, 0.05, 0.5, 4.0]), sigma0 * v / F_c, np.sqrt(k)
+    run = ss.simulate(
+        model,
+        belt_speed=v,
+        initial=(F_c / k, 0, -F_c / sigma0),
+        t_end=4,
+        t_eval=t,
+        sensitivity=["initial.z"],
+        **TIGHT,
+    )
+    np.testing.assert_allclose(run.hidden_sensitivity["z"][:, 0], np.exp(-rate * t), rtol=1e-9, atol=1e-12)
+    forced = -sigma0 / (rate**2 + k)  # x'' + k x = -sigma0 exp(-rate t)
+    want = forced * (np.exp(-rate * t) - np.cos(w * t) + rate / w * np.sin(w * t))
+    np.testing.assert_allclose(run.sensitivity[:, 0, 0], want, rtol=1e-9, atol=1e-12)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stickslip/bodies/corners.hpp"
+#include "stickslip/bodies/derivative_step.hpp"
 #include "stickslip/bodies/long_stretch.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -131,7 +132,7 @@ struct BodiesMachine {
       h = R(expand_at_zero(sys, order, opt.rtol, opt.atol, static_cast<double>(left)));
       return order;
     }
-    h = polynomial ? left : step_of_bodies(sys, curves, order, opt.rtol, opt.atol, left);
+    h = polynomial ? left : step_with_derivatives(sys, curves, order, opt.rtol, opt.atol, left);
     return order;
   }
 
