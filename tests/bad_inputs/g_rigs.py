@@ -62,7 +62,7 @@ def speed(_: Path) -> object:
     return ss.simulate(BLOCK, belt_speed="0.5*sin(w*t)", t_end=1)
 
 
-@bad_input(AREA, "a limit cycle of a law that is a formula")
+@bad_input(AREA, "a limit cycle on a belt that goes faster and faster")
 def cycle(_: Path) -> object:
     law = ss.StribeckFriction(F_c=1, F_s=2, v_s=0.1)
-    return ss.limit_cycle(ss.Model(ss.BlockOnBelt(), friction=law), belt_speed=0.1)
+    return ss.limit_cycle(ss.Model(ss.BlockOnBelt(), friction=law), belt_speed="0.1 + 0.01*t")

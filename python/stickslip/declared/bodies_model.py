@@ -138,7 +138,7 @@ def check_names_of_laws(contacts: Sequence[ContactRow], known: Collection[str]) 
 
 
 def check_closed_form(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect] = ()) -> None:
-    """Refuse what can be simulated and no more as yet: rigs of bodies or matrices, laws and effects that are formulas.
+    """Refuse what can be simulated and continued alone as yet: rigs of bodies or matrices, and formulas.
 
     Raises
     ------
@@ -149,9 +149,9 @@ def check_closed_form(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyE
         raise only_simulated(rig)
     for one in effects:
         if isinstance(one, FormulaEffect):
-            words = f"the effect '{one.name}', a formula, can be simulated on a named rig, and no more as yet"
+            words = f"the effect '{one.name}', a formula, can be simulated and continued alone as yet"
             raise InputError(words, key="effects")
     if type(friction) not in LAWS.values():
         kinds = ", ".join(LAWS)
-        words = f"the law '{friction.kind}' can be simulated, and no more as yet; this needs {kinds}"
+        words = f"the law '{friction.kind}' can be simulated and continued alone as yet; this needs {kinds}"
         raise InputError(words, key="friction")

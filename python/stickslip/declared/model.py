@@ -60,11 +60,11 @@ class Model(Drawn):
     Parameters
     ----------
     rig
-        `Rig` or `BlockOnBelt`; `BodiesRig` and `MatricesRig` can be simulated, and no more as yet.
+        `Rig`, `BlockOnBelt` or `DrivenSlider`; `BodiesRig` or `MatricesRig`.
     friction
-        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`; or a law that can be simulated, and no more as yet:
-        `StribeckFriction`, `TabulatedFriction`, `LuGreFriction`, `DahlFriction`, `RateAndStateFriction`,
-        `FormulaFriction`. Where contacts name their laws, a table of laws by name.
+        `PaperFriction`, `CoulombFriction` or `HyperbolicFriction`; or a law by a formula: `StribeckFriction`,
+        `TabulatedFriction`, `LuGreFriction`, `DahlFriction`, `RateAndStateFriction`, `FormulaFriction`. Where contacts
+        name their laws, a table of laws by name.
     effects
         From `effect` and `tabulated`, each name once; on a rig of bodies or matrices once a place.
     channels

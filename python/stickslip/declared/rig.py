@@ -353,9 +353,8 @@ AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig
 
 def only_simulated(rig: GeneralRig) -> InputError:
     """Return the error of what cannot yet be done with a rig of bodies or matrices."""
-    words = (
-        f"kind '{rig.kind}' can be simulated, and no more as yet; this needs 'two_degree' or 'block_on_belt'"
-    )
+    named = "this needs 'two_degree' or 'block_on_belt'"
+    words = f"kind '{rig.kind}' can be simulated and continued alone as yet; {named}"
     return InputError(words, key="rig")
 
 

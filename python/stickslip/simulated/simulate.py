@@ -23,6 +23,7 @@ from stickslip.simulated.states import HIDDEN, VISIBLE
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
 Floats = NDArray[np.float64]
+MOST_TRANSITIONS, MOST_STEPS = 1_000_000, 5_000_000  # of a run, if not said otherwise
 Mode = Literal["auto", "stick", "slip-", "slip+"]
 
 
@@ -41,8 +42,8 @@ def simulate(
     sensitivity: Sequence[str] = (),
     contact: Mode | Sequence[Mode] = "auto",
     locator: Literal["henon", "bracket"] = "henon",
-    max_transitions: int = 1_000_000,
-    max_steps: int = 5_000_000,
+    max_transitions: int = MOST_TRANSITIONS,
+    max_steps: int = MOST_STEPS,
     order: int | None = None,
     step: float | None = None,
 ) -> Trajectory:

@@ -62,12 +62,40 @@ def simulate_any(
     own = general(model, belt_speed, drive_speed)
     lowered = lower_bodies(own, model)
     visible, hidden = split_initial(own, initial)
-    modes = _modes(own, contact)
+    modes = contact_modes(own, contact)
     z = own.start(visible, hidden, settings["t_start"])
     seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
-    raw = _core.simulate_bodies(
-        **lowered.arguments, values=lowered.started(z), modes=modes, t_eval=times, seeds=seeds, **settings
-    )
+    settings["t_eval"] = times
+    return run_bodies(lowered, lowered.started(z), modes, names, seeds, belt_speed, **settings)
+
+
+def run_bodies(
+    lowered: LoweredBodies,
+    values: Floats,
+    modes: list[int],
+    names: tuple[str, ...],
+    seeds: Floats,
+    belt_speed: object,
+    **settings: Any,
+) -> Trajectory:
+    """Return the trajectory of a lowered model.
+
+    Parameters
+    ----------
+    lowered
+        From `lower_bodies`.
+    values : (size,)
+        Its numbers, the start among them.
+    modes
+        Of the contacts at the start, as the core has them.
+    names, seeds : (p,) and (p, size)
+        What to differentiate by.
+    belt_speed
+        As it was given.
+    settings
+        The rest of what `_core.simulate_bodies` takes.
+    """
+    raw = _core.simulate_bodies(**lowered.arguments, values=values, modes=modes, seeds=seeds, **settings)
     return _trajectory(raw, lowered, names, belt_speed)
 
 
@@ -89,7 +117,14 @@ def split_initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict
     return given[: len(names)].copy(), dict(zip(own.hidden, given[len(names) :].tolist(), strict=False))
 
 
-def _modes(own: General, contact: str | Sequence[str]) -> list[int]:
+def contact_modes(own: General, contact: str | Sequence[str]) -> list[int]:
+    """Return modes to start in as the core has them; one for all contacts, or each.
+
+    Raises
+    ------
+    InputError
+        An unknown mode, not one for every contact, or a stick of a law that has none.
+    """
     contacts = own.equations.contacts
     each: list[str] = [contact] * len(contacts) if isinstance(contact, str) else list(contact)
     if len(each) != len(contacts):
@@ -108,6 +143,8 @@ def _trajectory(
     own = lowered.own
     n, order = len(own.equations.names), list(own.order)
     hidden = slice(2 * n, 2 * n + len(own.hidden))
+    used = (own.equations.on_belt, own.equations.driven)
+    ways = [key for key, moves in zip(own.effects.keys, used, strict=True) if moves]
     alone = not isinstance(lowered.model.rig, GeneralRig)  # of a named rig the one contact is the mode
 
     def modes(given: NDArray[np.int8]) -> NDArray[np.int8]:
@@ -141,6 +178,8 @@ def _trajectory(
         belt_speed=None if belt_speed is None else Speed.of(belt_speed),
         contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
         readings=_readings(own, raw["t"], raw["state"].T),
+        travelled=dict(zip(ways, raw["state"].T[hidden.stop :].copy(), strict=True)),
+        travelled_sensitivity=dict(zip(ways, sensitivity.transpose(1, 0, 2)[hidden.stop :], strict=True)),
     )
 
 

@@ -145,6 +145,10 @@ class Trajectory(Sampled):
         Contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
     readings : mapping of str to (n,)
         What its sensor reads, of each channel that an effect of a rig of bodies or matrices acts on.
+    travelled : mapping of str to (n,)
+        How far the belt ("belt_speed") and the drive ("drive_speed") of a rig of bodies or matrices have come.
+    travelled_sensitivity : mapping of str to (n, p)
+        The same, differentiated.
     model, belt_speed
         What was simulated.
 
@@ -176,6 +180,8 @@ class Trajectory(Sampled):
     hidden_names: tuple[str, ...]
     contact_names: tuple[str, ...] = ()
     readings: dict[str, Floats] = field(default_factory=dict)
+    travelled: dict[str, Floats] = field(default_factory=dict)
+    travelled_sensitivity: dict[str, Floats] = field(default_factory=dict)
     model: Model | None = None
     belt_speed: float | Speed | None = None
 

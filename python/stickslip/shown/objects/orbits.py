@@ -46,7 +46,8 @@ def _cycle(one: LimitCycle) -> Description:
 
     def draw(ax: Axes) -> None:
         run = one.trajectory()
-        names = run.state_names[0], "x2" if "x2" in run.state_names else run.state_names[-1]
+        first = run.state_names[0]
+        names = first, "x2" if "x2" in run.state_names else f"v_{first}"
         x, v = (read[name].size * run.state[:, run.state_names.index(name)] for name in names)
         ax.plot(x, v, color=SIMULATED, lw=1.2)
         ax.set_xlabel(label(names[0], read[names[0]].unit))

@@ -43,7 +43,8 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
     branch
         From `continuation`.
     quantity
-        "x1_max" (of a rig moved from outside: x1 when it is looked at), "period" or "stick_time".
+        "x1_max" (of a rig moved from outside: x1 when it is looked at; of one of bodies or matrices: its first state
+        where the cycle is cut), "period" or "stick_time".
 
     Returns
     -------
@@ -70,6 +71,8 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
         _marks(ax, branch, columns[quantity])
         strobed = quantity == "x1_max" and branch.forced
         words = "$x_1$ once a period of what moves the rig" if strobed else LABELS[quantity]
+        if quantity == "x1_max" and branch.states[0] != "x1":
+            words = f"{branch.states[0]} where the cycle is cut"
         ax.set(xlabel=SYMBOLS.get(branch.parameter, branch.parameter), ylabel=words)
         handles, names = ax.get_legend_handles_labels()
         unique = dict(zip(names, handles, strict=True))

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.objects import Displayed, Sampled
 from stickslip.simulated.orbits.cycle import LimitCycle
-from stickslip.simulated.orbits.flow import Floats
-from stickslip.simulated.orbits.steady_sliding import Complexes
+from stickslip.simulated.orbits.flow import Complexes, Floats, Signature
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,7 +90,7 @@ class Branch(Sampled):
     stable : (n,) bool
         Does a small disturbance die out?
     stick_time : (n,)
-        Time stuck in one period, all stick phases together.
+        Time stuck in one period, all stick phases of all contacts together.
     special
         Bifurcations, in the same order.
     ends
@@ -166,12 +165,13 @@ def _table(rows: list[Complexes]) -> Complexes:
 
 
 def stick_time(cycle: LimitCycle) -> float:
-    """Time stuck in one period."""
+    """Time stuck in one period, of all contacts together."""
     tr = cycle.transitions
     if len(tr) == 0:
-        return cycle.period if cycle.contact == "stick" else 0.0
+        each = (cycle.contact,) if isinstance(cycle.contact, str) else cycle.contact
+        return cycle.period * each.count("stick")
     lasting = np.diff(np.append(tr.t, tr.t[0] + cycle.period))
-    return float(lasting[tr.after == 0].sum())
+    return float(lasting @ (tr.after == 0).reshape(len(tr), -1).sum(axis=1))
 
 
 @dataclass
@@ -232,15 +232,22 @@ def branch_of(
     )
 
 
-def kind_of(before: tuple[tuple[int, int], ...], after: tuple[tuple[int, int], ...]) -> Kind:
+def kind_of(before: Signature, after: Signature) -> Kind:
     """Name the sliding bifurcation between two sequences of contact modes."""
-    sticks = [sum(into == 0 for _, into in s) for s in (before, after)]
-    crossings = [sum(0 not in change for change in s) for s in (before, after)]
+    each = [_changes(before), _changes(after)]
+    sticks = [sum(into == 0 for _, into in s) for s in each]
+    crossings = [sum(0 not in change for change in s) for s in each]
     if (sticks[0] == 0) != (sticks[1] == 0):
         return "loss_of_stick"
     if crossings[0] != crossings[1]:
         return "crossing"
     return "grazing"
+
+
+def _changes(sequence: Signature) -> list[tuple[int, int]]:
+    """Modes (before, after) of every contact that changes its own, in order."""
+    pairs = [(np.atleast_1d(a), np.atleast_1d(b)) for a, b in sequence]
+    return [(int(a), int(b)) for one, other in pairs for a, b in zip(one, other, strict=True) if a != b]
 
 
 def flip_test(cycle: LimitCycle) -> float:

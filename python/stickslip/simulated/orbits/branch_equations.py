@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import StickslipError
 from stickslip.simulated.orbits.cycle import LimitCycle
-from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow
+from stickslip.simulated.orbits.flow import Arc, Contact, Floats, Flow, Signature, sticks_at
 from stickslip.simulated.orbits.limit_cycle import cycle_of
 
 CORRECTIONS = 10
@@ -29,7 +29,7 @@ class Point:
     contact: Contact
 
     @cached_property
-    def signature(self) -> tuple[tuple[int, int], ...]:
+    def signature(self) -> Signature:
         """Contact modes before and after each transition, from whichever makes this least: a cycle has no first."""
         modes = self.arc.signature
         return min((modes[k:] + modes[:k] for k in range(len(modes))), default=())
@@ -37,13 +37,17 @@ class Point:
 
 @dataclass(frozen=True)
 class Problem:
-    """The equations of a branch."""
+    """The equations of a branch.
+
+    `scale` (d + 2,) is 1 of the state, the period and the parameter, `unit` (d,) of the residual.
+    """
 
     flow: Flow
     parameter: str
     turns: int
     contact: Contact
     scale: Floats
+    unit: Floats
     tol: float
 
     @cached_property
@@ -63,10 +67,18 @@ class Problem:
         residual[:d] = arc.end - z
         jacobian[:d, :d] = arc.monodromy - np.eye(d)
         jacobian[:d, d], jacobian[:d, d + 1] = arc.rate, arc.by_parameter
-        if self.contact == "stick":  # the start is set on the belt, whatever z says
-            residual[1] = arc.start[1] - z[1]
-            jacobian[1] = 0.0
-            jacobian[1, 1], jacobian[1, d + 1] = -1.0, arc.start_by_parameter[1]
+        if sticks_at(self.contact):  # the start is set on the belt, whatever z says
+            rows = flow.held(self.contact)
+            onto = np.linalg.pinv(rows) @ rows
+            residual[:d] += onto @ (arc.start - arc.end)
+            jacobian[:d] -= onto @ jacobian[:d]
+            jacobian[:d, :d] -= onto
+            jacobian[:d, d + 1] += onto @ arc.start_by_parameter
+        if flow.free.size:  # it closes wherever it is: there it has the translation of a start, 0
+            along = np.eye(d) - flow.quotient
+            residual[:d] = flow.quotient @ residual[:d] + along @ z
+            jacobian[:d] = flow.quotient @ jacobian[:d]
+            jacobian[:d, :d] += along
         fixed = flow.idle(arc.monodromy) & (arc.monodromy == np.eye(d)).all(axis=1)
         for j in np.flatnonzero(
             fixed
@@ -74,7 +86,10 @@ class Problem:
             residual[j], jacobian[j] = z[j], 0.0
             jacobian[j, j] = 1.0
         self._last_row(flow, value, span, z, residual, jacobian)
-        return Point(x, residual, jacobian * self.scale, arc, flow, value, self.contact)
+        rows = np.append(self.unit, 1.0)
+        return Point(
+            x, residual / rows, jacobian * self.scale / rows[:, None], arc, flow, value, self.contact
+        )
 
     def _last_row(
         self, flow: Flow, value: float, span: float, z: Floats, residual: Floats, jacobian: Floats
@@ -82,12 +97,22 @@ class Problem:
         """On the section, or a whole number of periods of what moves the rig."""
         d, forcing = self.dimension, flow.forcing_period
         if forcing is None:
-            residual[d], jacobian[d, 1] = z[1], 1.0
+            row, level = flow.section
+            residual[d], jacobian[d, :d] = row @ z - level, row
+            jacobian[d, d + 1] = -self._level_moves(value)
             return
         h = 1e-6 * max(abs(value), 1e-3)
         beside = [self.flow.moved(self.parameter, value + s * h).forcing_period or forcing for s in (1, -1)]
         residual[d], jacobian[d, d] = span - self.turns * forcing, 1.0
         jacobian[d, d + 1] = -self.turns * (beside[0] - beside[1]) / (2 * h)
+
+    def _level_moves(self, value: float) -> float:
+        """How the section's level moves with the parameter: with the speed of the drive alone."""
+        if self.flow.section[1] == 0:
+            return 0.0
+        h = 1e-6 * max(abs(value), 1e-3)
+        ends = [self.flow.moved(self.parameter, value + s * h).section[1] for s in (1, -1)]
+        return (ends[0] - ends[1]) / (2 * h)
 
     def correct(self, x: Floats, across: Floats) -> tuple[Point, int] | None:
         """Newton's method in the plane through `x` normal to `across`; None if it does not converge."""
@@ -108,7 +133,12 @@ class Problem:
 
     def _closes(self, arc: Arc) -> bool:
         """Does it end where it began? The equations of a start in stick say nothing of the block's speed at the end."""
-        return self.contact != "stick" or abs(arc.end[1] - arc.start[1]) <= CLOSED * self.scale[1]
+        each = (self.contact,) if isinstance(self.contact, str) else self.contact
+        if any(one == "stick" and mode != 0 for one, mode in zip(each, arc.modes, strict=False)):
+            return False
+        rows = self.flow.held(self.contact)
+        apart = np.abs(rows @ (arc.end - arc.start))
+        return bool((apart <= CLOSED * np.abs(rows) @ self.scale[: self.dimension]).all())
 
     def tangent(self, point: Point, along: Floats) -> Floats:
         """Unit tangent of the branch, pointing to the side of `along`."""

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained, listed, whole_number
 from stickslip.declared.model import Model
+from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, StickslipError, number, unknown
-from stickslip.simulated.lowering import READ_ALONE
 from stickslip.simulated.orbits.branch import (
     Branch,
     Kind,
@@ -35,7 +35,8 @@ from stickslip.simulated.orbits.branch import (
 )
 from stickslip.simulated.orbits.branch_equations import Point, Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
-from stickslip.simulated.orbits.flow import Floats, Flow
+from stickslip.simulated.orbits.flow import SPEEDS, Floats, Flow
+from stickslip.simulated.orbits.flow_of import flow_of
 from stickslip.simulated.orbits.limit_cycle import check_states, limit_cycle
 from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, equilibrium
 
@@ -46,8 +47,9 @@ SMOOTH: tuple[Kind, ...] = ("fold", "flip", "neimark_sacker")
 @explained
 def continuation(
     model: Model,
-    belt_speed: float | None = None,
+    belt_speed: float | str | Speed | None = None,
     *,
+    drive_speed: float | str | Speed | None = None,
     parameter: str = "belt_speed",
     span: tuple[float, float],
     guess: ArrayLike | LimitCycle | None = None,
@@ -59,11 +61,11 @@ def continuation(
 
     Parameters
     ----------
-    model, belt_speed
-        The rig on its belt. The branch starts at its numbers; `belt_speed` may be left out where it is the
-        parameter, and the branch then starts in the middle of the span.
+    model, belt_speed, drive_speed
+        The rig and what moves it. The branch starts at its numbers; a speed may be left out where it is the parameter,
+        and the branch then starts in the middle of the span.
     parameter
-        "belt_speed" or a name in `model.parameters`.
+        "belt_speed", "drive_speed" or a name in `model.parameters`.
     span
         Least and greatest value.
     guess
@@ -104,12 +106,22 @@ def continuation(
     max_points, tol = whole_number("max_points", max_points), number("tol", tol, above=0, below=1e-2)
     if not isinstance(parameter, str):
         raise InputError("must be the name of a parameter", key="parameter", value=parameter)
-    name, speed, value = _start(model, belt_speed, parameter, (low, high))
-    flow = Flow(model, speed)
+    middle = 0.5 * (low + high)
+    if parameter == "belt_speed" and belt_speed is None:
+        belt_speed = middle
+    if parameter == "drive_speed" and drive_speed is None:
+        drive_speed = middle
+    flow = flow_of(model, belt_speed, drive_speed)
+    name, value = _start(flow, parameter, (low, high))
     if isinstance(guess, LimitCycle):
         check_states(guess, flow)
-    first = guess if isinstance(guess, LimitCycle) else limit_cycle(model, speed, guess)
-    problem = Problem(flow, name, first.turns, first.contact, _scale(first, high - low), tol)
+    first = (
+        guess
+        if isinstance(guess, LimitCycle)
+        else limit_cycle(model, belt_speed, guess, drive_speed=drive_speed)
+    )
+    scale, unit = _scale(flow, first, high - low)
+    problem = Problem(flow, name, first.turns, first.contact, scale, unit, tol)
     x = np.concatenate([first.state, [first.period, value]]) / problem.scale
     e = np.zeros(len(x))
     e[-1] = 1.0
@@ -125,31 +137,25 @@ def continuation(
     )
 
 
-def _start(
-    model: Model, belt_speed: float | None, parameter: str, span: tuple[float, float]
-) -> tuple[str, float, float]:
-    """Full name of the parameter, belt speed and value to start at."""
-    if parameter == "belt_speed":
-        value = 0.5 * (span[0] + span[1]) if belt_speed is None else number("belt_speed", belt_speed)
-        name, speed = parameter, value
-    else:
+def _start(flow: Flow, parameter: str, span: tuple[float, float]) -> tuple[str, float]:
+    """Full name of the parameter, and the value to start at."""
+    model, name = flow.model, parameter
+    if parameter not in SPEEDS:
         if parameter.startswith("initial."):
             raise unknown("parameter of a branch", parameter, ["belt_speed", *model.parameters])
         name = model.parameter_name(parameter)
-        if name.partition(".")[0] in READ_ALONE:
+        if name not in flow.plain.parameters:
             raise InputError("acts on the reading, not on the motion; no cycle depends on it", key=name)
-        if belt_speed is None:
-            raise InputError("missing; give the speed of the belt", key="belt_speed")
-        speed, value = number("belt_speed", belt_speed), model.parameters[name]
+    value = flow.value_of(name)
     if not span[0] <= value <= span[1]:
         raise InputError(f"the branch starts at {value:g}, outside {span[0]:g} to {span[1]:g}", key=name)
-    return name, speed, value
+    return name, value
 
 
-def _scale(cycle: LimitCycle, width: float) -> Floats:
-    states = cycle.trajectory(65).state
-    size = float(np.ptp(states, axis=0).max())
-    return np.concatenate([np.full(len(cycle.state), size), [cycle.period, width]])
+def _scale(flow: Flow, cycle: LimitCycle, width: float) -> tuple[Floats, Floats]:
+    """What is 1 of the state, the period and the parameter, and of the residual."""
+    size, unit = flow.scales(flow.full(cycle.trajectory(65)))
+    return np.concatenate([size, [cycle.period, width]]), unit
 
 
 @dataclass
@@ -194,9 +200,11 @@ class Walk:
                 points += self._at_the_end(last, point)
                 trace.end = "span"
                 break
-            if self.problem.flow.forcing_period is None and point.arc.rate[1] > 0:  # amplitude below 0
-                special += self._birth(last, len(points))
-                trace.end = "hopf"
+            if (
+                self.problem.flow.forcing_period is None and point.flow.section[0] @ point.arc.rate > 0
+            ):  # amplitude below 0
+                special += (born := self._birth(last, len(points)))
+                trace.end = "hopf" if born else "no_convergence"
                 break
             if round_again := comes_round(points, first, point):
                 trace.end, met = round_again
@@ -224,15 +232,14 @@ class Walk:
 
     def _strobed(self, last: Point, tangent: Floats) -> tuple[Problem, Point] | None:
         """Beyond where the instant at which a forced cycle is looked at leaves a stick, or comes into one."""
-        if self.problem.flow.forcing_period is None:
-            return None
-        other = replace(self.problem, contact="auto" if last.contact == "stick" else "stick")
-        for step in (1e-6, 1e-5, 1e-4, 1e-3):
-            ahead = other.correct(last.x + step * tangent, tangent)
-            if ahead is None or not np.linalg.norm(ahead[0].x - last.x) < 3 * step:
-                continue
-            if ahead[0].signature == last.signature and not self._outside(ahead[0]):
-                return other, ahead[0]
+        for contact in self.problem.flow.strobed(last.contact):
+            other = replace(self.problem, contact=contact)
+            for step in (1e-6, 1e-5, 1e-4, 1e-3):
+                ahead = other.correct(last.x + step * tangent, tangent)
+                if ahead is None or not np.linalg.norm(ahead[0].x - last.x) < 3 * step:
+                    continue
+                if ahead[0].signature == last.signature and not self._outside(ahead[0]):
+                    return other, ahead[0]
         return None
 
     def _outside(self, point: Point) -> bool:
@@ -343,9 +350,8 @@ class Walk:
 
     def _turn(self, last: Point) -> tuple[Point, Floats] | None:
         """Go on from a corner of the branch: tangents of the other side, from states moved a little over to it."""
-        d = self.problem.dimension
         for size in (1e-5, 1e-4, 1e-3):
-            for i in (k for k in range(d) if k != 1):
+            for i in np.flatnonzero(self.problem.flow.section[0] == 0).tolist():
                 for way in (-1.0, 1.0):
                     x = last.x.copy()
                     x[i] += way * size

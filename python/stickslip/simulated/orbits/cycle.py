@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.arguments import whole_number
 from stickslip.declared.model import Model
 from stickslip.objects import Drawn
-from stickslip.simulated.orbits.flow import Contact, Floats, Flow
-from stickslip.simulated.orbits.steady_sliding import Complexes
+from stickslip.simulated.orbits.flow import BeltSpeed, Complexes, Contact, Floats, Flow, sticks_at
+from stickslip.simulated.orbits.flow_of import flow_of
 from stickslip.simulated.trajectory import Trajectory, Transitions
 
 
@@ -23,7 +23,8 @@ class LimitCycle(Drawn):
     period
         Its period.
     state : (d,)
-        State on the section: x2 = 0 going down (x1 greatest), or at t = 0 of what moves the rig.
+        State on the section: x2 = 0 going down (x1 greatest), or at t = 0 of what moves the rig. After a period a
+        drive has carried the coordinates along, and what no spring holds has moved on.
     states
         Names of the states; hidden ones of effects after the visible ones.
     transitions
@@ -34,18 +35,19 @@ class LimitCycle(Drawn):
         d state one period later / d state.
     multipliers : (d - 1,) complex
         Floquet multipliers of the return map, greatest modulus first; (d,) for a rig moved from outside. The
-        multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0. A hidden state
-        without influence on this cycle, as the time at rest where nothing sticks, has none.
+        multiplier 1 along an autonomous cycle is not among them. A stick phase makes one exactly 0, contacts that stick
+        at the same time one each. A hidden state without influence on this cycle, as the time at rest where nothing
+        sticks, has none; nor has a translation of what no spring holds.
     residual
         Greatest difference between the state and that one period later, in the model's own scale (see `limit_cycle`).
     iterations
         Newton steps taken.
     turns
         Crossings of the section, or periods of what moves the rig, in one period.
-    belt_speed, model
+    belt_speed, drive_speed, model
         What it is a cycle of.
     contact
-        Mode at the section.
+        Mode at the section; of several contacts, of each.
 
     Examples
     --------
@@ -70,9 +72,10 @@ class LimitCycle(Drawn):
     residual: float
     iterations: int
     turns: int
-    belt_speed: float
+    belt_speed: BeltSpeed
     model: Model = field(repr=False)
     contact: Contact = "auto"
+    drive_speed: BeltSpeed = None
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.states, self.state, strict=True))
@@ -97,18 +100,25 @@ class LimitCycle(Drawn):
     @property
     def sticks(self) -> bool:
         """Has it a stick phase?"""
-        return self.contact == "stick" or bool(np.any(self.transitions.after == 0))
+        return sticks_at(self.contact) or bool(np.any(self.transitions.after == 0))
 
     @property
     def initial(self) -> Floats:
-        """State on the section as `simulate` takes it: all hidden states, also those that the model has not, as 0."""
-        return Flow(self.model, self.belt_speed).initial(self.state)
+        """State on the section as `simulate` takes it.
+
+        Of a named rig with all hidden states, also those that the model has not, as 0.
+        """
+        return self.flow.initial(self.state)
+
+    @property
+    def flow(self) -> Flow:
+        """The motion of its model."""
+        return flow_of(self.model, self.belt_speed, self.drive_speed)
 
     def trajectory(self, samples: int = 400) -> Trajectory:
         """Simulate one period at `samples` even times, both ends included."""
         samples = whole_number("samples", samples, least=2, most=10**7)
-        flow = Flow(self.model, self.belt_speed)
-        return flow.run(self.state, even(self.period, samples), contact=self.contact)
+        return self.flow.run(self.state, even(self.period, samples), contact=self.contact)
 
 
 def even(span: float, samples: int) -> Floats:

@@ -11,7 +11,7 @@ from stickslip.arguments import explained, must_be, texts
 from stickslip.objects import Displayed
 from stickslip.simulated.orbits.branch_equations import Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
-from stickslip.simulated.orbits.flow import Floats, Flow
+from stickslip.simulated.orbits.flow import SPEEDS, Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivi
     cycle
         From `limit_cycle`, or a branch's special point.
     names
-        "belt_speed" or names in `model.parameters`.
+        "belt_speed", "drive_speed" or names in `model.parameters`.
 
     Returns
     -------
@@ -79,13 +79,13 @@ def cycle_sensitivity(cycle: LimitCycle, names: Sequence[str]) -> CycleSensitivi
     """
     must_be("cycle", cycle, LimitCycle, "limit_cycle(model, belt_speed) gives one")
     chosen = texts("names", names, "parameter names")
-    flow = Flow(cycle.model, cycle.belt_speed)
+    flow = cycle.flow
     d = len(cycle.state)
     columns = np.empty((d + 1, len(chosen)))
     for k, given in enumerate(chosen):
-        name = given if given == "belt_speed" else cycle.model.parameter_name(given)
-        value = cycle.belt_speed if name == "belt_speed" else cycle.model.parameters[name]
-        problem = Problem(flow, name, cycle.turns, cycle.contact, np.ones(d + 2), 1e-10)
+        name = given if given in SPEEDS else cycle.model.parameter_name(given)
+        value = flow.value_of(name)
+        problem = Problem(flow, name, cycle.turns, cycle.contact, np.ones(d + 2), np.ones(d), 1e-10)
         jacobian = problem.at(np.concatenate([cycle.state, [cycle.period, value]])).jacobian
         columns[:, k] = -np.linalg.solve(jacobian[:, :-1], jacobian[:, -1])
     return CycleSensitivity(chosen, columns[d], columns[:d])

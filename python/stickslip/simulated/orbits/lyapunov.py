@@ -11,15 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
 from stickslip.declared.model import Model
+from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, number
 from stickslip.objects import Sampled
-from stickslip.simulated.orbits.flow import Contact, Floats, Flow, wiped_out
-
-Flags = NDArray[np.bool_]
+from stickslip.simulated.orbits.flow import Contact, Flags, Floats, Flow, modes_through
+from stickslip.simulated.orbits.flow_of import flow_of
 
 ALIGN = 20  # intervals in which the tangent vectors turn into place, not counted
 BATCHES = 20  # for the error of a time average
@@ -37,7 +37,7 @@ class LyapunovSpectrum(Sampled):
     exponents : (d,)
         Greatest first; -inf for a direction that stick wipes out. An autonomous motion that does not come to
         rest has one exponent 0, along itself. Time is not a state: a rig moved from outside has no such 0.
-        A hidden state that never had influence has none.
+        A hidden state that never had influence has none, nor has a translation of what no spring holds.
     standard_error : (d,)
         Of each exponent as a time average, from the scatter of 20 batch means; nan where it is -inf.
     t : (k,)
@@ -89,7 +89,8 @@ class LyapunovSpectrum(Sampled):
 def lyapunov(
     model: Model,
     *,
-    belt_speed: float,
+    belt_speed: float | str | Speed | None = None,
+    drive_speed: float | str | Speed | None = None,
     initial: ArrayLike | None = None,
     t_end: float,
     transient: float = 0.0,
@@ -100,10 +101,11 @@ def lyapunov(
 
     Parameters
     ----------
-    model, belt_speed
-        The rig on its belt.
+    model, belt_speed, drive_speed
+        The rig and what moves it.
     initial
-        State (d,) to start from at t = 0, hidden states after the visible ones; at rest at the origin if absent.
+        State (d,) to start from at t = 0, hidden states after the visible ones; at rest at the origin if absent
+        (moving with the drive, springs slack).
     t_end
         When to stop.
     transient
@@ -131,7 +133,7 @@ def lyapunov(
     >>> found.chaotic
     False
     """
-    flow = Flow(model, number("belt_speed", belt_speed), number("tolerance", tolerance, above=0))
+    flow = flow_of(model, belt_speed, drive_speed, number("tolerance", tolerance, above=0))
     natural = 2 * np.pi * flow.natural_time
     forcing = _forcing(flow)
     step = (forcing or natural) if interval is None else number("interval", interval, above=0)
@@ -145,7 +147,7 @@ def lyapunov(
     contact: Contact = "auto"
     if wait > 0:
         run = flow.run(z, [wait])
-        z, contact = flow.full(run)[-1], _contact(int(run.mode[-1]))
+        z, contact = flow.full(run)[-1], flow.contact(np.atleast_1d(run.mode[-1]))
     start, kept = z, np.ones(len(z), dtype=bool)
     growth, z, idle = _growth(flow, start, contact, wait, step, count, kept)
     if idle.any():  # followed once more without what has no influence
@@ -161,15 +163,11 @@ def _forcing(flow: Flow) -> float | None:
         return None
 
 
-def _contact(mode: int) -> Contact:
-    return "stick" if mode == 0 else "slip-" if mode < 0 else "slip+"
-
-
 def _growth(
     flow: Flow, z: Floats, contact: Contact, begin: float, step: float, count: int, kept: Flags
 ) -> tuple[Floats, Floats, Flags]:
     """Logarithms (count, d) of the tangent vectors' growth over each interval, the last state, and what was idle."""
-    d = int(kept.sum())
+    d = flow.basis(~kept).shape[1]
     q, growth, idle = np.eye(d), np.empty((count, d)), np.ones(len(z), dtype=bool)
     for k in range(-ALIGN, count):
         z, contact, q, logs = _stretch(flow, z, contact, q, begin + (k + ALIGN) * step, step, kept, idle)
@@ -197,13 +195,13 @@ def _stretch(
     run = flow.run(z, [start + step], seeds=flow.seeds(), contact=contact, start=start)
     jacobian = flow.jacobian(run)[-1]
     idle &= flow.idle(jacobian)
-    turned, r = np.linalg.qr(jacobian[np.ix_(kept, kept)] @ q)
+    basis = flow.basis(~kept)
+    turned, r = np.linalg.qr(basis.T @ jacobian @ basis @ q)
     sizes = np.abs(np.diag(r))
     most = sizes.max(initial=0.0)
-    inside = run.transitions.t <= start + step
-    sticks = contact == "stick" or bool(np.any(run.transitions.after[inside] == 0))
+    lost = flow.wiped_out(modes_through(run, start + step))
     gone = np.zeros(len(sizes), dtype=bool)
-    gone[np.argsort(sizes)[: wiped_out(flow, sticks)]] = True
+    gone[np.argsort(sizes)[:lost]] = True
     gone &= sizes <= max(NOTHING, SHOWS * flow.tolerance) * most
     if halvings < MOST_HALVINGS and np.any(~gone & (sizes <= NOTHING * most)):
         logs = np.zeros(len(sizes))
@@ -215,7 +213,7 @@ def _stretch(
         return z, contact, q, logs
     gone |= sizes == 0
     logs = np.where(gone, -np.inf, np.log(np.where(gone, 1.0, sizes)))
-    return flow.full(run)[-1], _contact(int(run.mode[-1])), turned, logs
+    return flow.full(run)[-1], flow.contact(np.atleast_1d(run.mode[-1])), turned, logs
 
 
 def _spectrum(flow: Flow, growth: Floats, step: float, wait: float, z: Floats) -> LyapunovSpectrum:

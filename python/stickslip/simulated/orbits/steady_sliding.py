@@ -1,31 +1,31 @@
-"""Steady sliding: the block at rest, the belt slipping under it."""
+"""Steady sliding: the block at rest, the belt slipping under it; or all bodies moving evenly with the drive."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip.arguments import explained
 from stickslip.declared.model import Model
-from stickslip.errors import InputError, StickslipError, number
+from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError, StickslipError
 from stickslip.objects import Displayed
-from stickslip.simulated.orbits.flow import Contact, Floats, Flow
-
-Complexes = NDArray[np.complex128]
+from stickslip.simulated.orbits.flow import Complexes, Floats, Flow
+from stickslip.simulated.orbits.flow_of import flow_of
 
 NEWTON_STEPS = 30
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SteadySliding(Displayed):
-    """The equilibrium in which the block rests and the belt slides under it.
+    """The equilibrium in which the block rests and the belt slides under it, or the drive pulls evenly.
 
     Attributes
     ----------
     state : (d,)
-        The state, with x2 = y2 = 0.
+        The state, with x2 = y2 = 0; of a rig that is driven, the drive at 0.
     eigenvalues : complex
         Of the linearised motion, one for each state that has influence; stable if all real parts are negative.
 
@@ -72,15 +72,21 @@ class NoLimitCycleError(StickslipError):
 
 
 @explained
-def steady_sliding(model: Model, belt_speed: float, guess: ArrayLike | None = None) -> SteadySliding:
-    """Find the equilibrium with the belt sliding under the block, and its eigenvalues.
+def steady_sliding(
+    model: Model,
+    belt_speed: float | str | Speed | None = None,
+    guess: ArrayLike | None = None,
+    *,
+    drive_speed: float | str | Speed | None = None,
+) -> SteadySliding:
+    """Find the equilibrium in which every contact slides evenly, and its eigenvalues.
 
     Parameters
     ----------
-    model, belt_speed
-        The rig on its belt; autonomous, the belt moving.
+    model, belt_speed, drive_speed
+        The rig and what moves it, evenly.
     guess
-        State (d,) to start Newton's method from; the origin if absent.
+        State (d,) to start Newton's method from; the origin if absent. Its speeds count for what no spring holds alone.
 
     Returns
     -------
@@ -92,7 +98,7 @@ def steady_sliding(model: Model, belt_speed: float, guess: ArrayLike | None = No
     NoLimitCycleError
         Newton's method does not converge to a point at which the block slips.
     InputError
-        The belt stands still, or the model depends on time.
+        The belt stands still, a contact does not slide, or the model depends on time.
 
     Examples
     --------
@@ -102,30 +108,26 @@ def steady_sliding(model: Model, belt_speed: float, guess: ArrayLike | None = No
     >>> print(f"x1 = {rest.state[0]:.4f}, stable: {rest.stable}")
     x1 = 0.1429, stable: True
     """
-    flow = Flow(model, number("belt_speed", belt_speed))
-    if flow.belt_speed == 0:
-        raise InputError("steady sliding needs a moving belt", key="belt_speed", value=0.0)
+    flow = flow_of(model, belt_speed, drive_speed)
     if flow.forcing_period is not None:
         raise InputError("the model depends on time: it has no equilibrium")
     return equilibrium(flow, flow.state(guess, "guess"))
 
 
 def equilibrium(flow: Flow, guess: Floats) -> SteadySliding:
-    """Solve phi(h, z) = z for a state at which the block slips; the flow's eigenvalues give the motion's."""
-    span = 0.25 * flow.natural_time
-    contact: Contact = "slip-" if flow.belt_speed > 0 else "slip+"
-    z, names, size = guess.copy(), flow.states, flow.size
-    for name in ("x2", "y2"):
-        if name in names:
-            z[names.index(name)] = 0.0
+    """Solve for the state by Newton's method; the eigenvalues are those of the last step."""
+    z, size, last = flow.in_steady_sliding(guess), flow.size, np.inf
     for _ in range(NEWTON_STEPS):
-        arc = flow.arc(z, span, contact=contact)
-        gap, closing = (arc.end - arc.start) / size, arc.monodromy * size / size[:, None] - np.eye(len(z))
-        z = z - size * np.linalg.lstsq(closing, gap, rcond=1e-13)[0]
-        if np.abs(gap).max() < 1e-13 * max(1.0, float(np.abs(z / size).max())):
+        near = flow.linear(z)
+        closing = near.closing * size / size[:, None]
+        change = np.linalg.lstsq(closing, near.gap / size, rcond=1e-13)[0]
+        z = z - size * change
+        far = float(np.abs(change).max()) / max(1.0, float(np.abs(z / size).max()))
+        if far < 1e-13 or (far < 1e-9 and far >= 0.5 * last):  # as far as it goes
             break
+        last = far
     else:
         raise NoLimitCycleError("neither a cycle nor steady sliding found")
-    kept = ~flow.idle(arc.monodromy)
-    values = np.log(np.linalg.eigvals(arc.monodromy[np.ix_(kept, kept)]).astype(np.complex128)) / span
-    return SteadySliding(z, np.asarray(values[np.argsort(-values.real)], dtype=np.complex128))
+    return SteadySliding(
+        z, np.asarray(near.eigenvalues[np.argsort(-near.eigenvalues.real)], dtype=np.complex128)
+    )
