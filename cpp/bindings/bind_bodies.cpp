@@ -4,41 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "bodies_results.hpp"
 #include "bodies_tapes.hpp"
-#include "results.hpp"
-#include "stickslip/bodies/record.hpp"
 
 namespace stickslip::bindings {
 
 namespace {
-
-py::dict as_dict(BodiesRecord&& r) {
-  const auto n = static_cast<py::ssize_t>(r.t.size()), k = static_cast<py::ssize_t>(r.event_t.size());
-  const auto p = static_cast<py::ssize_t>(r.seeds), kinks = static_cast<py::ssize_t>(r.kink_t.size());
-  const auto d = static_cast<py::ssize_t>(r.states), m = static_cast<py::ssize_t>(r.contacts);
-  py::dict out;
-  out["t"] = as_array(std::move(r.t), {n});
-  out["state"] = as_array(std::move(r.state), {n, d});
-  out["mode"] = as_array(std::move(r.mode), {n, m});
-  out["sensitivity"] = as_array(std::move(r.sensitivity), {n, d, p});
-  out["transition_t"] = as_array(std::move(r.event_t), {k});
-  out["transition_state"] = as_array(std::move(r.event_state), {k, d});
-  out["transition_before"] = as_array(std::move(r.event_before), {k, m});
-  out["transition_after"] = as_array(std::move(r.event_after), {k, m});
-  out["transition_sensitivity"] = as_array(std::move(r.event_sensitivity), {k, d + 1, p});
-  out["kink_t"] = as_array(std::move(r.kink_t), {kinks});
-  out["outcome"] = r.summary.outcome;
-  out["t_reached"] = r.summary.t;
-  out["steps"] = r.summary.steps;
-  return out;
-}
 
 py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>& laws,
                          const IndexVector& contact_speed, const std::vector<Speed>& speeds,
                          const std::vector<Formulas>& pushes, int parameters, const ConstVector& values,
                          const std::vector<int>& modes, double t_start, double t_end,
                          const std::optional<ConstVector>& t_eval, double rtol, double atol, Locator locator,
-                         const ConstMatrix& seeds, long max_transitions, long max_steps) {
+                         const ConstMatrix& seeds, long max_transitions, long max_steps, bool sensed) {
   check(contact_speed.size() == static_cast<Eigen::Index>(laws.size()) && modes.size() == laws.size(),
         "a speed and a mode for every contact");
   const Model model = model_of(n, laws, contact_speed, speeds, pushes, parameters);
@@ -63,7 +41,8 @@ py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>
                               static_cast<int>(seeds.rows()),
                               seeds.data(),
                               max_transitions,
-                              max_steps};
+                              max_steps,
+                              sensed};
   BodiesRecord r = released([&] { return record_bodies(request, interrupted); });
   if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
   return as_dict(std::move(r));
@@ -114,7 +93,8 @@ void bind_bodies(py::module_& m) {
         py::arg("contact_speed").noconvert(), py::arg("speeds"), py::arg("pushes") = std::vector<Formulas>{},
         py::arg("parameters"), py::arg("values").noconvert(), py::arg("modes"), py::arg("t_start"), py::arg("t_end"),
         py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),
-        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("max_steps") = most_steps);
+        py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("max_steps") = most_steps,
+        py::arg("sensed") = false);
 }
 
 }  // namespace stickslip::bindings

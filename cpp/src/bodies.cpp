@@ -66,6 +66,7 @@ void on_sample(void* context, double t, const double* state, const double* deriv
     if (c.first == 0) {
       out.t.pop_back();
       out.state.resize(out.state.size() - out.states);
+      out.sensed.resize(out.sensed.size() - out.senses);
       out.mode.resize(out.mode.size() - out.contacts);
     }
   }
@@ -73,8 +74,10 @@ void on_sample(void* context, double t, const double* state, const double* deriv
   if (c.first == 0) {
     out.t.push_back(t);
     out.state.insert(out.state.end(), state, state + out.states);
+    out.sensed.insert(out.sensed.end(), state + out.states, state + out.states + out.senses);
     out.mode.insert(out.mode.end(), modes, modes + out.contacts);
   }
+  if (out.senses > 0) c.place(out.sensed_sensitivity, c.row, out.senses, derivatives + out.states * c.count);
   c.place(out.sensitivity, c.row++, out.states, derivatives);
 }
 
@@ -102,6 +105,7 @@ BodiesRecord record_bodies(const BodiesRequest& request, bool (*interrupted)(voi
   out.seeds = static_cast<std::size_t>(request.n_seeds);
   out.states = static_cast<std::size_t>(at.state);
   out.contacts = static_cast<std::size_t>(request.bodies->contacts);
+  out.senses = request.sensed ? static_cast<std::size_t>(sensed_count(*request.bodies)) : 0;
   for (int group = 0; group < dispatch::seed_groups(request.n_seeds); ++group) {
     const auto [first, count] = dispatch::seed_group(request.n_seeds, group);
     BodiesRequest part = request;

@@ -182,6 +182,7 @@ def simulate_bodies(
     seeds: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
     max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
+    sensed: bool = False,
 ) -> dict[str, object]: ...
 def simulate_windows(
     *,

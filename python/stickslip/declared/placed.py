@@ -72,6 +72,8 @@ class Placed:
         By full name.
     direction, force
         A force on the coordinates, (n,), and its size.
+    link
+        The link that it acts in, where it does.
     contact, acts
         Index of the contact whose law it changes; its formulas by what they are ("factor", "peak", "aging", "bristle").
     number
@@ -88,6 +90,7 @@ class Placed:
     numbers: Mapping[str, float]
     states: tuple[PlacedState, ...] = ()
     direction: Floats | None = None
+    link: str = ""
     force: Tree | None = None
     contact: int | None = None
     acts: Mapping[str, Tree] | None = None
@@ -256,7 +259,8 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
         case "force":
             direction, site = places.force(where)
             force, states = _formulas(effect, acts, {"force": acts.force}, site)
-            return Placed(effect.label, numbers, states, direction=direction, force=force["force"])
+            link = where if where in [one.name for one in places.own.links] else ""
+            return Placed(effect.label, numbers, states, direction, link, force["force"])
         case "reading":
             if effect.where.removesuffix(CHANNEL) in places.states:  # "x1 channel", where the rig has an x1
                 where = effect.where

@@ -162,7 +162,7 @@ class LoweredBodies:
         """Return what the matrices move by with a number of the rig; exact, for what moves with its square at most."""
         size = self.model.parameters[name]
         step = NOMINAL * (abs(size) or 1.0)
-        ends = [_moved(self.model, name, size + one) for one in (-step, step)]
+        ends = [moved_equations(self.model, name, size + one) for one in (-step, step)]
         low, high = (_matrices(one, self.own, self.layout) for one in ends)
         return (high - low) / (2 * step)
 
@@ -344,8 +344,8 @@ def _matrices(eq: Equations, own: General, layout: Mapping[str, int]) -> Floats:
     return out
 
 
-def _moved(model: Model, name: str, size: float) -> Equations:
-    """Equations of a model with one number of its rig changed."""
+def moved_equations(model: Model, name: str, size: float) -> Equations:
+    """Return the equations of a model with one number of its rig changed."""
     if isinstance(model.rig, GeneralRig):
         return model.rig.moved({name: size})
     rig = copy(model.rig)

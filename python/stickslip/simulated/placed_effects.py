@@ -21,11 +21,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Push:
-    """A force on a direction (n,), and states; without a direction the states alone."""
+    """A force on a direction (n,), of a link if it names one, and states; without a direction these alone."""
 
     direction: Floats
     force: Tree
     states: tuple[PlacedState, ...]
+    link: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ def effects_of(effects: Sequence[AnyEffect], places: Places) -> Effects:
     zero = np.zeros(places.n)
     for one in found:
         if one.direction is not None and one.force is not None:
-            pushes.append(Push(one.direction, one.force, one.states))
+            pushes.append(Push(one.direction, one.force, one.states, one.link))
         elif one.channel is not None and one.reading is not None:
             true = places.states[one.channel]
             seen = _after(true, readings.get(one.channel, true))

@@ -21,6 +21,7 @@ from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, number
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import General, general
+from stickslip.simulated.sensed import sensed
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
 Floats = NDArray[np.float64]
@@ -65,7 +66,7 @@ def simulate_any(
     modes = contact_modes(own, contact)
     z = own.start(visible, hidden, settings["t_start"])
     seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
-    settings["t_eval"] = times
+    settings |= {"t_eval": times, "sensed": isinstance(model.rig, GeneralRig)}
     return run_bodies(lowered, lowered.started(z), modes, names, seeds, belt_speed, **settings)
 
 
@@ -151,6 +152,7 @@ def _trajectory(
         return given[:, 0].copy() if alone else given
 
     events = raw["transition_sensitivity"]
+    seen_by, slopes = ({}, {}) if alone else sensed(lowered, raw, names)
     transitions = Transitions(
         t=raw["transition_t"],
         state=raw["transition_state"][:, order],
@@ -180,6 +182,8 @@ def _trajectory(
         readings=_readings(own, raw["t"], raw["state"].T),
         travelled=dict(zip(ways, raw["state"].T[hidden.stop :].copy(), strict=True)),
         travelled_sensitivity=dict(zip(ways, sensitivity.transpose(1, 0, 2)[hidden.stop :], strict=True)),
+        sensed=seen_by,
+        sensed_sensitivity=slopes,
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError, did_you_mean
 from stickslip.objects import Drawn, Sampled
 
 Floats = NDArray[np.float64]
@@ -149,6 +150,11 @@ class Trajectory(Sampled):
         How far the belt ("belt_speed") and the drive ("drive_speed") of a rig of bodies or matrices have come.
     travelled_sensitivity : mapping of str to (n, p)
         The same, differentiated.
+    sensed : mapping of str to (n,)
+        Of a rig of bodies or matrices, by channel: accelerations `a_NAME`, forces in links `F_link_1`, friction at
+        contacts `T_NAME`. At a jump, the value after it.
+    sensed_sensitivity : mapping of str to (n, p)
+        The derivatives of these.
     model, belt_speed
         What was simulated.
 
@@ -182,6 +188,8 @@ class Trajectory(Sampled):
     readings: dict[str, Floats] = field(default_factory=dict)
     travelled: dict[str, Floats] = field(default_factory=dict)
     travelled_sensitivity: dict[str, Floats] = field(default_factory=dict)
+    sensed: dict[str, Floats] = field(default_factory=dict, repr=False)
+    sensed_sensitivity: dict[str, Floats] = field(default_factory=dict, repr=False)
     model: Model | None = None
     belt_speed: float | Speed | None = None
 
@@ -195,12 +203,73 @@ class Trajectory(Sampled):
                 return self.hidden[name]
             if name in self.modes:
                 return np.asarray(self.modes[name])
+            if name in own.get("sensed", ()):  # not there in what an older version pickled
+                return np.asarray(own["sensed"][name])
         names = [*own.get("state_names", ()), *own.get("hidden_names", ())]
         said = f"; its states are {', '.join(names)}" if names else ""
         raise AttributeError(f"a Trajectory has no '{name}'{said}", name=name, obj=self)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self.state_names, *self.hidden_names, *self.modes]
+        return [*super().__dir__(), *self.state_names, *self.hidden_names, *self.modes, *self.sensed]
+
+    @property
+    def acceleration(self) -> Floats:
+        """Accelerations of the coordinates of a rig of bodies or matrices, (n, coordinates); at a jump, after it.
+
+        Raises
+        ------
+        InputError
+            A named rig: its accelerations are not kept.
+        """
+        names = [name.removeprefix("v_") for name in self.state_names[len(self.state_names) // 2 :]]
+        return np.column_stack([self._sensed(f"a_{name}", "acceleration") for name in names])
+
+    def contact_force(self, name: str = "") -> Floats:
+        """Return friction at a contact of a rig of bodies or matrices, (n,): T, positive against a positive slip speed.
+
+        In stick it is what holds the contact; at a jump the value after it. On a body that turns it is a torque, but
+        for a contact with a lever arm.
+
+        Parameters
+        ----------
+        name
+            Of the contact; the only one if absent.
+
+        Raises
+        ------
+        InputError
+            No such contact, or a named rig.
+        """
+        one = name or (self.contact_names[0] if len(self.contact_names) == 1 else "")
+        return self._sensed(f"T_{one}", "contact_force")
+
+    def link_force(self, name: str) -> Floats:
+        """Return the force in a link of a rig of bodies, (n,): stiffness times deflection and damping times its rate.
+
+        Effects that act in the link are in it. It is positive where it pulls the first end back.
+
+        Parameters
+        ----------
+        name
+            "link_1" for the first.
+
+        Raises
+        ------
+        InputError
+            No such link, or a rig without links.
+        """
+        return self._sensed(f"F_{name}", "link_force")
+
+    def _sensed(self, channel: str, asked: str) -> Floats:
+        if channel in self.sensed:
+            return self.sensed[channel]
+        if not self.sensed:
+            raise InputError("is kept of a rig of bodies or matrices; of a named rig states are", key=asked)
+        known = [name for name in self.sensed if name[:2] == channel[:2]]
+        if not known:
+            raise InputError("a rig by its matrices has no links", key=asked)
+        hint = did_you_mean(channel[2:], [name[2:] for name in known])
+        raise InputError(f"no such place; {hint}", key=asked, value=channel[2:])
 
     @property
     def modes(self) -> dict[str, Modes]:

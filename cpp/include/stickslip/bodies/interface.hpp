@@ -121,7 +121,11 @@ struct BodiesRequest {
   int n_seeds;
   const double* seeds;  // n_seeds x layout.size
   long max_transitions, max_steps;
+  bool sensed = false;  // samples carry what is sensed beside the state
 };
+
+// What is sensed beside the state: q'', T of the contacts, F of the pushes, V of the speeds.
+constexpr int sensed_count(const Bodies& b) { return b.n + b.contacts + b.pushes + b.speeds; }
 
 struct BodiesTransition {
   double t;
@@ -133,6 +137,7 @@ struct BodiesTransition {
 
 struct BodiesSink {
   void* context;
+  // `state` has layout.state numbers, then what is sensed, if that was asked for; `derivatives` a row of seeds for each.
   void (*sample)(void*, double t, const double* state, const double* derivatives, const signed char* modes);
   void (*transition)(void*, const BodiesTransition&);
   bool (*interrupted)(void*);

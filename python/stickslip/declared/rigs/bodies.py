@@ -15,6 +15,7 @@ from stickslip.declared.rigs.general import (
     ContactRow,
     Equations,
     GeneralRig,
+    LinkRow,
     RigError,
     Trait,
     Unit,
@@ -100,9 +101,12 @@ class BodiesRig(GeneralRig):
         M = np.diag([one.size for one in self.body.values()])
         C, K, force = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
         pulled, dragged = np.zeros(n), np.zeros(n)
+        links = []
         for i, one in enumerate(self.link):
             row, of_drive = self._deflection(i, one)
             k, c, rest = float(one.stiffness), float(one.damping), float(one.rest)
+            turns = next(self.body[end].rotation for end in one.between if end in self.body)
+            links.append(LinkRow(f"link_{i + 1}", row, of_drive, k, c, rest, turns))
             K += k * np.outer(row, row)
             C += c * np.outer(row, row)
             force += k * rest * row
@@ -110,7 +114,7 @@ class BodiesRig(GeneralRig):
             dragged -= c * of_drive * row
         rows = tuple(self._contact_row(i, one) for i, one in enumerate(self.contact))
         units: tuple[Unit, ...] = tuple("rad" if one.rotation else "m" for one in self.body.values())
-        return Equations(names, units, M, C, K, force, pulled, dragged, rows)
+        return Equations(names, units, M, C, K, force, pulled, dragged, rows, tuple(links))
 
     def _deflection(self, i: int, one: Link) -> tuple[np.ndarray[Any, Any], float]:
         """Row of a link's deflection over the coordinates, and its share of the drive's displacement."""

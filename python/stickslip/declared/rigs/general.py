@@ -52,6 +52,25 @@ class ContactRow:
 
 
 @dataclass(frozen=True, eq=False)
+class LinkRow:
+    """The force in a link: stiffness (row . q + of_drive x_drive - rest) + damping (row . q' + of_drive x_drive')."""
+
+    name: str
+    row: Floats  # (n,)
+    of_drive: float
+    stiffness: float
+    damping: float
+    rest: float
+    rotation: bool  # a torque, as its first end turns
+
+    @property
+    def weights(self) -> Floats:
+        """What it is by (q, q', x_drive, x_drive', 1), (2 n + 3,)."""
+        k, c = self.stiffness, self.damping
+        return np.array([*k * self.row, *c * self.row, k * self.of_drive, c * self.of_drive, -k * self.rest])
+
+
+@dataclass(frozen=True, eq=False)
 class Equations:
     """A rig's equations of motion.
 
@@ -62,6 +81,7 @@ class Equations:
     force : (n,) constant force, of springs that are at rest elsewhere than at 0.
     drive_stiffness, drive_damping : (n,) force by displacement and by speed of the drive.
     contacts : one a contact.
+    links : one a link of bodies; of matrices there are none.
     """
 
     names: tuple[str, ...]
@@ -73,6 +93,23 @@ class Equations:
     drive_stiffness: Floats
     drive_damping: Floats
     contacts: tuple[ContactRow, ...]
+    links: tuple[LinkRow, ...] = ()
+
+    @property
+    def sensed(self) -> dict[str, str]:
+        """What sensors may read beside the state, with units: accelerations, forces in links, friction at contacts."""
+        rates = {f"a_{name}": unit if unit == "1" else f"{unit}/s^2" for name, unit in self._coordinates}
+        forces = {f"F_{one.name}": "N m" if one.rotation else "N" for one in self.links}
+        return rates | forces | {f"T_{one.name}": self._of_contact(one) for one in self.contacts}
+
+    @property
+    def _coordinates(self) -> zip[tuple[str, Unit]]:
+        return zip(self.names, self.units, strict=True)
+
+    def _of_contact(self, one: ContactRow) -> str:
+        if any(self.units[i] == "1" for i in np.flatnonzero(one.direction)):
+            return "1"
+        return "N m" if one.rotation else "N"
 
     @property
     def directions(self) -> Floats:
@@ -149,10 +186,11 @@ class GeneralRig(Displayed):
 
     @property
     def channel_units(self) -> dict[str, str]:
-        """What may be recorded, with its unit in the model: time, coordinates, velocities, prescribed speeds."""
+        """What may be recorded, with its unit in the model: time, the state, what is sensed, prescribed speeds."""
         own = self.equations
         rates = ["1" if one == "1" else f"{one}/s" for one in own.units]
         out = {"t": "s", **dict(zip(self.state_names, [*own.units, *rates], strict=True))}
+        out |= own.sensed
         out |= {"belt": own.belt_unit} if own.on_belt else {}
         way = own.drive_unit.removesuffix("/s")
         return out | ({"drive": own.drive_unit, "x_drive": way} if own.driven else {})
@@ -201,6 +239,11 @@ def check_equations(own: Equations) -> None:
         )
         raise RigError(lacks, "M")
     _check_contacts(own)
+    for name in own.sensed:
+        if name in own.names:
+            raise RigError(
+                f"'{name}' names a coordinate and what a sensor reads of another; name one otherwise"
+            )
     damped = np.linalg.eigvalsh((own.C + own.C.T) / 2)
     stiff = np.linalg.eigvals(np.linalg.solve(M, own.K))
     rate = np.sqrt(np.max(np.abs(stiff), initial=0.0)) + np.max(
