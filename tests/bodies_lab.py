@@ -30,6 +30,7 @@ class Laboratory(Apart):
     static_sd: float = 0.0
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
     more: Callable[[float, Floats], Floats] | None = None  # a force on the coordinates that no law has
+    sensing: bool = False  # keep accelerations and friction at the samples in `sensed`
 
     def __post_init__(self) -> None:
         self.kinetic, self.static = [lambda _u: 0.0] * len(self.laws), [0.0] * len(self.laws)
@@ -54,6 +55,8 @@ class Laboratory(Apart):
         modes = self.settled(times[0], z, [0 if abs(one) < 1e-12 else int(np.sign(one)) for one in v])
         out, t = np.empty((len(times), len(z))), float(times[0])
         out[0] = z
+        self.sensed = np.full((len(times), n + len(self.D)), np.nan)
+        self.sensed[0] = self._sensed(t, z, modes)
         while t < times[-1]:
             keys = list(self.margins(t, z, modes))
             events = []
@@ -73,6 +76,9 @@ class Laboratory(Apart):
             )  # fmt: skip
             if len(sol.t):
                 out[np.searchsorted(times, sol.t)] = sol.y.T
+                if self.sensing:
+                    rows = [self._sensed(*one, modes) for one in zip(sol.t.tolist(), sol.y.T, strict=True)]
+                    self.sensed[np.searchsorted(times, sol.t)] = rows
             if sol.status != 1:
                 break
             which = next(i for i, one in enumerate(sol.t_events) if len(one))
@@ -85,6 +91,10 @@ class Laboratory(Apart):
                 self.draw(j)
             modes = self.settled(t, z, modes)
         return out
+
+    def _sensed(self, t: float, z: Floats, modes: list[int]) -> Floats:
+        """Accelerations, and friction at the contacts."""
+        return np.concatenate([self.field(t, z, modes)[len(self.M) :], self.holding(t, z, modes)])
 
 
 def at_rest(_t: float) -> tuple[float, float]:

@@ -25,7 +25,11 @@ def cases(tmp_path: Path) -> list[Case]:
         if "driven_slider" in text:
             header = "ms,position,command,belt,time"
         if "bodies" in text:
-            header = "ms,angle,speed,top,time"
+            header = (
+                "ms,angle,speed,top,time"
+                if 'drive_speed = "12 rpm"' in text
+                else "acc,laser,laser 2,cell,time"
+            )
         for name in ("run_01.csv", "run_02.csv"):
             (folder / name).write_text("\n".join([header, *rows]))
         found.append(load_case(folder))
@@ -33,7 +37,7 @@ def cases(tmp_path: Path) -> list[Case]:
 
 
 def test_the_cases_of_the_page(cases: list[Case]) -> None:
-    two, one, driven, drill = cases
+    two, one, driven, drill, slider = cases
     assert isinstance(two.rig, Rig)
     assert two.rig.scales is not None
     assert two.friction.static_limits == (6.2, 3.63)
@@ -59,6 +63,16 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
     (run,) = drill.runs
     np.testing.assert_allclose(run.coordinates["bit"], np.deg2rad(np.sin(0.5 * np.arange(50))), atol=1e-12)
     assert run.speeds["drive_speed"].constant == pytest.approx(12 * 2 * np.pi / 60)
+
+    (run,) = slider.runs
+    np.testing.assert_allclose(run.coordinates["a_slider"], 9.80665 * 1000 * 0.5 * np.arange(50), atol=1e-9)
+    assert run.channels["laser_2"].reads == "slider"
+    assert slider.uncertainty.gains == {
+        "slider": 0.005,
+        "a_slider": 0.005,
+        "T_slider": 0.005,
+        "laser_2": 0.01,
+    }
 
 
 def test_columns_in_memory_as_on_the_page(capsys: pytest.CaptureFixture[str]) -> None:

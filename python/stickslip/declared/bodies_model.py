@@ -13,6 +13,7 @@ from stickslip.declared.laws import LAWS
 from stickslip.declared.placed import Places, placed
 from stickslip.declared.rig import AnyRig, Rig, only_simulated
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
+from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
 
 
@@ -38,7 +39,7 @@ def law_of(friction: FrictionLaw, contact: ContactRow) -> FrictionLaw:
 
 
 def check_general(
-    rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect], read: Collection[str]
+    rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect], read: Mapping[str, object]
 ) -> None:
     """Refuse laws that no contact names, units that do not go with a contact, and effects, which act on named rigs.
 
@@ -50,8 +51,9 @@ def check_general(
     if not isinstance(rig, GeneralRig):
         _check_named(rig, friction, effects)
         return
+    others = {name for name, one in read.items() if isinstance(one, Channel) and one.reads}
     for channel in read:
-        if channel not in rig.channel_units:
+        if channel not in rig.channel_units and channel not in others:
             hint = did_you_mean(channel, rig.channel_units)
             raise InputError(f"unknown channel of this rig; {hint}", key=f"channels.{channel}")
     contacts = rig.equations.contacts

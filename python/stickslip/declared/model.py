@@ -29,7 +29,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import read_toml, write_text
-from stickslip.declared.units import DIMENSIONS, Channel
+from stickslip.declared.units import DIMENSIONS, Channel, refuse_sensor
 from stickslip.errors import InputError, Place, did_you_mean, number, unknown
 from stickslip.objects import Drawn
 
@@ -112,7 +112,7 @@ class Model(Drawn):
         if not isinstance(self.rig, GeneralRig) and (why := idle(self.friction, names)):
             raise InputError(why, key="effects")
         self._check_readings()
-        check_general(self.rig, self.friction, self.effects, {**(self.channels or {}), **(self.noise or {})})
+        check_general(self.rig, self.friction, self.effects, {**(self.noise or {}), **(self.channels or {})})
         if isinstance(self.rig, GeneralRig):
             return
         if not isinstance(self.rig, DrivenSlider):
@@ -130,8 +130,8 @@ class Model(Drawn):
 
     def _check_readings(self) -> None:
         if self.channels is not None:
-            for channel in must_be("channels", self.channels, Mapping).values():
-                must_be("channels", channel, Channel)
+            for name, channel in must_be("channels", self.channels, Mapping).items():
+                refuse_sensor(name, must_be("channels", channel, Channel), self.rig)
         if self.noise is not None:
             must_be("noise", self.noise, Mapping)
             checked = {name: number(name, value, above=0) for name, value in self.noise.items()}
@@ -278,7 +278,7 @@ class Model(Drawn):
         if self.effects:
             tables["effect"] = [effect_table(one) for one in self.effects]
         if self.channels is not None:
-            tables["channels"] = {name: dataclasses.asdict(one) for name, one in self.channels.items()}
+            tables["channels"] = {name: one.table for name, one in self.channels.items()}
         if self.noise is not None:
             tables["noise"] = dict(self.noise)
         return (
@@ -335,10 +335,9 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     if "channels" in tables:
         channels = {}
         for name, table in _table(tables["channels"]).items():
-            if name not in known_channels:
-                raise document.error(
-                    f"unknown channel; {did_you_mean(name, known_channels)}", "channels", name
-                )
+            if name not in known_channels and not (isinstance(rig, GeneralRig) and "reads" in _table(table)):
+                hint = did_you_mean(name, known_channels)
+                raise document.error(f"unknown channel; {hint}", "channels", name)
             channels[name] = read_channel(document, "channels", name, table=_table(table))
     noise = None
     if "noise" in tables:

@@ -73,13 +73,21 @@ class Uncertainty:
         table
             [rig] as the file has it; None: the rig's own names, those of SI where it has scales.
         channels
-            What is recorded: each channel of `GAINS` has a gain.
+            What is recorded: each channel of `GAINS` has a gain. Of a rig of bodies or matrices every sensor has one;
+            those that read the same thing are known where `channels` has a `Channel` each.
         """
         known = numbers(rig)
         if isinstance(rig, GeneralRig):
             uncertain = rig.uncertain
             usual = {name: BY_TRAIT[trait] for name, trait in uncertain.items()}
-            read = [name for name in rig.state_names if name in set(channels)]
+            told: Mapping[str, object] = channels if isinstance(channels, Mapping) else {}
+            sensors = [*rig.state_names, *rig.equations.sensed]
+            read = [name for name in sensors if name in set(channels)]
+            read += [
+                name
+                for name, one in told.items()
+                if name not in sensors and hasattr(one, "reads") and one.reads
+            ]
             return cls(rig, {name: known[name] for name in uncertain}, usual, dict.fromkeys(read, GAIN))
         names = _own_names(rig) if table is None else _declared_names(rig, table)
         values = {name: _value(table, name, known[name]) for name in names}

@@ -24,25 +24,35 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "spring_force": ("N", "a force"),
     "drive": ("N", "a force"),
 }
+OF_GRAVITY = {"g": 9.80665, "mg": 9.80665e-3}  # as the sheets of accelerometers say it
 
 
 @dataclass(frozen=True)
 class Channel(Displayed):
-    """How a quantity was recorded: reading = scale * column, in `unit`.
+    """How a quantity was recorded: reading = scale * column + offset, in `unit`.
 
     Parameters
     ----------
     column
         Name of the column, or of the variable of a .mat file.
     unit
-        A unit pint knows ("s", "mm", "m/s", "deg", ...) or "1" for the model's own.
+        A unit pint knows ("s", "mm", "m/s", "deg", ...) or "1" for the model's own. Of an acceleration "g" is that of
+        gravity, 9.80665 m/s^2.
     scale
         What a column's number is multiplied by to be in `unit`.
+    offset
+        What is added to it then, in `unit`.
+    offset_uncertainty
+        Standard uncertainty of the offset, in `unit`; 0: it is exact.
+    reads
+        What it reads, where that is not its own name: `{"second": Channel("c2", "mm", reads="block")}`.
+
+    `offset`, `offset_uncertainty` and `reads` are of rigs of bodies or matrices.
 
     Raises
     ------
     InputError
-        The scale is zero or not finite.
+        The scale is zero, the uncertainty negative, or a number not finite.
 
     Examples
     --------
@@ -55,12 +65,41 @@ class Channel(Displayed):
     column: str
     unit: str = "1"
     scale: float = 1.0
+    offset: float = 0.0
+    offset_uncertainty: float = 0.0
+    reads: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("offset", "offset_uncertainty"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+        if self.offset_uncertainty < 0:
+            words = "must not be negative; it is a standard deviation"
+            raise InputError(words, key="offset_uncertainty", value=self.offset_uncertainty)
         scale = number("scale", self.scale)
         if scale == 0:
             raise InputError("must not be zero, the column would be lost", key="scale", value=0.0)
         object.__setattr__(self, "scale", scale)
+
+    @property
+    def table(self) -> dict[str, object]:
+        """The channel as a file has it, what only rigs of bodies or matrices have left out where it is not given."""
+        given: dict[str, object] = {"column": self.column, "unit": self.unit, "scale": self.scale}
+        more = {name: getattr(self, name) for name in ("offset", "offset_uncertainty", "reads")}
+        return given | {name: one for name, one in more.items() if one}
+
+
+def refuse_sensor(name: str, channel: Channel, rig: AnyRig) -> None:
+    """Refuse what only a channel of a rig of bodies or matrices may have, of another rig.
+
+    Raises
+    ------
+    InputError
+        With the key.
+    """
+    for key in ("offset", "offset_uncertainty", "reads"):
+        if getattr(channel, key) and not isinstance(rig, GeneralRig):
+            words = "is for rigs of bodies or matrices; leave it out, and put an offset into the file"
+            raise InputError(words, key=f"{name}.{key}", value=getattr(channel, key))
 
 
 @lru_cache(maxsize=1)
@@ -135,7 +174,8 @@ def factor(channel: str, unit: str, rig: AnyRig) -> float:
     Parameters
     ----------
     channel
-        "t", "x1", "y1", "belt", "spring_force" or "drive"; of a rig of bodies or matrices one of `channel_units`.
+        "t", "x1", "y1", "belt", "spring_force" or "drive"; of a rig of bodies or matrices what is read, one of
+        `channel_units`.
     unit
         Unit of the reading; "1" is nondimensional and gives 1 (for a spring force: 1/stiffness). A drive in volts
         or amperes gives 1 too: its channel's `scale` is the gain in N per unit.
@@ -185,7 +225,13 @@ def _of_coordinate(channel: str, unit: str, rig: GeneralRig) -> float:
         "rad": "an angle",
         "m/s": "a speed",
         "rad/s": "an angular speed",
+        "m/s^2": "an acceleration",
+        "rad/s^2": "an angular acceleration",
+        "N": "a force",
+        "N m": "a torque",
     }
+    if si == "m/s^2" and unit in OF_GRAVITY:  # pint's g is a gram
+        return OF_GRAVITY[unit]
     return in_si(unit, si, what=what[si])
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
+from stickslip.fitted.bodies_sensors import JUMPING, jumps, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
 from stickslip.measured.recording import Recording
@@ -38,7 +39,8 @@ class BodiesData:
     ----------
     name, role : of the recording
     t : (n,) times from the run's first sample
-    channels : names of the readings: coordinates, velocities, and the belt's speed
+    channels : names of the readings: what sensors read, and the belt's speed
+    reads : what each reads, as `GeneralRig.channel_units` names it
     readings, weight, noise : (n, c), (n, c) 1/noise, (c,)
     q, v : (n, coordinates) position and velocity, smoothed; of what is not read, as if in balance with the rest
     stuck : (n, contacts) where a contact sticks, as far as the readings show it
@@ -46,6 +48,7 @@ class BodiesData:
     belt, drive : what is prescribed
     drawn : where the drive is at the first sample
     periods : the longest and the shortest natural period
+    offsets : declared offset and its standard uncertainty by channel; exact ones are missing
     """
 
     name: str
@@ -63,6 +66,8 @@ class BodiesData:
     drive: Speed
     drawn: float
     periods: tuple[float, float]
+    reads: tuple[str, ...]
+    offsets: Mapping[str, tuple[float, float]]
 
 
 def way(drive: Speed, t: float) -> float:
@@ -98,7 +103,9 @@ def prepare_bodies(rig: GeneralRig, runs: Sequence[Recording]) -> list[BodiesDat
     InputError
         A run is too short, or no spring acts.
     """
-    channels = tuple(name for name in (*rig.state_names, "belt") if all(name in r.coordinates for r in runs))
+    sensors = [*rig.state_names, *rig.equations.sensed]
+    second = [name for name, one in runs[0].channels.items() if one.reads and name not in sensors]
+    channels = tuple(n for n in (*sensors, *second, "belt") if all(n in r.coordinates for r in runs))
     usual = np.median([[_noise(run.coordinates[name], run.t) for name in channels] for run in runs], axis=0)
     out = []
     for run in runs:
@@ -120,21 +127,44 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
     readings = np.column_stack([run.coordinates[name] for name in channels])
     noise = np.hypot(noise, rounding(readings))
     readings, weight, _ = cleaned(t, readings, noise)
+    told = {name: run.channels[name] for name in channels if name in run.channels}
+    reads = tuple((told[name].reads if name in told else "") or name for name in channels)
+    for c, quantity in enumerate(reads):
+        if quantity in own.sensed and quantity[:2] in JUMPING:
+            weight[jumps(readings[:, c], noise[c]), c] = 0.0
     belt, drive = (run.speeds.get(key, Speed.of(0.0)) for key in ("belt_speed", "drive_speed"))
     periods, drawn = natural_periods(own), 0.0
     if "x_drive" in run.coordinates:
         at = np.unique(np.linspace(0, len(t) - 1, PLACES).astype(int))
         off = [run.coordinates["x_drive"][i] - way(drive, float(t[i])) for i in at]
         drawn = float(np.nanmedian(off))
-    read = dict(zip(channels, readings.T, strict=True))
-    sizes = dict(zip(channels, noise.tolist(), strict=True))
+    by_noise = sorted(
+        range(len(reads)), key=lambda c: -noise[c]
+    )  # of two sensors the better one says where bodies are
+    read = {reads[c]: readings[:, c] for c in by_noise}
+    sizes = {reads[c]: float(noise[c]) for c in by_noise}
+    go = drawn + _gone(t, drive)
+    for name, (found, size) in placed_by_links(own, t, read, sizes, go).items():
+        read[name], sizes[name] = found, size
     q, v, doubt = _motion(own, t, read, sizes, periods[1] / SHARE)
     if not all(name in read for name in own.names):
-        _balance(own, q, v, t, drive, drawn)
+        _balance(own, q, v, t, drive, go)
     stuck, seen = _stuck(own, t, v, doubt, belt)
+    doubts = {
+        name: (run.offset(name), one.offset_uncertainty * abs(run.factor(name) / one.scale))
+        for name, one in told.items()
+        if one.offset_uncertainty
+    }
     return BodiesData(
-        run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods
+        run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
+        reads, doubts,
     )  # fmt: skip
+
+
+def _gone(t: Floats, drive: Speed) -> Floats:
+    """How far a drive has come since the first sample, by trapezia."""
+    speed = np.asarray(drive(t))
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
 
 
 def _motion(
@@ -186,11 +216,10 @@ def smoothed(t: Floats, x: Floats, noise: float, longest: float) -> tuple[Floats
     return np.interp(t, grid, places), np.interp(t, grid, v), doubt
 
 
-def _balance(own: Equations, q: Floats, v: Floats, t: Floats, drive: Speed, drawn: float) -> None:
+def _balance(own: Equations, q: Floats, v: Floats, t: Floats, drive: Speed, go: Floats) -> None:
     """Put what is not read where its springs would hold it, as long as all goes slowly."""
     every = np.arange(len(own.names))
     speed = np.asarray(drive(t))
-    go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
     for states, constant, pulled in ((q, own.force, go), (v, 0 * own.force, speed)):
         lost = every[np.isnan(states[0])]
         known = every[~np.isnan(states[0])]

@@ -48,7 +48,7 @@ class BodiesBench:
 
     def windows(self, model: Model | None = None, more: Sequence[Number] = ()) -> BodiesWindows:
         """Return the windows of a hypothesis: the declared model, or another with further numbers."""
-        numbers = [*self.of_law(), *self.of_rig(), *more]
+        numbers = [*self.of_law(), *self.of_rig(), *self.of_sensors(), *more]
         return BodiesWindows(
             model or self.model, self.data, self.stretches, numbers, self.declared, self.policy
         )
@@ -66,6 +66,11 @@ class BodiesBench:
             else:
                 out.append(Number(name, 0.0, 0.0, math.inf, True, stride=STRIDE_CONSTANT))
         return out
+
+    def of_sensors(self) -> list[Number]:
+        """Return the offsets of sensors that are not exact, as well known as declared."""
+        given = self.data[0].offsets
+        return [Number(f"offset.{name}", 0.0, 0.0, size) for name, (_, size) in given.items()]
 
 
 def bench_of(

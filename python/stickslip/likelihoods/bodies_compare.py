@@ -169,6 +169,7 @@ def _core_run(point: Point, values: Floats, modes: list[int], t: Floats) -> dict
         locator=_core.Locator.henon,
         seeds=np.zeros((0, len(values))),
         max_transitions=1_000_000,
+        sensed=bool(point.of.sensed),
     )
     return raw if raw["outcome"] == _core.Outcome.finished else None
 

@@ -107,11 +107,11 @@ def forecast_bodies(
     found = distribution(model, run, run.t[-1] + step * np.arange(1, count + 1))
     columns = {"t": (found.t + float(recording.t[0])) / recording.factors["t"]}
     sides = (("", found.mean), ("_low", found.low), ("_high", found.high))
-    kept = [(k, name) for k, name in enumerate(found.channels) if name in own.state_names]
+    kept = [(k, name) for k, name in enumerate(found.channels) if name != "belt"]
     for k, name in kept:
-        columns[name] = found.mean[:, k] / recording.factors[name]
+        columns[name] = recording.to_readings(name, found.mean[:, k])
     for k, name in kept:
-        columns |= {f"{name}{end}": side[:, k] / recording.factors[name] for end, side in sides[1:]}
+        columns |= {f"{name}{end}": recording.to_readings(name, side[:, k]) for end, side in sides[1:]}
     return pd.DataFrame(columns)
 
 
@@ -201,7 +201,10 @@ class _Members:
             stop = until if again is None else float(raw["transition_t"][again])
             kept = raw["t"] <= stop if again is not None else np.ones(len(raw["t"]), dtype=bool)
             kept &= np.isin(raw["t"], asked)
-            part = {name: raw[name][kept] for name in ("t", "state", "sensitivity")}
+            part = {
+                name: raw[name][kept]
+                for name in ("t", "state", "sensitivity", "sensed", "sensed_sensitivity")
+            }
             first = int(np.searchsorted(self.future, t, side="right"))
             out[first : first + int(kept.sum())] = point.read(part, own, False)[0]
             state = raw["state"][-1] if again is None else raw["transition_state"][again]
@@ -233,6 +236,7 @@ class _Members:
             seeds=np.zeros((0, len(values))),
             max_transitions=policy.most_transitions,
             max_steps=policy.most_integration_steps,
+            sensed=bool(self.windows.sensed),
         )
         return raw if raw["outcome"] == _core.Outcome.finished else None
 

@@ -14,7 +14,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError, StickslipError
-from stickslip.fitted.identified import Estimate, Spread, estimate
+from stickslip.fitted.identified import Estimate, Spread, Status, estimate
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
@@ -27,6 +27,7 @@ from stickslip.measured.recording import Recording
 Floats = NDArray[np.float64]
 Z = 1.96  # standard deviations that hold 95 %
 NEARBY = 1e-3  # step of the slopes of the deviance by the logarithm of a scatter
+HARDLY, TOLD_ALREADY = 0.1, 0.99  # shares of the declared in what is known, as of an `Estimate`
 POOR = 0.5  # weight of a window below which the laws are no model of it
 
 Tell = Callable[[str, float], None]
@@ -113,6 +114,7 @@ def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
         covariance=_turned(fit, places),
         scatter=_scatter(fit),
         constants=_constants(bench, fit),
+        offsets=_offsets(bench, fit),
         noise=dict(
             zip(
                 bench.data[0].channels, np.median([r.noise for r in bench.data], axis=0).tolist(), strict=True
@@ -154,6 +156,24 @@ def _estimates(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> dic
         std = sd * number.slope(float(fit.at[i]))
         made = estimate(values[name], std, share, start)
         out[name] = Estimate(made.value, made.low, made.high, made.std, made.status, start)
+    return out
+
+
+def _offsets(bench: BodiesBench, fit: Fit) -> dict[str, Estimate]:
+    """What must be added to sensors' columns: what is declared, less what the fit finds them to read too much."""
+    assert fit.solution is not None
+    out = {}
+    for i, one in enumerate(fit.windows.numbers):
+        if not one.name.startswith("offset."):
+            continue
+        name = one.name.removeprefix("offset.")
+        declared, size = bench.data[0].offsets[name]
+        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        value, share = declared - float(fit.at[i]), (sd / size) ** 2  # of the information that is declared
+        status: Status = (
+            "unidentified" if share >= TOLD_ALREADY else "weak" if share > HARDLY else "identified"
+        )
+        out[name] = Estimate(value, value - Z * sd, value + Z * sd, sd, status, declared)
     return out
 
 

@@ -21,6 +21,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData, way
 from stickslip.likelihoods.bodies_cuts import Cut
+from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
@@ -28,6 +29,7 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import general
+from stickslip.simulated.sensed import everything, everything_moves, weights_move
 
 Floats = NDArray[np.float64]
 BELT = "belt_speed"
@@ -86,7 +88,9 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
         self.places = [np.zeros(0)] * len(self.data)
         self.scales = [_scales(run) for run in data]
-        self.reads = _reads(data[0].channels, own.equations.names)
+        self.reads = _reads(data[0].reads, own.equations.names)
+        self.sensed = tuple(name for name in data[0].reads if name in own.equations.sensed)
+        self.offsets = tuple(f"offset.{name}" for name in data[0].channels)
 
     def scatter(self) -> ContactScatter:
         """See `EventWindows.scatter`."""
@@ -135,6 +139,11 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
             for one in self.numbers
             if one.name in self.rig.uncertain
         }
+
+    @cached_property
+    def rows_move(self) -> dict[str, dict[str, Floats]]:
+        """What rows of weights of sensors move by with each constant of the rig over what is declared."""
+        return {name: weights_move(self.lowered[0], self._tied(name), relative=True) for name in self.of_rig}
 
     def _tied(self, name: str) -> tuple[str, ...]:
         return self.rig.tied(name) if name in self.rig.uncertain else ()
@@ -190,10 +199,10 @@ def _scales(run: BodiesData) -> tuple[Floats, Floats]:
     return v * run.periods[0] / (2 * np.pi), v
 
 
-def _reads(channels: Sequence[str], names: Sequence[str]) -> list[int]:
-    """Place of each channel among (q, v); -1 of the belt's speed."""
+def _reads(quantities: Sequence[str], names: Sequence[str]) -> list[int | str]:
+    """Place of what each channel reads among (q, v), else its name."""
     states = [*names, *(f"v_{name}" for name in names)]
-    return [states.index(name) if name in states else -1 for name in channels]
+    return [states.index(name) if name in states else name for name in quantities]
 
 
 def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
@@ -311,6 +320,7 @@ class Point:
             else np.array(moved).reshape(-1, len(values)),
             max_transitions=of.policy.most_transitions,
             max_steps=of.policy.most_integration_steps,
+            sensed=bool(of.sensed),
         )
         return raw, raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
 
@@ -322,31 +332,35 @@ class Point:
         read, by = np.zeros((n, of.channels)), np.zeros((n, of.channels, count))
         active = [i for i, row in enumerate(self.rows) if row is not None]
         active += range(len(self.shared), count)
+        every, moves = (everything(raw), everything_moves(raw)) if of.sensed else (state, slopes)
         for c, place in enumerate(of.reads):
-            if place >= 0:
+            if isinstance(place, int):
                 read[:, c] = state[:, place]
                 by[:, c, active] = slopes[:, place]
+                continue
+            if place in of.sensed:
+                row, moved = self.rows_of_sensors[place]
+                read[:, c] = every @ row
+                by[:, c, active] = row @ moves
+                for i, one in moved.items():
+                    by[:, c, i] += every @ one
                 continue
             speed = self.data.belt(raw["t"])
             wobbles = of.differs.names[-1] == "belt"
             read[:, c] = speed * (1.0 + (own[-1] if wobbles else 0.0))
             if local and wobbles:
                 by[:, c, -1] = speed
-        self._gains(read, by)
+        gained(read, by, of.gains, of.numbers, self.at, self.shared)
+        shifted(read, by, of.offsets, of.numbers, self.at, self.shared)
         for i, j in enumerate(self.shared):
             by[:, :, i] *= of.numbers[j].slope(float(self.at[j]))
         return read, by
 
-    def _gains(self, read: Floats, by: Floats) -> None:
-        for j, one in enumerate(self.of.numbers):
-            if one.name not in self.of.gains:
-                continue
-            c = self.of.gains.index(one.name)
-            plain = read[:, c].copy()
-            read[:, c] *= 1.0 + one.value(float(self.at[j]))
-            by[:, c] *= 1.0 + one.value(float(self.at[j]))
-            if j in self.shared:
-                by[:, c, self.shared.index(j)] = plain
+    @cached_property
+    def rows_of_sensors(self) -> dict[str, tuple[Floats, dict[int, Floats]]]:
+        """Rows of what is sensed beside the state, and what they move by with shared numbers, by column."""
+        of = self.of
+        return sensor_rows(self.lowered, of.sensed, of.numbers, self.at, self.shared, of.rows_move)
 
     def block(self, i: int, own: Floats, local: bool) -> Floats | None:
         """Simulate, read, weigh."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 from stickslip.declared.contact_laws import ContactLaws
@@ -65,6 +65,8 @@ class IdentifiedRig(SavedResult):
         Relative standard deviations from event to event: "<law>.kinetic", "<law>.static" beside it, "belt".
     constants : mapping of str to Constant
         Constants of the rig and gains of the sensors.
+    offsets : mapping of str to Estimate
+        Offsets of the sensors that are not exact, by channel: what must be added, as `Channel.offset`, in SI.
     noise : mapping of str to float
         Standard deviation of a reading, by channel.
     reduced_chi2 : float
@@ -103,6 +105,7 @@ class IdentifiedRig(SavedResult):
     windows: int
     fastest: Mapping[str, float]
     messages: tuple[str, ...] = ()
+    offsets: Mapping[str, Estimate] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         laws = ", ".join(f"{name} {law.kind}".strip() for name, law in self.laws.items())
@@ -139,6 +142,8 @@ class IdentifiedRig(SavedResult):
         for name, c in self.constants.items():
             status = "not as declared" if c.beyond else "as well known as declared"
             rows.append(_row(name, c.value, c.low, c.high, c.declared, status))
+        for name, e in self.offsets.items():
+            rows.append(_row(f"offset.{name}", e.value, e.low, e.high, e.declared, e.status))
         return rows
 
     def summary(self) -> str:
@@ -166,6 +171,7 @@ class IdentifiedRig(SavedResult):
             "covariance": self.covariance.tolist(),
             "scatter": {name: asdict(one) for name, one in self.scatter.items()},
             "declared": {name: asdict(one) for name, one in self.constants.items()},
+            "offsets": {name: vars(one) for name, one in self.offsets.items()},
             "wrong": list(self.wrong),
             "noise": dict(self.noise),
             "reduced_chi2": self.reduced_chi2,

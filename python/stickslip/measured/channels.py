@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
-from stickslip.declared.units import Channel, factor, is_electric, same_unit
+from stickslip.declared.units import Channel, factor, is_electric, refuse_sensor, same_unit
 from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.readers.columns import Contents, Source
 from stickslip.measured.readers.tables import column_names
@@ -26,6 +26,8 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
     if isinstance(rig, GeneralRig):
         _check_coordinates(channels, rig)
         return
+    for name, channel in channels.items():
+        refuse_sensor(name, channel, rig)
     one_degree = isinstance(rig, BlockOnBelt)
     driven = isinstance(rig, DrivenSlider)
     known = [*needed_channels(rig), *(["spring_force"] if one_degree else []), *([] if driven else ["belt"])]
@@ -49,16 +51,35 @@ def check_channels(channels: Mapping[str, Channel], rig: AnyRig) -> None:
 
 
 def _check_coordinates(channels: Mapping[str, Channel], rig: GeneralRig) -> None:
-    """The same for a rig of bodies or matrices: channels bear the names of coordinates, velocities `v_NAME`."""
-    known = [*rig.channel_units]
-    for name in channels:
-        if name not in known:
+    """The same for a rig of bodies or matrices: channels bear the names of what they read, or say it (`reads`)."""
+    known, sensors = [*rig.channel_units], [*rig.state_names, *rig.equations.sensed]
+    for name, channel in channels.items():
+        if channel.reads:
+            _check_second(name, channel, known, sensors)
+        elif name not in known:
             raise InputError(f"unknown channel of this rig; {did_you_mean(name, known)}", key=name)
+        elif name not in sensors and (channel.offset or channel.offset_uncertainty):
+            raise InputError("time and prescribed speeds have no offset; correct the column", key=name)
     if "t" not in channels:
         raise InputError(f"no channel t; this rig needs t and one of {', '.join(rig.state_names)}")
-    if not channels.keys() & set(rig.state_names):
-        raise InputError(f"no coordinate is recorded; give one of {', '.join(rig.state_names)}")
+    read = {channel.reads or name for name, channel in channels.items()}
+    placing = [*rig.state_names, *(f"F_{one.name}" for one in rig.equations.links if one.stiffness)]
+    if not read & set(placing):
+        words = "no coordinate is recorded"
+        if read & set(sensors):
+            words = "accelerations and forces at contacts do not say where the bodies are"
+        raise InputError(f"{words}; give one of {', '.join(placing)}")
     _check_columns(channels)
+
+
+def _check_second(name: str, channel: Channel, known: Sequence[str], sensors: Sequence[str]) -> None:
+    """Refuse a second sensor of what is not there, and one that bears another sensor's name."""
+    if channel.reads not in sensors:
+        raise InputError(f"no such reading; {did_you_mean(channel.reads, sensors)}", key=f"{name}.reads")
+    if name in known and name != channel.reads:
+        raise InputError(f"'{name}' is a reading of its own; name this channel otherwise", key=name)
+    if not name.isidentifier():
+        raise InputError("is no name; letters, digits and _ make one", key=name)
 
 
 def _check_columns(channels: Mapping[str, Channel]) -> None:
@@ -72,7 +93,7 @@ def _check_columns(channels: Mapping[str, Channel]) -> None:
 
 def channel_factor(name: str, channel: Channel, rig: AnyRig) -> float:
     """Return the model's number for 1 in a channel's column: unit and scale together."""
-    return channel.scale * factor(name, channel.unit, rig)
+    return channel.scale * factor(channel.reads or name, channel.unit, rig)
 
 
 def noise_in_model(
@@ -91,7 +112,9 @@ def noise_in_model(
             raise InputError(f"no such channel; {did_you_mean(name, channels)}", key=name)
         why = "leave it out to have it estimated"
         key = "x1" if name == "spring_force" else name
-        turned[key] = number(name, value, above=0, why=why) * abs(factor(name, channels[name].unit, rig))
+        turned[key] = number(name, value, above=0, why=why) * abs(
+            factor(channels[name].reads or name, channels[name].unit, rig)
+        )
     return turned
 
 

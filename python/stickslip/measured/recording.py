@@ -86,8 +86,8 @@ class Recording(Sampled):
     averaged
         How many readings each sample is the mean of, at the mean of their times (`stickslip.measured.thinning`).
     coordinates
-        Of a rig of bodies or matrices, every coordinate, velocity and prescribed speed recorded (n,), in SI; `x1` is
-        the first of them.
+        Of a rig of bodies or matrices, every reading and prescribed speed recorded (n,), in SI; `x1` is the first of
+        them.
     speeds
         Of such a rig, what is prescribed: "belt_speed", "drive_speed". `belt_speed` is NaN where it is no number.
 
@@ -165,13 +165,18 @@ class Recording(Sampled):
         """Return the model's number for 1 in the channel's column."""
         return self.factors[self.channel(name)]
 
+    def offset(self, name: str) -> float:
+        """Return what a channel's column reads too little, in the model's numbers."""
+        one = self.channels[self.channel(name)]
+        return one.offset * self.factor(name) / one.scale if one.offset else 0.0
+
     def to_readings(self, name: str, values: ArrayLike) -> Floats:
         """Turn the model's numbers of a channel into numbers of its column."""
-        return np.asarray(values, dtype=np.float64) / self.factor(name)
+        return (np.asarray(values, dtype=np.float64) - self.offset(name)) / self.factor(name)
 
     def from_readings(self, name: str, values: ArrayLike) -> Floats:
         """Turn numbers of a channel's column into the model's."""
-        return np.asarray(values, dtype=np.float64) * self.factor(name)
+        return np.asarray(values, dtype=np.float64) * self.factor(name) + self.offset(name)
 
     def window(self, start: float, end: float) -> Recording:
         """Return the samples with start <= t < end (the model's time); findings are those of the whole.
@@ -221,8 +226,9 @@ def load_recording(
         On which it was recorded.
     channels
         Column, unit and scale for t, x1, y1 and, if recorded, belt; a `BlockOnBelt` has t and x1 or
-        spring_force; a rig of bodies or matrices coordinates by their names, and velocities, `v_NAME`. None: columns
-        of these names, nondimensional.
+        spring_force; a rig of bodies or matrices coordinates by their names, velocities `v_NAME`, accelerations
+        `a_NAME`, forces in links `F_link_1` and friction at contacts `T_NAME`. None: columns of these names,
+        nondimensional.
     belt_speed
         Set-point in the unit of the belt channel; without one, m/s for an SI rig and nondimensional
         otherwise. Text may carry a unit ("1100 um/s"); for a rig of bodies or matrices it may be a formula of t.
@@ -281,7 +287,10 @@ def load_recording(
     speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
     belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
     position = _position(rig, declared)
-    model = {one: column * factors[one] for one, column in raw.items()}
+    model = {
+        one: column * factors[one] + declared[one].offset * factors[one] / declared[one].scale
+        for one, column in raw.items()
+    }
     check_belt(columns, declared, raw, belt)
     sizes = noise_in_model(noise or {}, declared, rig)
     recording = Recording(
@@ -324,7 +333,8 @@ def _constant(speeds: Mapping[str, Speed]) -> float:
 def _position(rig: AnyRig, channels: Mapping[str, Channel]) -> str:
     """The channel that is x1."""
     if isinstance(rig, GeneralRig):
-        return next(name for name in rig.state_names if name in channels)
+        order = [*rig.state_names, *channels]
+        return next(name for name in order if name in channels and name != "t")
     return "spring_force" if "spring_force" in channels else "x1"
 
 
@@ -335,7 +345,7 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
         if name == "t":
             continue
         noise = recording.noise.get("x1" if name == "spring_force" else name)
-        per_unit = factor(name, channel.unit, recording.rig)
+        per_unit = factor(channel.reads or name, channel.unit, recording.rig)
         own = None if noise is None else noise / per_unit
         readings = recording.raw[name] * channel.scale
         unit = "N" if name == "drive" and is_electric(channel.unit) else _word(channel.unit)

@@ -103,7 +103,7 @@ def portraits(c: RigComparison) -> Figure:
 def _unit(c: RigComparison, name: str) -> str:
     rig = c.model.rig
     assert isinstance(rig, GeneralRig)
-    return rig.channel_units[name]
+    return rig.channel_units[c.recording.channels[name].reads or name]
 
 
 def _shade(axis: object, t: np.ndarray, stuck: np.ndarray) -> None:
