@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from numpy.typing import NDArray
 
 import stickslip as ss
@@ -17,6 +18,7 @@ from differences import held_against_differences
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
+from stickslip.fitted.bodies_data import prepare_bodies
 from stickslip.fitted.bodies_sensors import jumps
 from stickslip.likelihoods.bodies_bench import bench_of
 from stickslip.likelihoods.policy import POLICY
@@ -116,6 +118,47 @@ def test_friction_and_a_position_that_two_sensors_read_tell_the_law(run: dict[st
     assert offset.low < -0.2 < offset.high
     assert offset.high - offset.low < 0.2
     assert "offset.T_slider" in str(found)
+
+
+def test_a_load_cell_under_the_contact_tells_the_law_alone(run: dict[str, Floats]) -> None:
+    found = ss.identify(
+        ss.load_recording(noisy(run, 2, T_slider=0.02), SLIDER, drive_speed=SPEED), friction=STARTS
+    )
+    assert isinstance(found, ss.IdentifiedRig)
+    for name, true in (("static", 4.0), ("kinetic", 2.4)):
+        one = found.estimates[name]
+        assert one.low is not None
+        assert one.high is not None
+        assert one.low < true < one.high
+        assert one.high - one.low < 0.1 * true
+    assert found.reduced_chi2 == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("read", [("a_bit", "F_link_1"), ("a_bit", "F_link_2"), ("T_bit", "table")])
+def test_motion_that_is_not_read_is_found_from_accelerations_and_forces(read: tuple[str, ...]) -> None:
+    """Of a drill string: by what its bit's accelerometer and its shaft, or the bit's friction and its table, tell."""
+    case = CASES["drill"]()
+    t = np.arange(0.0, 10.0, case.dt)
+    run = ss.simulate(case.model, **case.speeds, initial=case.initial, t_end=t[-1], t_eval=t)  # type: ignore[arg-type]
+    rng = np.random.default_rng(1)
+    columns = {"t": t} | {
+        name: getattr(run, name)
+        + 0.01 * np.std(scipy.signal.detrend(getattr(run, name))) * rng.normal(size=len(t))
+        for name in read
+    }
+    own = ss.load_recording(columns, case.model.rig, **case.speeds)  # type: ignore[arg-type]
+    (found,) = prepare_bodies(case.model.rig, [own])  # type: ignore[arg-type]
+    for i, name in enumerate(("table", "bit")):
+        true, rate = getattr(run, name), getattr(run, f"v_{name}")
+        assert np.std(found.q[:, i] - true) < 0.05 * np.std(scipy.signal.detrend(true))
+        assert np.std(found.v[:, i] - rate) < 0.1 * np.std(rate)
+    assert ((run.mode[:, 0] == 0) == found.stuck[:, 0]).mean() > 0.85
+    start = ss.StribeckFriction(F_c=1.0, F_s=2.3, v_s=1.0)
+    laws = ss.identify(own, friction={"bit_law": start})
+    assert isinstance(laws, ss.IdentifiedRig)
+    assert laws.estimates["bit_law.F_s"].value == pytest.approx(2.0, rel=0.03)
+    assert laws.estimates["bit_law.F_c"].value == pytest.approx(1.2, rel=0.1)
+    assert laws.wrong == ()
 
 
 def test_derivatives_are_those_of_differences() -> None:
@@ -239,20 +282,10 @@ def test_misdeclared_channels_are_refused(name: str, channel: Channel, words: st
 def test_what_sensors_cannot_tell_is_said() -> None:
     t = np.arange(0.0, 1.0, 0.01)
     with pytest.raises(
-        InputError, match="accelerations and forces at contacts do not say where the bodies are; give one of"
+        InputError,
+        match="accelerations alone do not say where the bodies are; record one of slider, v_slider, F_link_1, T_slider",
     ):
-        ss.load_recording({"t": t, "a_slider": t, "T_slider": t}, SLIDER, drive_speed=SPEED)
-    floating = ss.BodiesRig(
-        body={"a": ss.Body(mass=1), "b": ss.Body(mass=1)},
-        link=[ss.Link(between=("a", "b"), stiffness=1), ss.Link(between=("b", "ground"), stiffness=1)],
-        contact=[ss.Contact(body="a", against="belt")],
-    )
-    tied = {"t": t, "F_link_1": np.sin(t)}
-    run = ss.load_recording(tied, floating, belt_speed=0.1)
-    with pytest.raises(
-        InputError, match="forces in links that are recorded tell of differences of coordinates alone"
-    ):
-        ss.identify(run, friction=ss.CoulombFriction(static=1, kinetic=0.5))
+        ss.load_recording({"t": t, "a_slider": t}, SLIDER, drive_speed=SPEED)
     with pytest.raises(InputError, match="must not be negative"):
         Channel("a", offset_uncertainty=-1.0)
     block = {"t": Channel("t"), "x1": Channel("x", offset=1.0)}

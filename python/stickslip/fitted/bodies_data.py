@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
+from stickslip.fitted.bodies_motion import Reading, most_likely_motion
 from stickslip.fitted.bodies_sensors import JUMPING, jumps, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
@@ -138,33 +139,40 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
         at = np.unique(np.linspace(0, len(t) - 1, PLACES).astype(int))
         off = [run.coordinates["x_drive"][i] - way(drive, float(t[i])) for i in at]
         drawn = float(np.nanmedian(off))
-    by_noise = sorted(
-        range(len(reads)), key=lambda c: -noise[c]
-    )  # of two sensors the better one says where bodies are
-    read = {reads[c]: readings[:, c] for c in by_noise}
-    sizes = {reads[c]: float(noise[c]) for c in by_noise}
-    go = drawn + _gone(t, drive)
-    for name, (found, size) in placed_by_links(own, t, read, sizes, go).items():
-        read[name], sizes[name] = found, size
-    q, v, doubt = _motion(own, t, read, sizes, periods[1] / SHARE)
-    if not all(name in read for name in own.names):
-        _balance(own, q, v, t, drive, go)
+    # of two sensors of one thing the better one comes last
+    order = sorted(range(len(reads)), key=lambda c: -noise[c])
+    read = {reads[c]: Reading(readings[:, c], weight[:, c], float(noise[c])) for c in order}
+    speed = np.asarray(drive(t)) + np.zeros(len(t))
+    go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
+    q, v, doubt = _all_motion(own, t, read, go, speed, periods[1])
     stuck, seen = _stuck(own, t, v, doubt, belt)
-    doubts = {
+    offsets = {
         name: (run.offset(name), one.offset_uncertainty * abs(run.factor(name) / one.scale))
         for name, one in told.items()
         if one.offset_uncertainty
     }
     return BodiesData(
         run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
-        reads, doubts,
+        reads, offsets,
     )  # fmt: skip
 
 
-def _gone(t: Floats, drive: Speed) -> Floats:
-    """How far a drive has come since the first sample, by trapezia."""
-    speed = np.asarray(drive(t))
-    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
+def _all_motion(
+    own: Equations, t: Floats, read: Mapping[str, Reading], go: Floats, speed: Floats, shortest: float
+) -> tuple[Floats, Floats, Floats]:
+    """Positions, velocities, and the noise of these: read, found from forces and accelerations, or in balance."""
+    values = {name: one.values for name, one in read.items()}
+    sizes = {name: one.noise for name, one in read.items()}
+    for name, (found, size) in placed_by_links(own, t, values, sizes, go).items():
+        values[name], sizes[name] = found, size
+    q, v, doubt = _motion(own, t, values, sizes, shortest / SHARE)
+    lost = np.array([name not in values for name in own.names])
+    if lost.any() and any(name in own.sensed for name in read):
+        moved = most_likely_motion(own, t, read, go, speed, shortest / (2 * math.pi))
+        q[:, lost], v[:, lost], doubt[lost] = (one[..., lost] for one in moved)
+    elif lost.any():
+        _balance(own, q, v, speed, go)
+    return q, v, doubt
 
 
 def _motion(
@@ -216,10 +224,9 @@ def smoothed(t: Floats, x: Floats, noise: float, longest: float) -> tuple[Floats
     return np.interp(t, grid, places), np.interp(t, grid, v), doubt
 
 
-def _balance(own: Equations, q: Floats, v: Floats, t: Floats, drive: Speed, go: Floats) -> None:
+def _balance(own: Equations, q: Floats, v: Floats, speed: Floats, go: Floats) -> None:
     """Put what is not read where its springs would hold it, as long as all goes slowly."""
     every = np.arange(len(own.names))
-    speed = np.asarray(drive(t))
     for states, constant, pulled in ((q, own.force, go), (v, 0 * own.force, speed)):
         lost = every[np.isnan(states[0])]
         known = every[~np.isnan(states[0])]

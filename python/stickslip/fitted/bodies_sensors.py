@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.rigs.general import Equations
-from stickslip.errors import InputError
 
 Floats = NDArray[np.float64]
 JUMPING = ("a_", "T_")  # accelerations and friction: they jump where a contact comes to rest or lets go
@@ -49,11 +48,6 @@ def placed_by_links(
     t : (n,) times
     read, noise : readings (n,) by what they read, and their standard deviations
     go : (n,) how far the drive has come
-
-    Raises
-    ------
-    InputError
-        Neither a coordinate nor a velocity is read, and the links whose force is read tell of no coordinate.
     """
     lost = [i for i, name in enumerate(own.names) if name not in read]
     links = [one for one in own.links if f"F_{one.name}" in read and one.stiffness]
@@ -76,9 +70,4 @@ def placed_by_links(
     told = np.abs(inverse @ (A / size[:, None]) - np.eye(len(lost))).max(axis=1) < DETERMINED
     found = inverse @ (np.array(sides) / size[:, None])
     doubt = np.linalg.norm(inverse, axis=1)
-    out = {own.names[i]: (found[k], float(doubt[k])) for k, i in enumerate(lost) if told[k]}
-    placed = {*own.names, *(f"v_{name}" for name in own.names)}
-    if not out and not placed & set(read):
-        words = "the forces in links that are recorded tell of differences of coordinates alone"
-        raise InputError(f"{words}; record one of {', '.join(own.names)} too", key="channels")
-    return out
+    return {own.names[i]: (found[k], float(doubt[k])) for k, i in enumerate(lost) if told[k]}

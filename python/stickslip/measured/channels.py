@@ -63,12 +63,14 @@ def _check_coordinates(channels: Mapping[str, Channel], rig: GeneralRig) -> None
     if "t" not in channels:
         raise InputError(f"no channel t; this rig needs t and one of {', '.join(rig.state_names)}")
     read = {channel.reads or name for name, channel in channels.items()}
-    placing = [*rig.state_names, *(f"F_{one.name}" for one in rig.equations.links if one.stiffness)]
+    placing = [name for name in sensors if not name.startswith("a_") or name in rig.state_names]
     if not read & set(placing):
-        words = "no coordinate is recorded"
-        if read & set(sensors):
-            words = "accelerations and forces at contacts do not say where the bodies are"
-        raise InputError(f"{words}; give one of {', '.join(placing)}")
+        words = (
+            "accelerations alone do not say where the bodies are"
+            if read & set(sensors)
+            else "nothing is read"
+        )
+        raise InputError(f"{words}; record one of {', '.join(placing)}")
     _check_columns(channels)
 
 
