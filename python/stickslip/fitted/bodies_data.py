@@ -14,7 +14,7 @@ from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_motion import Reading, most_likely_motion
-from stickslip.fitted.bodies_sensors import JUMPING, jumps, placed_by_links
+from stickslip.fitted.bodies_sensors import jumps, may_jump, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
 from stickslip.measured.recording import Recording
@@ -131,7 +131,7 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
     told = {name: run.channels[name] for name in channels if name in run.channels}
     reads = tuple((told[name].reads if name in told else "") or name for name in channels)
     for c, quantity in enumerate(reads):
-        if quantity in own.sensed and quantity[:2] in JUMPING:
+        if may_jump(own, quantity):
             weight[jumps(readings[:, c], noise[c]), c] = 0.0
     belt, drive = (run.speeds.get(key, Speed.of(0.0)) for key in ("belt_speed", "drive_speed"))
     periods, drawn = natural_periods(own), 0.0

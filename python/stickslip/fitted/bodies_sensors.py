@@ -10,9 +10,13 @@ from numpy.typing import NDArray
 from stickslip.declared.rigs.general import Equations
 
 Floats = NDArray[np.float64]
-JUMPING = ("a_", "T_")  # accelerations and friction: they jump where a contact comes to rest or lets go
 STANDS_OUT = 4.0  # standard deviations of the difference of two readings that noise does not make
 DETERMINED = 1e-6  # how nearly a coordinate must follow from links
+
+
+def may_jump(own: Equations, quantity: str) -> bool:
+    """Say whether a reading is an acceleration or friction: where a contact comes to rest or lets go they jump."""
+    return quantity in own.sensed and quantity[:2] in ("a_", "T_")
 
 
 def jumps(x: Floats, noise: float) -> NDArray[np.bool_]:

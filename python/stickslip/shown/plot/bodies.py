@@ -10,6 +10,7 @@ from stickslip.declared.bodies_model import law_of
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale
 from stickslip.fitted.bodies_data import smoothed
+from stickslip.fitted.bodies_sensors import may_jump
 from stickslip.likelihoods.bodies_compare import RigComparison
 from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.simulated.trajectory import Trajectory
@@ -85,12 +86,16 @@ def beside(c: RigComparison) -> Figure:
 
 
 def portraits(c: RigComparison) -> Figure:
-    """Draw every recorded coordinate's rate over it, its mean motion taken away."""
+    """Draw every recorded coordinate's rate over it, its mean motion taken away; what jumps is left out."""
     from stickslip.shown.plot.drawing import Drawing
 
-    figure = Drawing(figsize=(4.2 * len(c.channels), 3.8), layout="constrained")
-    axes = figure.subplots(1, len(c.channels), squeeze=False)[0]
-    for axis, name, read, made in zip(axes, c.channels, c.readings.T, c.simulated.T, strict=True):
+    rig = c.model.rig
+    assert isinstance(rig, GeneralRig)
+    each = list(zip(c.channels, c.readings.T, c.simulated.T, strict=True))
+    shown = [one for one in each if not may_jump(rig.equations, _quantity(c, one[0]))] or each
+    figure = Drawing(figsize=(4.2 * len(shown), 3.8), layout="constrained")
+    axes = figure.subplots(1, len(shown), squeeze=False)[0]
+    for axis, (name, read, made) in zip(axes, shown, strict=True):
         for values, look in ((read, {"color": "0.6", "lw": 1.8}), (made, {"color": "C3", "lw": 0.9})):
             x, v, _ = smoothed(c.t - c.t[0], values, 0.0, 0.0)
             axis.plot(x - np.polyval(np.polyfit(c.t, x, 1), c.t), v, **look)
@@ -103,7 +108,12 @@ def portraits(c: RigComparison) -> Figure:
 def _unit(c: RigComparison, name: str) -> str:
     rig = c.model.rig
     assert isinstance(rig, GeneralRig)
-    return rig.channel_units[c.recording.channels[name].reads or name]
+    return rig.channel_units[_quantity(c, name)]
+
+
+def _quantity(c: RigComparison, name: str) -> str:
+    """What a channel reads."""
+    return c.recording.channels[name].reads or name
 
 
 def _shade(axis: object, t: np.ndarray, stuck: np.ndarray) -> None:
