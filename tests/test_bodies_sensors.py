@@ -9,12 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy
+from click.testing import CliRunner
 from numpy.typing import NDArray
 
 import stickslip as ss
 from bodies_cases import CASES
 from bodies_lab import Laboratory, at_rest, coulomb
 from differences import held_against_differences
+from stickslip.cli.commands import main
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
@@ -248,6 +250,19 @@ cell = { column = "F", unit = "N", reads = "F_link_1" }
     assert read.to_readings("a_slider", read.coordinates["a_slider"]) == pytest.approx(columns["a_slider"])
     saved = case.model()
     saved.save(tmp_path / "model.toml")
+    asked = [
+        "simulate",
+        str(tmp_path / "model.toml"),
+        "--drive-speed",
+        "50 mm/s",
+        "--t-end",
+        "1 s",
+        "--sensors",
+    ]
+    said = CliRunner().invoke(main, [*asked, "--out", str(tmp_path / "sim.csv")])
+    assert said.exit_code == 0, said.output
+    heads = "t [s],slider [m],v_slider [m/s],mode_slider,a_slider [m/s^2],F_link_1 [N],T_slider [N]"
+    assert (tmp_path / "sim.csv").read_text().splitlines()[0] == heads
     assert ss.load_model(tmp_path / "model.toml").channels == saved.channels
     (tmp_path / "rig.toml").write_text(text)
     with pytest.raises(InputError, match="'F_link_1': neither a number of \\[rig\\] nor a recorded gain"):

@@ -52,6 +52,11 @@ LONGEST = 1000  # natural periods in the figure
     "velocities, then states of laws if they are to be given.",
 )
 @click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
+@click.option(
+    "--sensors",
+    is_flag=True,
+    help="Also write accelerations, forces in links and friction at contacts of a rig of bodies or matrices.",
+)
 @click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
 def simulate(model: Path, **given: Any) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
@@ -73,6 +78,8 @@ def simulate(model: Path, **given: Any) -> None:
     loaded = load_model(model)
     if isinstance(loaded.rig, GeneralRig):
         sys.exit(simulate_rig(loaded, asked))
+    if asked.sensors:
+        raise InputError("is for rigs of bodies or matrices; leave it out", key="--sensors")
     units = scales(loaded.rig, loaded.channels)
     if asked.belt_speed is None:
         raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")

@@ -91,6 +91,7 @@ class Asked:
     dt: str | None
     initial: str | None
     out: Path
+    sensors: bool
     figure: bool
 
     def times(self, read: Callable[[str, str], float]) -> Floats:
@@ -128,7 +129,7 @@ def simulate_rig(model: Model, asked: Asked) -> int:
     }
     start = None if asked.initial is None else _start(rig, asked.initial)
     run = simulate(model, **speeds, initial=start, t_end=float(times[-1]), t_eval=times)  # type: ignore[arg-type]
-    _write(rig, run, asked.out)
+    _write(rig, run, asked.out, asked.sensors)
     written = [asked.out]
     if asked.figure:
         from stickslip.shown.plot import bodies
@@ -169,7 +170,7 @@ def _start(rig: GeneralRig, text: str) -> list[float]:
     ]
 
 
-def _write(rig: GeneralRig, run: Trajectory, out: Path) -> None:
+def _write(rig: GeneralRig, run: Trajectory, out: Path, sensors: bool) -> None:
     import pandas as pd  # slow to import
 
     own = rig.equations
@@ -177,4 +178,6 @@ def _write(rig: GeneralRig, run: Trajectory, out: Path) -> None:
     heads = [Scale(1.0, unit).head(name) for name, unit in zip(rig.state_names, units, strict=True)]
     time = "t" if set(own.units) == {"1"} else "t [s]"
     columns = {time: run.t, **dict(zip(heads, run.state.T, strict=True)), **run.hidden, **run.modes}
+    if sensors:
+        columns |= {Scale(1.0, unit).head(name): run.sensed[name] for name, unit in own.sensed.items()}
     write_csv(pd.DataFrame(columns), out, 12)
