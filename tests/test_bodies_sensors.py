@@ -163,6 +163,18 @@ def test_motion_that_is_not_read_is_found_from_accelerations_and_forces(read: tu
     assert laws.wrong == ()
 
 
+def test_motion_is_found_at_a_high_rate_too() -> None:
+    """At 200 kHz the samples are so near each other that one by one they would determine nothing to rounding."""
+    model = ss.Model(SLIDER, friction=ss.CoulombFriction(static=4.0, kinetic=2.4))
+    t = np.arange(0.0, 0.6, 5e-6)
+    made = ss.simulate(model, drive_speed=SPEED, initial=(0, 0), t_end=t[-1], t_eval=t)
+    true = {"t": t, "a_slider": made.a_slider, "T_slider": made.T_slider}
+    own = ss.load_recording(noisy(true, 1, a_slider=0.5, T_slider=0.2), SLIDER, drive_speed=SPEED)
+    (found,) = prepare_bodies(SLIDER, [own])
+    assert np.std(found.v[:, 0] - made.v_slider) < 0.05 * np.std(made.v_slider)
+    assert np.std(found.q[:, 0] - made.slider) < 0.05 * np.std(made.slider - SPEED * t)
+
+
 def test_derivatives_are_those_of_differences() -> None:
     """Of every kind of sensor, two of a kind, gains and offsets."""
     case = CASES["drill"]()

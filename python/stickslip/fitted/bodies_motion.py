@@ -23,6 +23,7 @@ WHITE = np.array(
     [[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]]
 )  # covariance that white jerk leaves
 LEAST = 1e-3  # share of the largest force below which a coordinate is taken to be told of by none
+FINEST = 64  # samples a radian; more say no more of what starts a fit
 RIDGE = 1e-12  # of the scaled unknowns, which are about 1
 
 
@@ -49,15 +50,21 @@ def most_likely_motion(
     go, speed : (n,) way and speed of the drive
     radian : of the shortest natural period, a time
     """
+    count = int(radian / FINEST / float(np.median(np.diff(t))))
+    if count > 1:  # samples so near each other that the matrix would be singular to rounding
+        few, kept = _means(t, read, count)
+        go, speed = (np.interp(few, t, x) for x in (go, speed))
+        q, v, doubt = most_likely_motion(own, few, kept, go, speed, radian)
+        return _between(t, few, q), _between(t, few, v), doubt
     n = len(own.names)
     force = _forces(own, read)
     jump = force / np.diag(own.M)
     units = np.concatenate([jump * radian**2, jump * radian, jump])  # in which the unknowns are about 1
     dt = np.maximum(np.diff(t), 1e-300)
-    blocks, sides = _observed(own, t, read, go, speed, force, units)
+    rows, values, weight = _observed(own, t, read, go, speed, force, units)
     steps, before = _steps(n, dt, jump, radian, units)
-    normal = np.einsum("kri,krj->kij", blocks, blocks)
-    right = np.einsum("kri,kr->ki", blocks, sides)
+    normal = np.tensordot(weight**2, rows[:, :, None] * rows[:, None, :], 1) + RIDGE * np.eye(3 * n)
+    right = (weight**2 * values) @ rows
     normal[1:] += np.einsum("kri,krj->kij", steps, steps)
     normal[:-1] += np.einsum("kri,krj->kij", before, before)
     across = np.einsum("kri,krj->kij", steps, before)  # rows of a sample, columns of the one before
@@ -70,6 +77,25 @@ def most_likely_motion(
         unit[place] = 1.0
         doubt[i] = np.sqrt(scipy.linalg.cho_solve_banded((root, True), unit)[place]) * units[n + i]
     return x[:, :n], x[:, n : 2 * n], doubt
+
+
+def _between(t: Floats, few: Floats, x: Floats) -> Floats:
+    """Values (n, k) at times, from those at fewer."""
+    return np.column_stack([np.interp(t, few, one) for one in x.T])
+
+
+def _means(t: Floats, read: Mapping[str, Reading], count: int) -> tuple[Floats, dict[str, Reading]]:
+    """Times and readings of so many samples each, weighted means."""
+    starts = np.arange(0, len(t) - count + 1, count)
+    sizes = np.diff(np.append(starts, len(t)))
+    out = {}
+    for name, one in read.items():
+        squares = one.weight**2
+        total = np.add.reduceat(squares, starts)
+        plain = np.add.reduceat(one.values, starts) / sizes
+        mean = np.add.reduceat(squares * one.values, starts) / np.where(total > 0, total, 1.0)
+        out[name] = Reading(np.where(total > 0, mean, plain), np.sqrt(total), one.noise / np.sqrt(count))
+    return np.add.reduceat(t, starts) / sizes, out
 
 
 def _forces(own: Equations, read: Mapping[str, Reading]) -> Floats:
@@ -95,8 +121,8 @@ def _observed(
     speed: Floats,
     force: Floats,
     units: Floats,
-) -> tuple[Floats, Floats]:
-    """Rows (n, rows, 3 coordinates) over the scaled unknowns, and what they are, (n, rows); all over their noise."""
+) -> tuple[Floats, Floats, Floats]:
+    """Rows over the scaled unknowns, (rows, 3 coordinates), what they are, and the weights of that, (n, rows) each."""
     n, eye = len(own.names), np.eye(3 * len(own.names))
     rows: list[tuple[Floats, Floats, Floats]] = []  # row, values and weights
     for i, name in enumerate(own.names):
@@ -126,11 +152,8 @@ def _observed(
         rows.append((turn @ moved, pulled @ turn, 1 / np.sqrt(noise @ turn**2)))
     if hidden:
         rows += [(moved[i], pulled[:, i], np.full(len(t), 1 / force[i])) for i in range(n)]
-    weight = np.array([one for _, _, one in rows]).T
-    blocks = weight[:, :, None] * (np.array([row for row, _, _ in rows]) * units)
-    sides = weight * np.array([values for _, values, _ in rows]).T
-    ridge = np.tile(np.sqrt(RIDGE) * eye, (len(t), 1, 1))
-    return np.concatenate([blocks, ridge], axis=1), np.concatenate([sides, np.zeros((len(t), 3 * n))], axis=1)
+    values, weight = (np.array([one[k] for one in rows]).T for k in (1, 2))
+    return np.array([row for row, _, _ in rows]) * units, values, weight
 
 
 def _steps(n: int, dt: Floats, jump: Floats, radian: float, units: Floats) -> tuple[Floats, Floats]:
