@@ -152,7 +152,7 @@ def _trajectory(
         return given[:, 0].copy() if alone else given
 
     events = raw["transition_sensitivity"]
-    seen_by, slopes = ({}, {}) if alone else sensed(lowered, raw, names)
+    seen_by, slopes = sensed(lowered, raw, names) if raw["sensed"].size else ({}, {})
     transitions = Transitions(
         t=raw["transition_t"],
         state=raw["transition_state"][:, order],
