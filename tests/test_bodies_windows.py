@@ -14,11 +14,9 @@ from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import way
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.bodies_cuts import STATE
-from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.shared import Declared
 
 Floats = NDArray[np.float64]
 
@@ -137,15 +135,3 @@ def test_a_drive_goes_as_far_as_its_speed_says() -> None:
     assert way(ss.Speed.of(2.0), 3.0) == 6.0
     assert way(ss.Speed.of("2*t"), 3.0) == pytest.approx(9.0, rel=1e-12)
     assert way(ss.Speed.steps([0.0, 1.0], [1.0, 3.0]), 2.0) == pytest.approx(4.0, rel=1e-9)
-
-
-def test_a_fit_of_windows_with_effects_on_a_general_rig_is_refused() -> None:
-    rig = ss.BodiesRig(
-        body={"block": ss.Body(mass=1)},
-        link=[ss.Link(between=("block", "ground"), stiffness=1)],
-        contact=[ss.Contact(body="block", against="belt")],
-    )
-    law = ss.CoulombFriction(static=1.0, kinetic=0.5)
-    pushed = ss.Model(rig, friction=law, effects=(ss.effect("constant_load", f=0.1),))
-    with pytest.raises(InputError, match="can be simulated, and no more as yet"):
-        BodiesWindows(pushed, [], [], [], Declared())

@@ -10,7 +10,7 @@ import stickslip as ss
 from scattering import case
 from stickslip.discovery.laboratory import loop
 from stickslip.discovery.laboratory.constants import freed
-from stickslip.discovery.laboratory.gate import _effects, gate
+from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.fitted.data import prepare
@@ -102,16 +102,13 @@ def test_the_gate_draws_a_belt_that_wanders_where_no_waves_of_it_are_scored(tmp_
     bench = loop.bench_of(read, prepare(read.train))
     plain = begin(bench.windows())
     p = replace(plain.population, belt=0.01)
-    drawn = _effects(
-        bench, replace(plain, population=p), [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=True
-    )
+    fit, like = replace(plain, population=p), [np.zeros(bench.policy.draws)] * 2
+    drawn = bench.drawn(fit, like, np.random.default_rng(1), belt=True)
     line = drawn[:, plain.windows.kinetic.stop :]
     for members, places in zip(plain.windows.by_run, plain.windows.places, strict=True):
         told = 0.01 * np.linalg.norm(places[1:], axis=1)
         assert np.std(line[members], axis=(0, 2)) == pytest.approx(told, rel=0.15)
-    whole = _effects(
-        bench, replace(plain, population=p), [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=False
-    )
+    whole = bench.drawn(fit, like, np.random.default_rng(1), belt=False)
     assert not whole[:, plain.windows.kinetic.stop :].any()
 
 
@@ -122,6 +119,7 @@ def test_a_run_that_has_no_window_is_drawn_nothing(tmp_path: Path) -> None:
     plain = begin(bench.windows())
     *others, last = plain.windows.by_run
     plain.windows.by_run = [*others, last[:0]]
-    drawn = _effects(bench, plain, [(0.0, 0.0)] * 2, np.random.default_rng(1), belt=True)
+    like = [np.zeros(bench.policy.draws)] * 2
+    drawn = bench.drawn(plain, like, np.random.default_rng(1), belt=True)
     assert drawn[others[0]].any()
     assert not drawn[last].any()

@@ -50,6 +50,8 @@ class ParameterInfo:
         has another cause.
     of_size
         Its values in `EffectKind.starts` are shares of the size of y1.
+    unit
+        What is 1 in numbers like those of (2.1), in those that its bounds are in.
     """
 
     name: str
@@ -63,6 +65,7 @@ class ParameterInfo:
     sought: tuple[float, float] | None = None
     of_size: bool = False
     as_named: bool = False
+    unit: float = 1.0
 
     @property
     def least_found(self) -> float:

@@ -251,7 +251,8 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
         )
     acts = effect.as_acts
     named = not isinstance(places.rig, GeneralRig)
-    where = effect.where if named or isinstance(effect, FormulaEffect) or effect.placed else ""
+    own = effect.where in places.own.names  # a body that is called as a place of the catalogue
+    where = effect.where if named or own or isinstance(effect, FormulaEffect) or effect.placed else ""
     numbers = {f"{effect.label}.{name}": size for name, size in effect.parameters.items()}
     match acts.place:
         case None:

@@ -14,6 +14,7 @@ from stickslip import arguments
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.units import Channel
 from stickslip.discovery import outcome, rig_numbers
 from stickslip.discovery.choice import Choice, choose
@@ -23,6 +24,7 @@ from stickslip.discovery.errors import Measured, error_block
 from stickslip.discovery.filtered import thinned_if_filtered
 from stickslip.discovery.final import final
 from stickslip.discovery.gate import gate, largest_gain
+from stickslip.discovery.general_rig import loop as general_rig
 from stickslip.discovery.laboratory import block
 from stickslip.discovery.laboratory import loop as laboratory
 from stickslip.discovery.longer import looked_at_longer
@@ -184,10 +186,8 @@ def _searched(
         if isinstance(case.rig, BlockOnBelt):
             found = block.discover(case, tell, seed)
             return found or slider.carried(slider.discover(case, progress=tell, seed=seed))
-        if not isinstance(case.rig, Rig):
-            kind = type(case.rig).__name__
-            words = f"a {kind} is not searched yet; `identify` fits its laws and says what they leave"
-            raise InputError(words, key="rig")
+        if isinstance(case.rig, GeneralRig):
+            return general_rig.discover(case, tell, seed)
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         data, notes = _checked(case, copied)
         workers = Workers(count, __name__)  # not for a case that is refused

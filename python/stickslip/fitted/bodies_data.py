@@ -69,6 +69,13 @@ class BodiesData:
     periods: tuple[float, float]
     reads: tuple[str, ...]
     offsets: Mapping[str, tuple[float, float]]
+    declared: tuple[bool, ...] = ()  # whether a channel's noise is
+
+    @property
+    def belt_speed(self) -> float:
+        """The prescribed speed that moves the rig, where it is a number; else that at the start."""
+        one = self.drive if self.belt.constant == 0 else self.belt
+        return float(one(0.0)) if one.constant is None else one.constant
 
 
 def way(drive: Speed, t: float) -> float:
@@ -154,6 +161,7 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
     return BodiesData(
         run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
         reads, offsets,
+        tuple(name in run.noise for name in channels),
     )  # fmt: skip
 
 

@@ -59,7 +59,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         super().__init__(model, data, stretches, numbers, declared, policy)
         self.sensors, self.begins = sensors, len(sensors.begins)
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
-        self.own = self.begins + self.effects
+        self.own, self.kinetics = self.begins + self.effects, ([*range(1, 1 + policy.knots)],)
         self.knots = [knots(run, policy) for run in data]
         self.places = [
             np.vstack([slipped(k, run), belt_waves.root(lasts(run, r, stretches), policy.knots, policy.slow)])

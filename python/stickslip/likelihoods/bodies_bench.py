@@ -73,6 +73,16 @@ class BodiesBench:
         return [Number(f"offset.{name}", 0.0, 0.0, size) for name, (_, size) in given.items()]
 
 
+def of_drive(model: Model, run: BodiesData, number: int, policy: Policy) -> list[Number]:
+    """Return the speed of a run's drive, as well known as a belt's; none where nothing is driven, or by a formula."""
+    assert isinstance(model.rig, GeneralRig)
+    speed = run.drive.constant
+    if not model.rig.equations.driven or not speed:
+        return []
+    sd = policy.belt_sd * abs(speed)
+    return [Number("drive_speed", speed, speed, sd, run=number, stride=sd)]
+
+
 def bench_of(
     model: Model, runs: Sequence[Recording], known: Uncertainty, policy: Policy = POLICY
 ) -> BodiesBench:

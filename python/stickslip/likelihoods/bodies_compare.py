@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import _core
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import percent
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.fitted.comparison_rows import GOOD, POOR, Row
+from stickslip.likelihoods.bodies_ahead import free_run, one_ahead
 from stickslip.likelihoods.bodies_cuts import cuts, starts_of_slips
-from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
+from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import null
-from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.fit_state import unexplained
+from stickslip.likelihoods.own_phases import with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
@@ -134,16 +134,15 @@ def compare_bodies(
     cut = cuts([run])
     if len(cut) < FEWEST:
         raise InputError(f"{recording.name} holds {len(cut)} windows; {FEWEST} are needed")
-    windows = BodiesWindows(model, [run], cut, [], Declared())
     tell("fitting the starts of windows", 0.1)
     try:
-        fit = null(windows, POLICY)
+        fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         raise StickslipError("no window of the run can be simulated with this model") from None
     tell("simulating", 0.7)
     part = slice(cut[0].start, len(run.t))
-    simulated = _free(fit, run, part)
-    error = _ahead(fit, run)
+    simulated = free_run(fit, run, part)
+    error = one_ahead(fit, run).error
     rows = [*_contact_rows(rig, run, part, _as_read(rig, recording, run, part, simulated))]
     rows.append(
         Row("forecast error", "1", None, error, None, "one event ahead, over how far the readings move")
@@ -154,69 +153,6 @@ def compare_bodies(
     return RigComparison(
         tuple(rows), model, recording, run.t[part], run.channels, run.readings[part], simulated
     )
-
-
-def _core_run(point: Point, values: Floats, modes: list[int], t: Floats) -> dict[str, Any] | None:
-    raw: dict[str, Any] = _core.simulate_bodies(
-        **point.lowered.arguments,
-        values=values,
-        modes=modes,
-        t_start=float(t[0]),
-        t_end=float(t[-1]),
-        t_eval=t,
-        rtol=POLICY.tolerance,
-        atol=0.01 * POLICY.tolerance,
-        locator=_core.Locator.henon,
-        seeds=np.zeros((0, len(values))),
-        max_transitions=1_000_000,
-        sensed=bool(point.of.sensed),
-    )
-    return raw if raw["outcome"] == _core.Outcome.finished else None
-
-
-def _free(fit: Fit, run: BodiesData, part: slice) -> Floats:
-    """Readings of a run from the first window's start, with friction of the mean event, which is the model's."""
-    windows = fit.windows
-    assert isinstance(windows, BodiesWindows)
-    point = Point(windows, 0, np.zeros(0), [])
-    own = fit.own[0].copy()
-    own[windows.begins :] = 0.0
-    values, _ = point.started(0, own)
-    raw = _core_run(point, values, list(windows.stretches[0].modes), run.t[part])
-    if raw is None:
-        raise StickslipError("the model's run from the estimated start stops before the end")
-    return point.read(raw, own, False)[0]
-
-
-def _ahead(fit: Fit, run: BodiesData) -> float:
-    """Error one window ahead, from where the window before ends, over how far the readings move in it."""
-    windows = fit.windows
-    assert isinstance(windows, BodiesWindows)
-    point = Point(windows, 0, np.zeros(0), [])
-    off = moved = 0.0
-    for i, w in enumerate(windows.stretches[1:], start=1):
-        before = windows.stretches[i - 1]
-        if before.stop != w.start:
-            continue
-        motion = point.motion(i - 1, fit.own[i - 1])
-        if motion is None:
-            continue
-        own = fit.own[i].copy()
-        own[windows.begins :] = 0.0
-        layout, state = point.lowered.layout, motion.state[-1]
-        values, _ = point.started(i, own)
-        values[layout["initial"] : layout["initial"] + len(state)] = state
-        t = run.t[before.stop - 1 : w.stop]
-        raw = _core_run(point, values, [int(one) for one in motion.mode[-1]], t)
-        read = run.readings[w.start : w.stop]
-        scale = run.weight[w.start : w.stop]
-        moved += float((((read - read.mean(axis=0)) * scale) ** 2).sum())
-        if raw is None:
-            off += float((((read - read.mean(axis=0)) * scale) ** 2).sum())
-        else:
-            found = point.read(raw, own, False)[0][1:]
-            off += float((((read - found) * scale) ** 2).sum())
-    return float(np.sqrt(off / moved)) if moved > 0 else np.nan
 
 
 def _as_read(

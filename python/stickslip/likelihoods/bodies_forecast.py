@@ -26,6 +26,7 @@ from stickslip.likelihoods.bodies_cuts import cuts, tail
 from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
+from stickslip.likelihoods.own_phases import with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
@@ -131,9 +132,8 @@ def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -
         raise InputError(
             f"the past holds {len(cut)} windows; {FEWEST} are needed to see how friction scatters"
         )
-    windows = BodiesWindows(model, [run], cut, [], Declared())
     try:
-        fit = null(windows, POLICY)
+        fit = null(BodiesWindows(with_own_phases(model, run, cut), [run], cut, [], Declared()), POLICY)
     except (FloatingPointError, np.linalg.LinAlgError):
         raise StickslipError("the model cannot follow the past: no window of it can be simulated") from None
     if (left := unexplained(fit)) > POLICY.noise_left:

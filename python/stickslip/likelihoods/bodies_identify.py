@@ -112,7 +112,7 @@ def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
         estimates=_estimates(bench, fit, values),
         names=tuple(fit.windows.numbers[i].name for i in places),
         covariance=_turned(fit, places),
-        scatter=_scatter(fit),
+        scatter=scatter(fit),
         constants=_constants(bench, fit),
         offsets=_offsets(bench, fit),
         noise=dict(
@@ -195,8 +195,8 @@ def _constants(bench: BodiesBench, fit: Fit) -> dict[str, Constant]:
     return out
 
 
-def _scatter(fit: Fit) -> dict[str, Spread]:
-    """What differs from window to window, with intervals by the curvature of the deviance."""
+def scatter(fit: Fit) -> dict[str, Spread]:
+    """Return what differs from window to window, with intervals by the curvature of the deviance."""
     population, noise = fit.population, fit.noise
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)

@@ -8,7 +8,7 @@ where it is a number. Derivatives are the core's.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -19,8 +19,9 @@ from stickslip import _core
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
-from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
+from stickslip.likelihoods.bodies_effects import Beginnings, Reads
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
 from stickslip.likelihoods.event_windows import EventWindows
@@ -61,9 +62,6 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         policy: Policy = POLICY,
     ) -> None:
         assert isinstance(model.rig, GeneralRig)
-        if model.effects:
-            words = "effects on a rig of bodies or matrices can be simulated, and no more as yet"
-            raise InputError(words, key="effects")
         super().__init__(model, data, stretches, numbers, declared, policy)
         self.rig = model.rig
         self.gains = tuple(f"gain.{name}" for name in data[0].channels)
@@ -86,11 +84,14 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         )
         kinetic = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".kinetic")]
         self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
+        self.kinetics = tuple([k] for k in kinetic)
         self.places = [np.zeros(0)] * len(self.data)
         self.scales = [_scales(run) for run in data]
         self.reads = _reads(data[0].reads, own.equations.names)
         self.sensed = tuple(name for name in data[0].reads if name in own.equations.sensed)
         self.offsets = tuple(f"offset.{name}" for name in data[0].channels)
+        self.begun = [Beginnings(one, run) for one, run in zip(self.lowered, self.data, strict=True)]
+        self.through = [Reads(one, data[0].channels) for one in self.lowered]
 
     def scatter(self) -> ContactScatter:
         """See `EventWindows.scatter`."""
@@ -192,6 +193,11 @@ def _start(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> _Start:
     return _Start(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
 
 
+def _finite(x: Floats) -> Floats:
+    """Numbers that the core takes; where some are not finite the window fails anyway."""
+    return x if np.isfinite(x).all() else np.nan_to_num(x)
+
+
 def _scales(run: BodiesData) -> tuple[Floats, Floats]:
     """How far each coordinate moves in a radian of the natural period, and how fast."""
     v = np.std(run.v, axis=0)
@@ -210,13 +216,13 @@ def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
         model,
         run.belt if model.rig.equations.on_belt else None,  # type: ignore[union-attr]
         run.drive if model.rig.equations.driven else None,  # type: ignore[union-attr]
+        differing=scattering,
     )
-    laws = tuple(scattering(law, j) for j, law in enumerate(own.laws))
-    for law in laws:
+    for law in own.laws:
         if law.states:
             words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
             raise InputError(words, key="friction")
-    return lower_bodies(replace(own, laws=laws), model)
+    return lower_bodies(own, model)
 
 
 class Point:
@@ -227,6 +233,7 @@ class Point:
         self.data, self.lowered = windows.data[run], windows.lowered[run]
         self.base = self._values()
         self.rows = [self._row(j) for j in shared]
+        self.begins, self.reads = windows.begun[run], windows.through[run]
 
     def _values(self) -> Floats:
         """The core's numbers, the windows' own apart."""
@@ -277,6 +284,11 @@ class Point:
         return rows, offset
 
     @cached_property
+    def named(self) -> dict[str, float]:
+        """Numbers of effects by name."""
+        return {name: float(self.base[self._place(name)]) for name in self.lowered.own.effects.numbers}
+
+    @cached_property
     def effect_places(self) -> list[int | None]:
         """Places of the random effects among the values; None of the belt's."""
         out: list[int | None] = []
@@ -288,26 +300,25 @@ class Point:
         return out + [None] * (self.of.effects - len(out))
 
     def started(self, i: int, own: Floats) -> tuple[Floats, Floats]:
-        """Return the core's numbers at the start of a window, and the seeds of its own numbers."""
+        """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
         of, w = self.of, self.of.stretches[i]
         rows, offset = self._own_rows(of.starts[i])
         values = self.base + offset + own @ rows
-        layout, eq = self.lowered.layout, self.lowered.own.equations
-        if eq.driven:
-            place = layout["initial"] + 2 * of.dimension + int(eq.on_belt)
-            values[place] = self.data.drawn + way(self.data.drive, float(self.data.t[w.start]))
+        moved = [row for row in self.rows if row is not None]
+        seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
+        layout = self.lowered.layout
+        self.begins.put(values, seeds, float(self.data.t[w.start]))
         values[layout["dwell"] : layout["dwell"] + len(w.dwell)] = w.dwell
-        return values, rows
+        return values, seeds
 
     def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
         """Run the core from the start of a window; whether it came to the end."""
         of, w = self.of, self.of.stretches[i]
-        values, rows = self.started(i, own)
-        moved = [row for row in self.rows if row is not None]
+        values, rows = (_finite(one) for one in self.started(i, own))
         t = self.data.t[w.start : w.stop]
         raw: Mapping[str, Any] = _core.simulate_bodies(
             **self.lowered.arguments,
-            values=np.nan_to_num(values),
+            values=values,
             modes=list(w.modes),
             t_start=float(t[0]),
             t_end=float(t[-1]),
@@ -315,9 +326,7 @@ class Point:
             rtol=of.policy.tolerance,
             atol=0.01 * of.policy.tolerance * float(min(of.scales[self.run][0].min(), 1.0)),
             locator=_core.Locator.henon,
-            seeds=np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
-            if seeds
-            else np.array(moved).reshape(-1, len(values)),
+            seeds=rows if seeds else rows[: len(rows) - of.own],
             max_transitions=of.policy.most_transitions,
             max_steps=of.policy.most_integration_steps,
             sensed=bool(of.sensed),
@@ -334,22 +343,22 @@ class Point:
         active += range(len(self.shared), count)
         every, moves = (everything(raw), everything_moves(raw)) if of.sensed else (state, slopes)
         for c, place in enumerate(of.reads):
-            if isinstance(place, int):
+            if c in self.reads.trees:
+                read[:, c], by[:, c, active], named = self.reads.read(c, raw["t"], state, slopes, self.named)
+                for i, j in enumerate(self.shared):
+                    if self.rows[i] is not None and of.numbers[j].name in named:
+                        by[:, c, i] += named[of.numbers[j].name]
+            elif isinstance(place, int):
                 read[:, c] = state[:, place]
                 by[:, c, active] = slopes[:, place]
-                continue
-            if place in of.sensed:
+            elif place in of.sensed:
                 row, moved = self.rows_of_sensors[place]
                 read[:, c] = every @ row
                 by[:, c, active] = row @ moves
                 for i, one in moved.items():
                     by[:, c, i] += every @ one
-                continue
-            speed = self.data.belt(raw["t"])
-            wobbles = of.differs.names[-1] == "belt"
-            read[:, c] = speed * (1.0 + (own[-1] if wobbles else 0.0))
-            if local and wobbles:
-                by[:, c, -1] = speed
+            else:
+                self._belt(c, raw["t"], own, read, by, local)
         gained(read, by, of.gains, of.numbers, self.at, self.shared)
         shifted(read, by, of.offsets, of.numbers, self.at, self.shared)
         for i, j in enumerate(self.shared):
@@ -361,6 +370,14 @@ class Point:
         """Rows of what is sensed beside the state, and what they move by with shared numbers, by column."""
         of = self.of
         return sensor_rows(self.lowered, of.sensed, of.numbers, self.at, self.shared, of.rows_move)
+
+    def _belt(self, c: int, t: Floats, own: Floats, read: Floats, by: Floats, local: bool) -> None:
+        """The belt's own sensor sees the window's own belt."""
+        speed = self.data.belt(t)
+        wobbles = self.of.differs.names[-1] == "belt"
+        read[:, c] = speed * (1.0 + (own[-1] if wobbles else 0.0))
+        if local and wobbles:
+            by[:, c, -1] = speed
 
     def block(self, i: int, own: Floats, local: bool) -> Floats | None:
         """Simulate, read, weigh."""

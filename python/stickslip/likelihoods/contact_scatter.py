@@ -37,6 +37,12 @@ class ContactScatter:
     sizes: tuple[float, ...]
     of: tuple[int, ...]
 
+    @property
+    def friction(self) -> tuple[float, ...]:
+        """Standard deviations of friction; 0 where nothing has any."""
+        sizes = (size for name, size in zip(self.names, self.sizes, strict=True) if name != "belt")
+        return (*sizes, 0.0)
+
     def coordinates(self) -> Floats:
         """Return the logarithms, (k,)."""
         return np.log(np.maximum(self.sizes, LEAST))

@@ -59,8 +59,8 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
     policy : what steers the windows
 
     A window's own numbers, `own` of them, are the `begins` that say where its motion begins, then its `effects`:
-    random effects, with a place in each run's `places` where they have any. `kinetic` are those of kinetic friction,
-    `statics` those of static limits.
+    random effects, with a place in each run's `places` where they have any. `kinetic` are those of kinetic friction
+    at the first contact, `kinetics` at each, `statics` those of static limits.
     """
 
     begins: int
@@ -68,6 +68,7 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
     own: int
     kinetic: slice
     statics: tuple[int, ...]
+    kinetics: tuple[list[int], ...]
     places: list[Floats]
 
     def __init__(

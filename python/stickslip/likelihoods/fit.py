@@ -40,10 +40,10 @@ def null(windows: Windowed, policy: Policy) -> Fit:
     one that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
     with scatter to take it. Where scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
     """
-    first = begin(windows)
-    if isinstance(windows, BodiesWindows):
-        return fitted(replace(first, own=settled(first, ALONE)[0]), policy)
+    first = begun(windows)
     fit = fitted(first, policy)
+    if isinstance(windows, BodiesWindows):
+        return fit
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
     p = start(policy)
@@ -51,6 +51,12 @@ def null(windows: Windowed, policy: Policy) -> Fit:
     again = replace(first, population=wide, own=shown)
     again = fitted(replace(again, own=settled(again, ALONE)[0]), policy)
     return min(fit, again, key=lambda one: one.deviance)
+
+
+def begun(windows: Windowed) -> Fit:
+    """Return a fit at the declared numbers; windows of a rig of bodies settle alone first."""
+    first = begin(windows)
+    return replace(first, own=settled(first, ALONE)[0]) if isinstance(windows, BodiesWindows) else first
 
 
 def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None = None) -> Fit:

@@ -25,10 +25,11 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
     fit : with the events' own friction
     which : STATIC, the static limit, or KINETIC, the mean of the curve
 
-    All runs together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
+    All runs and contacts together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
     """
-    u = fit.random[:, 0] if which == STATIC else fit.random[:, fit.windows.kinetic].mean(axis=1)
-    return correlation([u[members] for members in fit.windows.by_run])
+    every = fit.windows.statics if which == STATIC else fit.windows.kinetics
+    series = [fit.random[:, one].mean(axis=1) for one in map(np.atleast_1d, every)]
+    return correlation([u[members] for u in series for members in fit.windows.by_run])
 
 
 def correlation(runs: Sequence[Floats]) -> tuple[float, float]:

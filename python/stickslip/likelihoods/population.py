@@ -24,6 +24,10 @@ SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slippe
 class Scatter(Protocol):
     """What differs from window to window on some rig: numbers whose logarithms are estimated."""
 
+    @property
+    def friction(self) -> Sequence[float]:
+        """Standard deviations of friction."""
+
     def coordinates(self) -> Floats:
         """Return the logarithms, (k,)."""
 
@@ -61,6 +65,11 @@ class Population:
     length: float
     static: float
     belt: float
+
+    @property
+    def friction(self) -> tuple[float, ...]:
+        """Standard deviations of friction."""
+        return self.level, self.curve, self.static
 
     def coordinates(self) -> Floats:
         """Return the logarithms, (5,)."""

@@ -15,10 +15,10 @@ ENOUGH = 3  # windows of a run that may differ
 def lost(fit: Fit) -> bool:
     """Return whether a fit is no model of its windows: many do not count, or scatter ends at its bound."""
     assert fit.linear is not None
-    p, weight = fit.population, fit.linear.weight
+    weight = fit.linear.weight
     if weight.sum() < (1 - fit.windows.policy.lost_windows) * len(weight):
         return True
-    return bool(max(p.level, p.curve, p.static) >= 0.99 * MOST)
+    return bool(max(fit.population.friction) >= 0.99 * MOST)
 
 
 def swollen(fit: Fit) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -109,8 +109,16 @@ class General:
         return np.array([*z, *hidden])
 
 
-def general(model: Model, belt_speed: object, drive_speed: object = None) -> General:
+def general(
+    model: Model,
+    belt_speed: object,
+    drive_speed: object = None,
+    *,
+    differing: Callable[[LawForm, int], LawForm] = lambda law, _: law,
+) -> General:
     """Return what is simulated of a model; a named rig becomes one of matrices.
+
+    `differing` makes of the declared law of a contact what effects are put to.
 
     Raises
     ------
@@ -126,7 +134,8 @@ def general(model: Model, belt_speed: object, drive_speed: object = None) -> Gen
         )
     effects = effects_of(model.effects, Places(rig, own, order))
     laws = tuple(
-        effects.changed(j, form_of(law_of(model.friction, one))) for j, one in enumerate(own.contacts)
+        effects.changed(j, differing(form_of(law_of(model.friction, one)), j))
+        for j, one in enumerate(own.contacts)
     )
     speeds = []
     for key, given, needed in (

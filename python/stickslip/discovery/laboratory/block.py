@@ -14,8 +14,8 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
 from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.loop import Verdicts, searched
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
@@ -65,10 +65,10 @@ class Search:
     case: Case
     units: Scaled
     data: Sequence[Data]
-    verdicts: Verdicts
+    verdicts: Verdicts[BeltBench]
 
 
-def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
+def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     """
     Return the train runs cut into windows, the units, and all runs.
 
@@ -89,7 +89,7 @@ def bench_of(case: Case) -> tuple[Bench, Scaled, list[Data]] | None:
     sensors = BlockSensors(
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
-    return Bench(declared, train, stretches(train), known(case), sensors, POLICY), units, data
+    return BeltBench(declared, train, stretches(train), known(case), POLICY, sensors), units, data
 
 
 def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:

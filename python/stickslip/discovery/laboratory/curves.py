@@ -1,64 +1,14 @@
-"""Curves that no name explains: a force, a factor of friction or a reading, as any smooth function of one variable.
-
-While the block slips, a force on it is a change of friction: the windows have columns of that at every place of the
-slip, so that a curve of anything costs no simulation. A force on the angle body is seen through that body alone.
-"""
+"""The best curve that no name explains, and what the best of all curves gains where nothing is lacking."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-
-import numpy as np
-import scipy
-from numpy.typing import NDArray
+from dataclasses import replace
 
 from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.screen import Screen, Shapes
-from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.motion import Motion
-from stickslip.likelihoods.score import Columns, score
-from stickslip.simulated import states
-
-Floats = NDArray[np.float64]
-Factors = Sequence[Floats | None]
-FEWEST = 3  # samples of a slip that a curve can be read along
-
-
-@dataclass(frozen=True)
-class Learned:
-    """
-    A curve that was scored.
-
-    Parameters
-    ----------
-    where, variable : the place it acts and what it depends on
-    gain : fall of -2 log marginal likelihood
-    x, value, std : (k,) the curve and its standard deviation
-    count : shapes that it is made of
-    columns, size : behind it, and their numbers
-    friction : of one in the slip, each window's friction over the law's at the places of its curve
-    threshold : what the best of all curves gains, prices paid, where nothing is lacking
-    """
-
-    where: str
-    variable: str
-    gain: float
-    x: Floats
-    value: Floats
-    std: Floats
-    count: int
-    columns: Columns
-    size: Floats
-    friction: Factors | None = None
-    threshold: float = math.inf
-
-    def worth(self, windows: int) -> float:
-        """Return the gain less the price of the curve's shapes."""
-        return self.gain - self.count * math.log(windows)
 
 
 def leading(bench: Bench, fit: Fit, best: Fit, seed: int) -> Learned:
@@ -74,157 +24,7 @@ def leading(bench: Bench, fit: Fit, best: Fit, seed: int) -> Learned:
     best : the fit whose scatter is drawn
     seed : of the draws
     """
-    every, count = learned(bench, fit), len(bench.stretches)
+    every, count = bench.curves(fit), len(bench.stretches)
     screen = Screen((), tuple(Shapes(one.count, (one.columns,)) for one in every))
     threshold = gate(bench, fit, screen, seed, best, tight=True).threshold
     return replace(max(every, key=lambda one: one.worth(count)), threshold=threshold)
-
-
-def learned(bench: Bench, fit: Fit) -> list[Learned]:
-    """Return every curve beside a hypothesis, best first."""
-    motions = fit.windows.motions(fit.at, fit.own)
-    every = np.eye(bench.policy.curve_shapes)
-    out = []
-    for where, variable, x, columns, factors in _every(bench, fit, motions):
-        # friction as a whole is the law's, and so is a constant force or reading while all slip one way
-        levelled = where == "contact" or bench.one_way
-        free = scipy.linalg.null_space(_mean(motions, variable, x)[None]) if levelled else every
-        reduced = [None if c is None else c @ free for c in columns]
-        # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
-        found = score(fit, reduced, bench.policy, tight=True)
-        std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
-        value, count = free @ found.size, free.shape[1]
-        friction = None if factors is None else [None if one is None else one @ value for one in factors]
-        out.append(Learned(where, variable, found.gain, x, value, std, count, reduced, found.size, friction))
-    return sorted(out, key=lambda one: -one.gain)
-
-
-def _every(
-    bench: Bench, fit: Fit, motions: list[Motion | None]
-) -> Iterator[tuple[str, str, Floats, Columns, Factors | None]]:
-    two = "alpha1" in bench.model.parameters
-    names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
-    for variable in names:
-        grid = _grid(motions, variable, bench.policy.curve_shapes)
-        for where in ("contact", "block"):
-            if (where, variable) == ("contact", "x1"):
-                continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
-            factors = _factors(bench, fit, motions, where, variable, grid)
-            shown = "v_w" if (where, variable) == ("contact", "x2") else variable
-            yield where, shown, grid, _of_slip(bench, fit, factors), factors
-        for channel, place in enumerate(bench.sensors.places):
-            yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid), None
-        if two:
-            yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid), None
-
-
-def _at(motion: Motion, variable: str) -> Floats:
-    return motion.t if variable == "t" else motion.state[:, states.AT[variable]]
-
-
-def _grid(motions: list[Motion | None], variable: str, count: int) -> Floats:
-    """Places of a curve's knots: where slips pass often there are many, and none is far from the next."""
-    every = np.concatenate([_at(one, variable)[one.mode != 0] for one in motions if one is not None])
-    low, high = np.quantile(every, [0.002, 0.998])
-    often = np.quantile(every, np.linspace(0.002, 0.998, count))
-    return np.asarray(0.5 * (often + np.linspace(low, high, count)))
-
-
-def _mean(motions: list[Motion | None], variable: str, grid: Floats) -> Floats:
-    """Mean of each shape over all slips, (k,)."""
-    of = "x2" if variable == "v_w" else variable
-    slips = np.concatenate([_at(one, of)[one.mode != 0] for one in motions if one is not None])
-    return np.asarray(shapes(grid, slips).mean(axis=0))
-
-
-def shapes(grid: Floats, x: Floats) -> Floats:
-    """Return the cardinal natural splines of a grid, held constant outside, (n, k)."""
-    spline = scipy.interpolate.CubicSpline(grid, np.eye(len(grid)), bc_type="natural")
-    return np.asarray(spline(np.clip(x, grid[0], grid[-1])))
-
-
-def _of_slip(bench: Bench, fit: Fit, factors: Factors) -> Columns:
-    """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
-    first, k = len(fit.at) + fit.windows.begins + 1, bench.policy.knots
-    return [
-        None if block is None or factor is None else block[:, :, first : first + k] @ factor
-        for block, factor in zip(fit.blocks, factors, strict=True)
-    ]
-
-
-def _factors(
-    bench: Bench, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
-) -> Factors:
-    """A window's friction at the places of its curve, over the law's, by each shape; None where it fails."""
-    assert isinstance(fit.windows, BeltWindows)
-    out: list[Floats | None] = []
-    for s, motion in zip(bench.stretches, motions, strict=True):
-        if motion is None:
-            out.append(None)
-            continue
-        at = _along_slip(motion, fit.windows.knots[s.run], variable, bench.data[s.run].belt_speed)
-        if at is None:
-            out.append(np.zeros((bench.policy.knots, len(grid))))
-            continue
-        values, speed = at
-        factor = shapes(grid, values)
-        if where == "block":
-            law = bench.model.friction
-            factor = -factor / (np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
-        out.append(factor)
-    return out
-
-
-def _along_slip(
-    motion: Motion, knots: Floats, variable: str, belt_speed: float
-) -> tuple[Floats, Floats] | None:
-    """What a variable and v_w are where the slip passes the places of the friction curve."""
-    slips = np.flatnonzero(motion.mode != 0)
-    if len(slips) < FEWEST:
-        return None
-    x, order = np.unique(motion.state[slips, 0], return_index=True)
-    if len(x) < FEWEST:
-        return None
-    values = np.interp(knots, x, _at(motion, variable)[slips][order])
-    speed = np.interp(knots, x, (motion.state[:, 1] - belt_speed)[slips][order])
-    return values, np.where(speed == 0, -np.sign(belt_speed) * 1e-9, speed)
-
-
-def _of_reading(
-    bench: Bench, fit: Fit, motions: list[Motion | None], channel: int, variable: str, grid: Floats
-) -> Columns:
-    """Columns of what is added to a reading."""
-    out: list[Floats | None] = []
-    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
-        if block is None or motion is None:
-            out.append(None)
-            continue
-        made = np.zeros((*block.shape[:2], len(grid)))
-        weight = bench.data[s.run].weight[s.start : s.stop, channel]
-        made[:, channel] = shapes(grid, _at(motion, variable)) * weight[:, None]
-        out.append(made)
-    return out
-
-
-def _of_angle(bench: Bench, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats) -> Columns:
-    """Columns of a force on the angle body, seen through that body alone."""
-    p = fit.values()
-    system = scipy.signal.StateSpace(
-        [[0.0, 1.0], [-p["beta3"] / p["alpha2"], -p["eta12"] / p["alpha2"]]],
-        [[0.0], [1.0 / p["alpha2"]]],
-        [[1.0, 0.0]],
-        [[0.0]],
-    )
-    out: list[Floats | None] = []
-    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
-        if block is None or motion is None:
-            out.append(None)
-            continue
-        made = np.zeros((*block.shape[:2], len(grid)))
-        force = shapes(grid, _at(motion, variable))
-        t = np.linspace(0.0, motion.t[-1] - motion.t[0], len(motion.t))
-        weight = bench.data[s.run].weight[s.start : s.stop, 1]
-        for j in range(len(grid)):
-            made[:, 1, j] = scipy.signal.lsim(system, force[:, j], t)[1] * weight  # type: ignore[call-overload]
-        out.append(made)
-    return out

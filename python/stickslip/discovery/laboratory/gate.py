@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench, wobble
+from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
@@ -83,8 +83,10 @@ def _drawn(
 ) -> list[Floats | None]:
     """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
     draws = bench.policy.draws
-    waves = _wobble(bench, screen, rng, wobble(bench, fit.population))
-    effects = _effects(bench, fit, like, rng, belt=not waves)
+    waves = _wobble(bench, screen, rng, bench.wobble(fit.population))
+    # the fit tells a correlation poorly: every draw has one that may be the true one
+    correlations = [np.clip(found + error * rng.standard_normal(draws), 0.0, MOST) for found, error in like]
+    effects = bench.drawn(fit, correlations, rng, belt=not waves)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -100,58 +102,19 @@ def _drawn(
     return out
 
 
-def _effects(
-    bench: Bench, fit: Fit, found: Sequence[tuple[float, float]], rng: np.random.Generator, *, belt: bool
-) -> Floats:
-    """Random effects of all windows, (w, effects, draws); the belt's unless it is drawn as waves over the whole run."""
-    p, draws = fit.population, bench.policy.draws
-    out = np.zeros((len(bench.stretches), fit.windows.effects, draws))
-    # the fit tells a correlation poorly: every draw has one that may be the true one
-    like = [
-        np.clip(correlation + error * rng.standard_normal(draws), 0.0, MOST) for correlation, error in found
-    ]
-    for run, members in enumerate(fit.windows.by_run):
-        level, static = (_chain(len(members), one, rng) for one in like)
-        field = _field(bench, fit, run, members, rng)
-        for j, i in enumerate(members):
-            out[i, 0] = p.static * static[j]
-            out[i, fit.windows.kinetic] = p.level * level[j] + p.curve * field[j]
-            if belt:
-                line = fit.windows.places[run][1:]
-                out[i, fit.windows.kinetic.stop :] = (
-                    p.belt * line @ rng.standard_normal((line.shape[1], draws))
-                )
-    return out
-
-
-def _chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
-    """Stationary chains of unit variance, one a correlation, (n, draws)."""
+def chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
+    """Return stationary chains of unit variance, one a correlation, (n, draws)."""
     out = rng.standard_normal((n, len(like)))
     for j in range(1, n):
         out[j] = like * out[j - 1] + np.sqrt(1 - like**2) * out[j]
     return out
 
 
-def _field(bench: Bench, fit: Fit, run: int, members: NDArray[np.int64], rng: np.random.Generator) -> Floats:
-    """Friction along the belt at the places of each window's curve, of unit variance, (n, knots, draws)."""
-    places = fit.windows.places[run][0]
-    # one slip after the other: what is under the block when it sticks is there when it slips again
-    along = np.array([j + places for j in range(len(members))])
-    points = along.ravel()
-    # the fit tells a length poorly; a field that changes slowly looks more like an effect
-    length = max(fit.population.length, bench.policy.curve_length)
-    gap = math.sqrt(3.0) * np.abs(points[:, None] - points[None]) / length
-    kernel = (1 + gap) * np.exp(-gap) + 1e-8 * np.eye(len(points))
-    root = np.linalg.cholesky(kernel)
-    made = root @ rng.standard_normal((len(points), bench.policy.draws))
-    return np.asarray(made.reshape(len(members), len(places), bench.policy.draws))
-
-
 def _wobble(
     bench: Bench, screen: Screen, rng: np.random.Generator, whole: float
 ) -> Sequence[tuple[Wave, Floats]]:
     """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as the belt wobbles."""
-    waves = screen.of_belt(bench.policy.slow)
+    waves = screen.of_belt(bench.policy)
     if not waves:
         return []
     size = whole / math.sqrt(len(waves))

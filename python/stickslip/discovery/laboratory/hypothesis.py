@@ -3,39 +3,80 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stickslip.declared.effect import Effect
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.effect import Effect, effect
+from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
-from stickslip.fitted.data import Data
-from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.declared_numbers import of_law, of_rig
-from stickslip.likelihoods.fit_state import Windowed
+from stickslip.discovery.laboratory.learned import Learned
+from stickslip.likelihoods.fit_state import Fit, Windowed
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import Population
-from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared, Number
-from stickslip.likelihoods.stretches import Stretch
 
+Floats = NDArray[np.float64]
 STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.3, 0.02, 0.6
 STRIDE_SIZE = 0.5  # of a size's own start
+LEAST = 1e-4  # of what is 1 in (2.1): a size that is next to nothing
 
 
 @dataclass(frozen=True)
 class Term:
-    """An effect with its numbers, and its phase in each run if it has one."""
+    """
+    An effect with its numbers, and its phase in each run if it has one.
+
+    Parameters
+    ----------
+    effect, phases : the effect; a phase a run
+    of : its facts in the rig's numbers and at its place, where those are not the catalogue's
+    """
 
     effect: Effect
     phases: tuple[float, ...] = ()
+    of: EffectKind | None = None
+
+    @property
+    def kind(self) -> EffectKind:
+        """Its facts."""
+        return self.of or self.effect.kind
+
+    @property
+    def name(self) -> str:
+        """What its numbers are called by: its name, and its place where it has one."""
+        return self.effect.label
+
+    @property
+    def where(self) -> str:
+        """The place, in the words of a report."""
+        return place_of(self.kind)
+
+
+def term(kind: EffectKind, numbers: Mapping[str, float], phases: tuple[float, ...] = ()) -> Term:
+    """Return an effect of a kind with its numbers."""
+    return Term(replace(effect(kind.name, **numbers), where=kind.where), phases, kind)
+
+
+def label(kind: EffectKind) -> str:
+    """Return what the numbers of an effect are called by."""
+    return kind.name if kind.where == KINDS[kind.name].where else f"{kind.name}@{kind.where}"
+
+
+def place_of(kind: EffectKind) -> str:
+    """Return where an effect acts, in the words of a report."""
+    reads = KINDS[kind.name].where.endswith(" channel") and not kind.where.endswith(" channel")
+    return f"{kind.where} channel" if reads else kind.where
 
 
 @dataclass(frozen=True)
-class Bench:
+class Bench(ABC):
     """
-    What stays the same over all hypotheses of a case.
+    What stays the same over all hypotheses of a case, and what a search asks of its rig.
 
     Parameters
     ----------
@@ -43,53 +84,84 @@ class Bench:
     data : the runs
     stretches : their windows
     declared : how well the rig's numbers and the gains are known; what is exact is not among them
-    sensors : what the rig records
     policy : what steers
     """
 
     model: Model
-    data: Sequence[Data]
-    stretches: Sequence[Stretch]
+    data: Sequence[Any]
+    stretches: Sequence[Any]
     declared: Declared
-    sensors: Sensors
     policy: Policy
 
     @property
+    @abstractmethod
     def one_way(self) -> bool:
         """Whether every run slips one way, so that a constant force is a change of friction."""
-        return len({run.belt_speed > 0 for run in self.data}) == 1
 
-    def windows(self, terms: Sequence[Term] = ()) -> BeltWindows:
+    @abstractmethod
+    def windows(self, terms: Sequence[Term] = ()) -> Windowed:
         """Return the windows of a hypothesis."""
-        model = Model(
-            self.model.rig, friction=self.model.friction, effects=tuple(one.effect for one in terms)
-        )
-        numbers = [*of_law(self.model, self.policy), *of_rig(self.model, self.declared, self.sensors)]
-        numbers += [n for one in terms for n in of_term(one, self.policy)]
-        return BeltWindows(
-            model, self.data, self.stretches, numbers, self.declared, self.sensors, self.policy
-        )
+
+    @abstractmethod
+    def kinds(self) -> Sequence[EffectKind]:
+        """Return the effects that windows of this rig can tell, each at its place and in the rig's numbers."""
+
+    def wobbles(self, kind: EffectKind) -> bool:
+        """Whether an effect is a wave of what wobbles by itself in every window: the belt."""
+        return kind.wave is not None and kind.where == "belt"
+
+    @abstractmethod
+    def wobble(self, scatter: Any) -> float:
+        """Return the relative standard deviation of a belt's slow waves that is no finding."""
+
+    @abstractmethod
+    def scattered(self, fit: Fit, one: Term) -> float:
+        """Return the amplitude that a wave may have where scatter alone acts."""
+
+    @abstractmethod
+    def place(self, kind: EffectKind, run: int, start: int, stop: int) -> float:
+        """Return the middle of a window: a time, or along the belt a way."""
+
+    @abstractmethod
+    def length(self, kind: EffectKind, run: int, start: int, stop: int) -> float:
+        """Return how long a window is: a time, or along the belt a way."""
+
+    @abstractmethod
+    def size_of(self, kind: EffectKind) -> float:
+        """Return the size of what an effect reads, for numbers that are shares of it."""
+
+    @abstractmethod
+    def drawn(self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: bool) -> Floats:
+        """
+        Return random effects of all windows as scatter alone makes them, (w, effects, draws).
+
+        Parameters
+        ----------
+        fit : whose scatter it is
+        like : (draws,) correlation from one event to the next, of kinetic friction and of static limits
+        rng : of the draws
+        belt : whether the belt's are drawn, too
+        """
+
+    @abstractmethod
+    def curves(self, fit: Fit) -> Sequence[Learned]:
+        """Return every curve beside a hypothesis, best first."""
 
 
-def wobble(bench: Bench, scatter: Population) -> float:
-    """Return the relative standard deviation of a belt's slow waves that is no finding."""
-    return min(scatter.belt, bench.policy.wobble)
-
-
-def of_term(term: Term, policy: Policy) -> list[Number]:
+def of_term(one: Term, policy: Policy) -> list[Number]:
     """Return the numbers of an effect: sizes flat, what must be positive by its logarithm, phases by run."""
     out = []
-    for info in term.effect.kind.parameters:
-        name, value = f"{term.effect.name}.{info.name}", term.effect.parameters[info.name]
+    for info in one.kind.parameters:
+        name, value = f"{one.name}.{info.name}", one.effect.parameters[info.name]
         if info.optional and value == 0:
             continue
         if info.per_run:
             out += [
                 Number(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE)
-                for r, phase in enumerate(term.phases)
+                for r, phase in enumerate(one.phases)
             ]
         elif info.sought is None or info.spread is not None:
-            stride = max(STRIDE_SIZE * abs(value), 1e-4)
+            stride = max(STRIDE_SIZE * abs(value), LEAST * info.unit)
             out.append(
                 Number(
                     name,
@@ -102,14 +174,27 @@ def of_term(term: Term, policy: Policy) -> list[Number]:
                 )
             )
         else:
-            wave, sought, stride = term.effect.kind.wave, info.sought, STRIDE_SHAPE
+            wave, sought, stride = one.kind.wave, info.sought, STRIDE_SHAPE
             if wave and info.name == wave.parameter:  # beyond what is scored it is a trend, or noise
-                sought, stride = (policy.wavelengths if wave.along_belt else policy.frequencies), STRIDE_WAVE
+                sought, stride = often(one.kind, policy), STRIDE_WAVE
             low, high = (math.log(x) for x in sought)
-            at = min(max(math.log(max(value, 1e-12)), low), high)
+            at = min(max(math.log(max(value, 1e-12 * info.unit)), low), high)
             middle, width = 0.5 * (low + high), 0.5 * (high - low)
             out.append(Number(name, at, middle, width, True, low=low, high=high, stride=stride))
     return out
+
+
+def often(kind: EffectKind, policy: Policy) -> tuple[float, float]:
+    """Return between what bounds the frequency or the wavelength of a periodic effect is sought."""
+    assert kind.wave is not None
+    low, high = policy.wavelengths if kind.wave.along_belt else policy.frequencies
+    unit = kind.parameter(kind.wave.parameter).unit
+    return low * unit, high * unit
+
+
+def sizes_of(kind: EffectKind) -> tuple[ParameterInfo, ...]:
+    """Return the numbers that an effect is nothing without."""
+    return tuple(i for i in kind.parameters if i.spread is not None)
 
 
 def terms_at(terms: Sequence[Term], windows: Windowed, at: np.ndarray) -> tuple[Term, ...]:
@@ -117,7 +202,7 @@ def terms_at(terms: Sequence[Term], windows: Windowed, at: np.ndarray) -> tuple[
     out = []
     for one in terms:
         found = windows.values(at, 0)
-        numbers = {k: found[f"{one.effect.name}.{k}"] for k in one.effect.parameters}
-        phases = tuple(windows.values(at, r)[f"{one.effect.name}.phi"] for r in range(len(one.phases)))
-        out.append(Term(one.effect.replace(**numbers), phases))
+        numbers = {k: found[f"{one.name}.{k}"] for k in one.effect.parameters}
+        phases = tuple(windows.values(at, r)[f"{one.name}.phi"] for r in range(len(one.phases)))
+        out.append(replace(one, effect=one.effect.replace(**numbers), phases=phases))
     return tuple(out)

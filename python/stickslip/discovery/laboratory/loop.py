@@ -5,15 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.carried import error_block
-from stickslip.discovery.laboratory.curves import Learned, leading
+from stickslip.discovery.laboratory.curves import leading
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial, search
 from stickslip.discovery.laboratory.views import train_views
@@ -30,9 +33,11 @@ from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
+BenchT = TypeVar("BenchT", bound=Bench)
+
 
 @dataclass(frozen=True)
-class Verdicts:
+class Verdicts(Generic[BenchT]):
     """
     What was searched.
 
@@ -43,7 +48,7 @@ class Verdicts:
     beside : whether the curve is what the names found leave over: they only stand in for what acts
     """
 
-    bench: Bench
+    bench: BenchT
     searched: Searched
     curve: Learned | None
     beside: bool = False
@@ -63,7 +68,9 @@ class Verdicts:
         return not self.searched.chosen.terms and swollen(fit)
 
 
-def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int) -> Verdicts | None:
+def searched(
+    bench: BenchT, known: Uncertainty, tell: Callable[[str], None], seed: int
+) -> Verdicts[BenchT] | None:
     """
     Return what the train runs say where friction scatters; None where nothing does.
 
@@ -90,10 +97,10 @@ def searched(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed
     return Verdicts(bench, found, left, left is not None)
 
 
-def bench_of(case: Case, data: Sequence[Data]) -> Bench:
+def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
     """Return the train runs of a rig of (2.1), cut into windows."""
     model = Model(case.rig, friction=case.friction)
-    return Bench(model, data, stretches(data), declared_of(case), RigSensors(), POLICY)
+    return BeltBench(model, data, stretches(data), declared_of(case), POLICY, RigSensors())
 
 
 def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
@@ -136,7 +143,7 @@ def _proven(bench: Bench, beside: Trial, best: Learned) -> Learned | None:
 
 def discovered(
     case: Case,
-    verdicts: Verdicts,
+    verdicts: Verdicts[BeltBench],
     validate: Sequence[Data],
     notes: tuple[str, ...],
     tell: Callable[[str], None],

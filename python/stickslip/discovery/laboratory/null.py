@@ -14,6 +14,7 @@ from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
 TINY = 1e-9  # share added to a diagonal, against columns that say the same
+NOTHING = 1e-12  # and of itself, against those that say nothing: what sticks has no speed of its own
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ class Null:
             effects = x[:, p + q : -1]
             local = np.concatenate([x[:, p : p + q], effects @ roots[self.run[i]]], axis=1)
             inner = local.T @ local
-            inner[range(q), range(q)] *= 1 + TINY
+            inner[range(q), range(q)] = inner[range(q), range(q)] * (1 + TINY) + NOTHING
             inner[range(q, len(inner)), range(q, len(inner))] += 1.0
             hat = np.linalg.solve(inner, local.T)
             shared = x[:, :p] - local @ (hat @ x[:, :p])

@@ -9,15 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.evidence import TIED
 from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.curves import Learned
 from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
@@ -37,7 +36,6 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.rig_numbers import PLACES
 from stickslip.fitted.data import Data
-from stickslip.fitted.unknowns import of_law
 from stickslip.likelihoods.declared_numbers import fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.held_out import held_out
@@ -106,13 +104,14 @@ def intervals(fit: Fit) -> dict[str, Interval]:
     """Return every shared number with its 95 % interval; one that the prior alone holds has none."""
     assert fit.solution is not None
     _, precision = fit.windows.prior.at(fit.at)
+    laws = fit.windows.model.friction.numbers
     out: dict[str, Interval] = {}
     for i, (n, x) in enumerate(zip(fit.windows.numbers, fit.at, strict=True)):
         if n.run is not None or n.name in out:
             continue
         variance, value = max(float(fit.solution.covariance[i, i]), 0.0), n.value(float(x))
         half = Z * math.sqrt(variance)
-        if of_law(n.name) and variance * precision[i, i] > UNKNOWN:
+        if n.name in laws and variance * precision[i, i] > UNKNOWN:
             out[n.name] = Interval(value, None, None)
             continue
         out[n.name] = Interval(value, n.value(float(x) - half), n.value(float(x) + half))
@@ -121,7 +120,7 @@ def intervals(fit: Fit) -> dict[str, Interval]:
 
 def law(fit: Fit) -> dict[str, Interval]:
     """Return the law's numbers with their intervals, computed beside everything else."""
-    return {k: v for k, v in intervals(fit).items() if of_law(k)}
+    return {k: v for k, v in intervals(fit).items() if k in fit.windows.model.friction.numbers}
 
 
 def model(bench: Bench, trial: Trial, declared: Model) -> Model:
@@ -150,12 +149,8 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     chosen, numbers = found.chosen, intervals(found.chosen.fit)
     out = []
     for one in chosen.terms:
-        kind = CATALOGUE[one.effect.name]
-        own = {
-            k.partition(".")[2]: v
-            for k, v in numbers.items()
-            if k.startswith(f"{kind.name}.") and k != f"{kind.name}.phi"
-        }
+        kind = one.kind
+        own = _own(numbers, one.name)
         a = own.get("a")
         turned = a is not None and a.value < 0
         if a is not None and turned:
@@ -166,12 +161,10 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
             run.name: float(np.mod(p + (math.pi if turned else 0.0), 2 * math.pi))
             for run, p in zip(bench.data, one.phases, strict=False)
         }
-        proof = _evidence(found, kind.name)
-        rivals = _alternatives(found, kind.name)
+        proof = evidence(found, one.name)
+        rivals = alternatives(found, one.name)
         out.append(
-            FoundEffect(
-                kind.name, kind.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases
-            )
+            FoundEffect(kind.name, one.where, kind.depends_on, own, proof, rivals, kind.formula, None, phases)
         )
     if chosen.freed is not None:
         out.append(_wrong_constant(bench, found, chosen.freed))
@@ -216,7 +209,8 @@ def _without(found: Searched, name: str) -> Trial:
     return found.null if len(found.chosen.terms) == 1 else _step_of(found, name).base
 
 
-def _evidence(found: Searched, name: str) -> Evidence:
+def evidence(found: Searched, name: str) -> Evidence:
+    """Return what speaks for an effect."""
     step, base = _step_of(found, name), _without(found, name)
     gain = base.deviance - found.chosen.deviance
     wrong = [t for t in step.trials if t.names[-1] != name]
@@ -233,14 +227,21 @@ def _evidence(found: Searched, name: str) -> Evidence:
     return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, step.gate.threshold, words)
 
 
-def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
+def _own(numbers: Mapping[str, Interval], name: str) -> dict[str, Interval]:
+    """Numbers of an effect that all runs share, by their short names."""
+    every = {k.removeprefix(f"{name}."): v for k, v in numbers.items() if k.startswith(f"{name}.")}
+    return {k: v for k, v in every.items() if k != "phi"}
+
+
+def alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
+    """Return the rivals that fit nearly as well."""
     step = _step_of(found, name)
     own = next((t for t in step.trials if t.names[-1] == name), None)
     if own is None:
         return ()
     out = []
     for rival in step.trials:
-        label, delta = rival.names[-1], rival.worth() - own.worth()
+        label, delta = rival.names[-1], rival.whole() - own.whole()
         if label == name or delta > NEAR or label in found.chosen.names:
             continue
         tied = delta < TIED
@@ -249,11 +250,7 @@ def _alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
             if tied
             else "fits almost as well; the odds are against it"
         )
-        numbers = {
-            k.partition(".")[2]: v
-            for k, v in intervals(rival.fit).items()
-            if k.startswith(f"{label}.") and not k.endswith(".phi")
-        }
+        numbers = _own(intervals(rival.fit), label)
         odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
         out.append(Alternative(label, odds, delta, tied, False, reason, numbers))
     return tuple(sorted(out, key=lambda one: one.delta))
@@ -308,7 +305,8 @@ def experiments(
 ) -> tuple[Experiment, ...]:
     """Return runs that would tell tied rivals apart, friction's numbers free in each as they scatter."""
     fitted = {frozenset(t.names): model(bench, t, declared) for t in (*found.trials, found.chosen)}
-    free = [n.name for n in found.chosen.fit.windows.numbers if of_law(n.name)]
+    laws = found.chosen.fit.windows.model.friction.numbers
+    free = [n.name for n in found.chosen.fit.windows.numbers if n.name in laws]
     return next_experiments(fitted, frozenset(found.chosen.names), bench.data, effects, free)
 
 
@@ -320,17 +318,17 @@ def ranking(found: Searched) -> tuple[Rival, ...]:
         values = {
             k: v
             for k, v in t.fit.values().items()
-            if "." in k and not k.startswith("gain.") and not k.endswith(".phi")
+            if k.rpartition(".")[0] in t.names and not k.endswith(".phi")
         }
-        row = Rival(t.names, per_reading(t.fit), t.worth(), values, None, t.names == chosen.names)
+        row = Rival(t.names, per_reading(t.fit), t.whole(), values, None, t.names == chosen.names)
         if t.names not in rows or row.bic < rows[t.names].bic:
             rows[t.names] = row
     count = len(null.fit.own)
     for one in found.steps[0].screen.ranked if found.steps else ():
-        names = (one.term.effect.name,)
+        names = (one.term.name,)
         if names not in rows:
             rows[names] = Rival(
-                names, per_reading(null.fit), null.worth() - one.worth(count), {}, max(one.gain, 0.0), False
+                names, per_reading(null.fit), null.whole() - one.worth(count), {}, max(one.gain, 0.0), False
             )
     least = min(row.bic for row in rows.values())
     moved = [Rival(r.names, r.chi2, r.bic - least, r.parameters, r.score, r.chosen) for r in rows.values()]
@@ -373,7 +371,7 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
         one = found.get(name)
         if one is None:
             continue
-        if name in bench.sensors.gains:
+        if name.startswith("gain."):
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
             one = Interval(1 + one.value, low, high)
         out[name.removeprefix("gain.")] = one

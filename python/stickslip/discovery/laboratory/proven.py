@@ -12,9 +12,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.curves import Learned
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.learned import Learned
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit
 
@@ -36,6 +37,7 @@ def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> flo
         windows = replace(bench, data=_less(bench, curve)).windows(terms)
     else:
         windows = bench.windows(terms)
+        assert isinstance(windows, BeltWindows)
         windows.added = np.array([windows.added[0] if one is None else one for one in curve.friction])
     beside = fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
     return fit.deviance - beside.deviance

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.catalogue import CATALOGUE
-from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
+from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.score import Columns, score
 
 Floats = NDArray[np.float64]
@@ -77,39 +76,25 @@ class Screen:
     ranked: tuple[Candidate, ...]
     scored: tuple[Shapes | Waves, ...]
 
-    def of_belt(self, slow: tuple[float, float]) -> tuple[Wave, ...]:
-        """Return the waves of the belt's speed between two angular frequencies."""
+    def of_belt(self, policy: Policy) -> tuple[Wave, ...]:
+        """Return the waves of the belt's speed at the frequencies that belts wobble at."""
+        low, high = policy.slow
         return tuple(
             w
             for one in self.scored
-            if isinstance(one, Waves) and one.kind.where == "belt"
+            if isinstance(one, Waves) and one.bench.wobbles(one.kind)
             for w in one.waves
-            if slow[0] <= w.w < slow[1]
+            if low <= w.w / one.kind.parameter("w").unit < high
         )
-
-
-def candidates(bench: Bench) -> list[EffectKind]:
-    """Return the effects that windows of this rig can tell."""
-    two = "alpha1" in bench.model.parameters
-    return [
-        kind
-        for kind in CATALOGUE.values()
-        if kind.on_belt is not None
-        and kind.corrects is None
-        and (two or not kind.two_degree)
-        and not (bench.one_way and kind.both_ways)
-        and kind.name != "contact_compliance"
-        and not (kind.behaves.idle and kind.behaves.idle(bench.model.friction, ()))
-    ]
 
 
 def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     """Return every effect that is not in the hypothesis."""
-    taken, null = {one.effect.name for one in terms}, Null(fit)
+    taken, null = {one.name for one in terms}, Null(fit)
     found: list[Candidate] = []
     scored: list[Shapes | Waves] = []
-    for kind in candidates(bench):
-        if kind.name in taken:
+    for kind in bench.kinds():
+        if label(kind) in taken:
             continue
         if kind.wave:
             waves = Waves(bench, fit, terms, kind)
@@ -124,10 +109,10 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     return Screen(tuple(sorted(found, key=lambda one: -one.worth(count))), tuple(scored))
 
 
-def columns(bench: Bench, fit: Fit, terms: Sequence[Term], term: Term, names: Sequence[str]) -> Columns:
+def columns(bench: Bench, fit: Fit, terms: Sequence[Term], one: Term, names: Sequence[str]) -> Columns:
     """Return the derivatives of the readings by numbers of a further effect, at the fit."""
-    windows = bench.windows((*terms, term))
-    own = of_term(term, bench.policy)
+    windows = bench.windows((*terms, one))
+    own = of_term(one, bench.policy)
     at = np.concatenate([fit.at, [n.start for n in own]])
     first = len(fit.at)
     wanted = [first + i for i, n in enumerate(own) if n.name in names]
@@ -145,8 +130,10 @@ def _shape(
     best: tuple[float, Floats, dict[str, float], tuple[str, ...], Columns] | None = None
     sets, count = [], 1
     for numbers, sizes in _starts(bench, kind):
-        names = tuple(f"{kind.name}.{n}" for n in sizes)
-        made = columns(bench, fit, terms, Term(effect(kind.name, **numbers)), names)
+        names = tuple(f"{label(kind)}.{n}" for n in sizes)
+        made = columns(bench, fit, terms, term(kind, numbers), names)
+        if all(one is None for one in made):  # no window moves like that
+            continue
         sets.append(made)
         # what is 0 by declaration and stays 0 is no number
         count = sum(i.name in sizes or numbers[i.name] != 0 for i in kind.parameters)
@@ -166,7 +153,7 @@ def _shape(
     numbers = dict(numbers)
     for n, x in zip(sizes, size, strict=True):
         numbers[n] = _bounded(kind, n, float(x))
-    return Candidate(Term(effect(kind.name, **numbers)), gain, count, step), shapes
+    return Candidate(term(kind, numbers), gain, count, step), shapes
 
 
 def _impossible(kind: EffectKind, sizes: Sequence[str], found: Floats) -> bool:
@@ -182,20 +169,21 @@ def _bounded(kind: EffectKind, name: str, size: float) -> float:
 
 def _starts(bench: Bench, kind: EffectKind) -> Iterator[tuple[dict[str, float], tuple[str, ...]]]:
     """Where an effect's columns are taken, and the numbers that they are of: its sizes."""
-    sizes = tuple(i.name for i in kind.parameters if i.spread is not None)
+    sizes = tuple(i.name for i in sizes_of(kind))
     if sizes and all(i.spread is not None or i.optional for i in kind.parameters):
         yield dict.fromkeys((i.name for i in kind.parameters), 0.0), sizes
         return
     shapes = [i for i in kind.parameters if i.name not in sizes and not i.optional]
     if not sizes and len(shapes) == 1:
-        small = bench.policy.singular
+        small = bench.policy.singular * shapes[0].unit
         low, high = shapes[0].sought or (small, small)
         yield {**_optional(kind), shapes[0].name: min(max(small, low), high)}, (shapes[0].name,)
         return
     size = sizes[0] if sizes else shapes[0].name
     grid = [i for i in shapes if i.name != size]
-    nothing = 0.0 if sizes else (kind.parameter(size).sought or (1e-6, 1.0))[0] * 1e-2
-    for value in _grid(bench, grid[0].sought or (0.01, 10.0), grid[0].of_size):
+    info, unit = kind.parameter(size), grid[0].unit
+    nothing = 0.0 if sizes else (info.sought or (1e-6 * info.unit, info.unit))[0] * 1e-2
+    for value in _grid(bench, kind, grid[0].sought or (0.01 * unit, 10.0 * unit), grid[0].of_size):
         yield {**_optional(kind), size: nothing, grid[0].name: value}, (size,)
 
 
@@ -203,11 +191,10 @@ def _optional(kind: EffectKind) -> dict[str, float]:
     return {i.name: 0.0 for i in kind.parameters if i.optional}
 
 
-def _grid(bench: Bench, sought: tuple[float, float], of_size: bool) -> Floats:
+def _grid(bench: Bench, kind: EffectKind, sought: tuple[float, float], of_size: bool) -> Floats:
     """Values over what is sought, where the readings can tell."""
     if of_size:
-        y = np.concatenate([run.readings[run.weight[:, 1] > 0, 1] for run in bench.data])
-        return float(np.quantile(np.abs(y), 0.995)) * np.linspace(0.15, 0.9, bench.policy.grid)
+        return bench.size_of(kind) * np.linspace(0.15, 0.9, bench.policy.grid)
     return np.geomspace(2 * sought[0], sought[1] / 2, bench.policy.grid)
 
 
@@ -219,15 +206,16 @@ def _wave(bench: Bench, fit: Fit, kind: EffectKind, waves: Waves, null: Null) ->
     place = [[2 * s.run, 2 * s.run + 1] for s in bench.stretches]
     found = score(fit, made, bench.policy, place=place, count=2 * runs)
     known = 0.0
-    if kind.where == "belt":  # a wave as small as belts wobble is no finding
-        precision = wobble(bench, fit.population) ** -2
+    if bench.wobbles(kind):  # a wave as small as belts wobble is no finding
+        precision = bench.wobble(fit.population) ** -2
         small = score(fit, made, bench.policy, place=place, count=2 * runs, precision=precision, refit=False)
         known = max(small.gain, 0.0)
+    unit = kind.parameter("a").unit
     sine, cosine = found.size.reshape(runs, 2).T
     numbers = {
-        "a": min(max(float(np.median(np.hypot(sine, cosine))), 1e-4), kind.wave.largest),
+        "a": min(max(float(np.median(np.hypot(sine, cosine))), LEAST * unit), kind.wave.largest * unit),
         kind.wave.parameter: 2 * math.pi / w if kind.wave.along_belt else w,
         "phi": 0.0,
     }
     phases = tuple(float(x) for x in np.arctan2(cosine, sine))
-    return Candidate(Term(effect(kind.name, **numbers), phases), found.gain, waves.count, found.step, known)
+    return Candidate(term(kind, numbers, phases), found.gain, waves.count, found.step, known)

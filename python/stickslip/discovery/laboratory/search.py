@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.likelihoods.fit import fitted, null
-from stickslip.likelihoods.fit_state import Fit, begin
-from stickslip.likelihoods.memory import KINETIC, memory, slowness
+from stickslip.likelihoods.fit import begun, fitted, null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.single_windows import settled
 
@@ -43,7 +41,7 @@ class Trial:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of its effects."""
-        return tuple(one.effect.name for one in self.terms)
+        return tuple(one.name for one in self.terms)
 
     @property
     def deviance(self) -> float:
@@ -52,9 +50,7 @@ class Trial:
 
     def numbers(self) -> int:
         """How many numbers its effects have, and its constants that are not as declared."""
-        effects = len(self.fit.at) - sum(
-            "." not in n.name or n.name.startswith("gain") for n in self.fit.windows.numbers
-        )
+        effects = sum(n.name.rpartition(".")[0] in self.names for n in self.fit.windows.numbers)
         return effects + (self.freed is not None)
 
     def whole(self) -> float:
@@ -138,15 +134,15 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
     for turn in range(2):
         tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
         screen = screened(bench, base.fit, base.terms)
-        trials = []
+        before, trials = trials, list[Trial]()
         for one in screen.ranked[: bench.policy.fullest]:
             if one.worth(len(bench.stretches)) <= 0 and trials:
                 break
-            tell(f"fitting {one.term.effect.name}")
+            tell(f"fitting {one.term.name}")
             reached = min((t.fit.deviance for t in trials), default=np.inf)
             with suppress(FloatingPointError):  # one that no window can be simulated with is no rival
                 trials.append(full(bench, base, one, reached))
-        trials = leader_anew(bench, base, trials)
+        trials = _every([*leader_anew(bench, base, trials), *before])
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
@@ -156,6 +152,15 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
     tell("asking what scatter alone would gain")
     best_fit = min([base, *trials], key=Trial.whole).fit
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
+
+
+def _every(trials: Sequence[Trial]) -> list[Trial]:
+    """Return the trials, of those with the same effects the best: what was fitted from another null stays a rival."""
+    best: dict[tuple[str, ...], Trial] = {}
+    for one in trials:
+        if one.names not in best or one.deviance < best[one.names].deviance:
+            best[one.names] = one
+    return list(best.values())
 
 
 def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Trial:
@@ -222,7 +227,7 @@ def leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
 
 def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
     """Where the catalogue begins numbers that an effect may do without."""
-    kind = CATALOGUE[term.effect.name]
+    kind = term.kind
     optional = {i.name for i in kind.parameters if i.optional}
     for start in kind.starts:
         if more := {k: v for k, v in start.items() if k in optional and term.effect.parameters[k] == 0}:
@@ -243,7 +248,7 @@ def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) ->
 
 def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
     """Starts from the readings alone, with a size that is known: at the declared law, then at the null's."""
-    first = begin(bench.windows((*base.terms, term)))
+    first = begun(bench.windows((*base.terms, term)))
     yield first
     yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
 
@@ -252,45 +257,20 @@ def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     """
     What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
 
-    Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation, a slow one more
-    where events remember; of a belt's wobble it may have all. What tells a wave from those is its amplitude over
-    theirs, squared, in each run.
+    What tells a wave from those is its amplitude over theirs, squared, in each run.
     """
-    kind = CATALOGUE[term.effect.name]
-    if kind.wave is None:
+    if term.kind.wave is None:
         return 0.0
-    p, runs = fit.population, len(bench.data)
-    events = max(len(bench.stretches) / runs, 1.0)
-    usual = bench.policy.wobble
-    if kind.where != "belt":
-        usual = math.hypot(p.level, p.curve) * math.sqrt(2.0 / events * _slowness(bench, fit, term))
-        if kind.where == "block":
-            usual *= max(bench.model.friction.static_limits)
-    told = runs * (term.effect.parameters["a"] / usual) ** 2
+    told = len(bench.data) * (term.effect.parameters["a"] / bench.scattered(fit, term)) ** 2
     return max(gain - told, 0.0)
-
-
-def _slowness(bench: Bench, fit: Fit, term: Term) -> float:
-    """
-    Power that the memory of events gives to a wave, over that of events without.
-
-    Along the belt all may be in few waves, of whatever length: as much as the slowest have.
-    """
-    wave = CATALOGUE[term.effect.name].wave
-    assert wave is not None
-    often = 0.0 if wave.along_belt else term.effect.parameters[wave.parameter]
-    found, _ = memory(fit, KINETIC)
-    return float(np.mean([slowness(found, often * run.cycle) for run in bench.data]))
 
 
 def _scaled(term: Term, scale: float) -> Term:
     """The term with its sizes scaled."""
-    kind = CATALOGUE[term.effect.name]
-    sizes = {i.name for i in kind.parameters if i.spread is not None} or {
-        i.name for i in kind.parameters if not i.optional
-    }
+    kind = term.kind
+    sizes = {i.name for i in sizes_of(kind)} or {i.name for i in kind.parameters if not i.optional}
     numbers = {k: v * scale if k in sizes else v for k, v in term.effect.parameters.items()}
-    return Term(term.effect.replace(**numbers), term.phases)
+    return replace(term, effect=term.effect.replace(**numbers))
 
 
 def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
@@ -311,8 +291,8 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
     while len(chosen.terms) > 1:
         rivals = {}
         for i, one in enumerate(chosen.terms):
-            tell(f"once more without {one.effect.name}")
-            rivals[one.effect.name] = without(bench, chosen, i)
+            tell(f"once more without {one.name}")
+            rivals[one.name] = without(bench, chosen, i)
         out.without = rivals
         best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
@@ -324,7 +304,7 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
 def _anew(bench: Bench, trial: Trial) -> Trial:
     """What is left, or the same fitted from the readings: it was begun beside an effect that it does not need."""
     with suppress(FloatingPointError):
-        fit = fitted(begin(trial.fit.windows), bench.policy)
+        fit = fitted(begun(trial.fit.windows), bench.policy)
         if fit.deviance < trial.fit.deviance:
             return replace(trial, fit=fit, terms=terms_at(trial.terms, fit.windows, fit.at))
     return trial
@@ -334,7 +314,7 @@ def without(bench: Bench, trial: Trial, index: int) -> Trial:
     """Return a hypothesis without one of its effects."""
     terms = tuple(one for i, one in enumerate(trial.terms) if i != index)
     windows = bench.windows(terms)
-    gone = trial.terms[index].effect.name + "."
+    gone = trial.terms[index].name + "."
     kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
     fit = fitted(
         replace(trial.fit, windows=windows, at=trial.fit.at[kept]),

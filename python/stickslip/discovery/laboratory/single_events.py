@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.search import Trial
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -42,7 +43,7 @@ class Single:
     spread: float
 
 
-def single(bench: Bench, trial: Trial, run: Data, population: Population) -> Single:
+def single(bench: BeltBench, trial: Trial, run: Data, population: Population) -> Single:
     """
     Return what a hypothesis leaves of a run's single events; NaN where there are none.
 
@@ -68,7 +69,7 @@ def single(bench: Bench, trial: Trial, run: Data, population: Population) -> Sin
     )
 
 
-def _settled(bench: Bench, trial: Trial, population: Population, phase: float) -> tuple[Floats, Floats]:
+def _settled(bench: BeltBench, trial: Trial, population: Population, phase: float) -> tuple[Floats, Floats]:
     """Chi-squared of each event and its cost with the scatter's, (w,) each, at its best own numbers."""
     windows = bench.windows([Term(one.effect, (phase,) if one.phases else ()) for one in trial.terms])
     at, count = _numbers(windows, trial), len(bench.stretches)

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import effect
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, wobble
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term, often, term
 from stickslip.discovery.laboratory.null import Null, Projected
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.score import Columns
@@ -39,39 +38,27 @@ class Waves:
         self.bench, self.fit, self.terms, self.kind, self.wave = bench, fit, terms, kind, kind.wave
         self.count = 2 * len(bench.data) + 1  # a sine and a cosine in each run, and how often
         self.run = np.array([s.run for s in bench.stretches])
-        self.middle = np.array([self._place(s.run, s.start, s.stop) for s in bench.stretches])
-        long = float(np.max([self._length(s.run, s.start, s.stop) for s in bench.stretches]))
-        whole = max(self._length(r, 0, len(run.t)) for r, run in enumerate(bench.data))
+        self.middle = np.array([bench.place(kind, s.run, s.start, s.stop) for s in bench.stretches])
+        long = float(np.max([bench.length(kind, s.run, s.start, s.stop) for s in bench.stretches]))
+        whole = max(bench.length(kind, r, 0, len(run.t)) for r, run in enumerate(bench.data))
         policy = bench.policy
-        short, far = policy.wavelengths
-        ends = (2 * math.pi / far, 2 * math.pi / short) if self.wave.along_belt else policy.frequencies
+        ends = often(kind, policy)
+        if self.wave.along_belt:
+            ends = 2 * math.pi / ends[1], 2 * math.pi / ends[0]
         self.apart, self.step = policy.coarse_turn / long, policy.fine_turn / whole
         self.coarse = np.arange(*ends, self.apart)
         self.waves = [Wave(float(w), self.columns(float(w))) for w in self.coarse]
-
-    def _place(self, run: int, start: int, stop: int) -> float:
-        data = self.bench.data[run]
-        part = slice(start, stop)
-        if not self.wave.along_belt:
-            return float(data.t[part].mean())
-        return float(np.mean(data.belt_speed * data.t[part] - data.readings[part, 0]))
-
-    def _length(self, run: int, start: int, stop: int) -> float:
-        data = self.bench.data[run]
-        t = float(data.t[stop - 1] - data.t[start])
-        return abs(data.belt_speed) * t if self.wave.along_belt else t
 
     def columns(self, w: float) -> list[Floats | None]:
         """Return the derivatives by the sine's and the cosine's amplitude, each window."""
         number = 2 * math.pi / w if self.wave.along_belt else w
         made = []
         for phi in (0.0, math.pi / 2):
-            term = Term(
-                effect(self.kind.name, **{"a": SMALL, self.wave.parameter: number, "phi": phi}),
-                (phi,) * len(self.bench.data),
-            )
-            windows = self.bench.windows((*self.terms, term))
-            at = np.concatenate([self.fit.at, [n.start for n in of_term(term, self.bench.policy)]])
+            small = SMALL * self.kind.parameter("a").unit
+            numbers = {"a": small, self.wave.parameter: number, "phi": phi}
+            one = term(self.kind, numbers, (phi,) * len(self.bench.data))
+            windows = self.bench.windows((*self.terms, one))
+            at = np.concatenate([self.fit.at, [n.start for n in of_term(one, self.bench.policy)]])
             made.append(windows.blocks(at, self.fit.own, shared=[len(self.fit.at)], local=False))
         return [
             None if a is None or b is None else np.concatenate([a[:, :, :1], b[:, :, :1]], axis=2)
@@ -118,6 +105,6 @@ class Waves:
             squares[2 * r : 2 * r + 2, 2 * r : 2 * r + 2] = square[self.run == r].sum(axis=0)
         asked = crosses.reshape(2 * runs, -1), squares, pulls.reshape(2 * runs, -1), shared
         gains = null.gains(*asked)
-        if self.kind.where == "belt":  # a wave as small as belts wobble is no finding
-            gains = gains - null.gains(*asked, precision=wobble(self.bench, null.fit.population) ** -2)
+        if self.bench.wobbles(self.kind):  # a wave as small as belts wobble is no finding
+            gains = gains - null.gains(*asked, precision=self.bench.wobble(null.fit.population) ** -2)
         return gains

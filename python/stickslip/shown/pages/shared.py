@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.declared.rig import DrivenSlider
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import scales_of
 from stickslip.discovery.plain import Json
 from stickslip.discovery.result import Found
@@ -21,7 +22,7 @@ def shared(
     found: Found, case: Case, report: Mapping[str, Json], drawings: Mapping[str, Saved], command: str | None
 ) -> dict[str, Any]:
     """By name, what the parts of a page use."""
-    axes = None if isinstance(case.rig, DrivenSlider) else axes_of(case)
+    axes = None if isinstance(case.rig, DrivenSlider | GeneralRig) else axes_of(case)
     return {
         "title": f"{found.title}: {found.verdict.value}",
         "found": found,

@@ -10,6 +10,7 @@ from pathlib import Path
 from stickslip._core import build_config
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.rig import DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension, scales_of, si_of
 from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.plain import Json, plain
@@ -18,6 +19,7 @@ from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
 from stickslip.shown.report.declared import declared as declared_numbers
+from stickslip.shown.report.places import unit_at
 from stickslip.shown.report.units import axes_of
 
 FORMAT = 1  # raised when a key of report.json changes its meaning
@@ -42,7 +44,7 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     out = dict(found.report)
     out["format"] = FORMAT
     out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
-    axes = None if isinstance(case.rig, DrivenSlider) else axes_of(case)
+    axes = None if isinstance(case.rig, DrivenSlider | GeneralRig) else axes_of(case)
     out["caveats"] = list(words.caveats(found, axes))
     out["effects"] = [_effect(one, case) for one in found.effects]
     for which, law in (("law", found.law), ("law_before", found.law_before)):
@@ -88,6 +90,8 @@ def in_si(effect: FoundEffect, name: str, case: Case) -> dict[str, Json]:
     Empty where there is no one number in SI.
     """
     one, rig = effect.parameters[name], case.rig
+    if isinstance(rig, GeneralRig):
+        return _of_general(effect, name, rig)
     corrects = KINDS[effect.name].corrects if effect.name in KINDS else None
     if corrects is not None and hasattr(rig, corrects):
         return _corrected(corrects, one, case)
@@ -108,6 +112,14 @@ def in_si(effect: FoundEffect, name: str, case: Case) -> dict[str, Json]:
         "low_si": None if low is None else what.of(low),
         "high_si": None if high is None else what.of(high),
     }
+
+
+def _of_general(effect: FoundEffect, name: str, rig: GeneralRig) -> dict[str, Json]:
+    """A parameter of an effect at a place: its numbers are in SI already, of the unit that the place has."""
+    one, unit = effect.parameters[name], unit_at(rig, effect.name, effect.where, name)
+    if unit is None:
+        return {}
+    return {"value_si": one.value, "low_si": one.low, "high_si": one.high, "unit": unit}
 
 
 def _corrected(number: str, error: Interval, case: Case) -> dict[str, Json]:
@@ -174,6 +186,8 @@ def parameter_table(found: Found, case: Case) -> list[dict[str, Json]]:
 
 def _given(effect: FoundEffect, name: str, case: Case) -> float | None:
     """A wrong number of (2.1) as it is declared, 1 for a gain; None for what only an effect has."""
+    if effect.of_rig and isinstance(case.rig, GeneralRig):
+        return case.rig.numbers[name]
     if not effect.of_rig or not isinstance(case.rig, Rig):
         return None
     return 1.0 if name in GAINS else declared(case.rig, name)

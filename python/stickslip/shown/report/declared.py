@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stickslip.declared.rig import LONG, AnyRig, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import dimension, scales_of
 from stickslip.declared.units import Channel
 from stickslip.discovery.plain import Json, plain
 from stickslip.discovery.result import Found, Interval
 from stickslip.discovery.rig_numbers import constant
 from stickslip.measured.case import Case
+from stickslip.shown.report.places import unit_of
 
 
 def declared(found: Found, case: Case) -> dict[str, Json]:
@@ -35,6 +37,8 @@ def declared(found: Found, case: Case) -> dict[str, Json]:
 
 
 def _unit(name: str, rig: AnyRig, channels: Mapping[str, Channel]) -> str:
+    if isinstance(rig, GeneralRig):
+        return unit_of(rig, name)
     measures = dimension(name)
     return "1" if measures is None or scales_of(rig, channels) is None else measures.unit
 

@@ -45,6 +45,13 @@ def kind(effect: FoundEffect) -> str:
     return "a declared number of the rig that is wrong" if effect.of_rig else plain(effect.name)
 
 
+def called(effect: FoundEffect) -> str:
+    """An effect in plain words; one at a place of a rig of bodies or matrices by its name and that place."""
+    if effect.of_rig or effect.where in PLACE:
+        return kind(effect)
+    return f"{effect.name.replace('_', ' ')} of {effect.where}"
+
+
 def guessed(effect: FoundEffect) -> bool:
     """Whether nothing describes the effect, so that its place is the likeliest, and its evidence holds no numbers."""
     return effect.name == "unlisted" and effect.curve is None and not effect.of_rig and not effect.parameters
@@ -110,7 +117,7 @@ def headline(found: Found) -> str:
     lacking = [
         f"what mends the rig ({e.formula})"
         if e.of_rig
-        else " or ".join(plain(n) for n in (e.name, *(a.name for a in ties(e))))
+        else " or ".join((called(e), *(plain(a.name) for a in ties(e))))
         for e in found.effects
     ]
     tied = any(ties(e) for e in found.effects)

@@ -8,11 +8,14 @@ from pathlib import Path
 
 from stickslip.declared.toml_file import write_text
 from stickslip.discovery.driven_slider.result import DrivenFound
+from stickslip.discovery.general_rig.result import GeneralFound
 from stickslip.discovery.result import Found
 from stickslip.files import folder
 from stickslip.measured.case import Case
 from stickslip.shown.driven_slider import page as driven
 from stickslip.shown.driven_slider.figures import FIGURES as DRIVEN
+from stickslip.shown.general_rig import page as general
+from stickslip.shown.general_rig.figures import FIGURES as GENERAL
 from stickslip.shown.report.contents import contents
 from stickslip.shown.report.page import FIGURES, draw, page
 
@@ -21,7 +24,11 @@ NAMES = (
     "report.json",
     "model_before.toml",
     "model_after.toml",
-    *(f"figures/{name}.{kind}" for name in dict.fromkeys((*FIGURES, *DRIVEN)) for kind in ("svg", "png")),
+    *(
+        f"figures/{name}.{kind}"
+        for name in dict.fromkeys((*FIGURES, *DRIVEN, *GENERAL))
+        for kind in ("svg", "png")
+    ),
 )
 
 
@@ -68,7 +75,7 @@ def written(out: Path) -> list[Path]:
 
 def _ours(figure: Path) -> bool:
     """Whether a figure is one that a report may have; others are somebody's own."""
-    return figure.suffix in (".svg", ".png") and figure.stem in {*FIGURES, *DRIVEN}
+    return figure.suffix in (".svg", ".png") and figure.stem in {*FIGURES, *DRIVEN, *GENERAL}
 
 
 def fill(into: Path, found: Found, case: Case, command: str | None = None) -> None:
@@ -80,6 +87,10 @@ def fill(into: Path, found: Found, case: Case, command: str | None = None) -> No
     if isinstance(found, DrivenFound):
         drawings = driven.draw(found, into / "figures")
         write_text(into / "report.html", driven.page(found, case, report, drawings, command))
+        return
+    if isinstance(found, GeneralFound):
+        drawings = general.draw(found, into / "figures")
+        write_text(into / "report.html", general.page(found, case, report, drawings, command))
         return
     drawings = draw(found, case, into / "figures")
     write_text(into / "report.html", page(found, case, report, drawings, command))

@@ -1,0 +1,205 @@
+"""Effects of the catalogue at every place of a rig of bodies or matrices that has what they act on, in SI.
+
+The catalogue's bounds, priors and starts are for numbers like those of (2.1): lengths in which the largest deflection
+is about 0.3, forces in which friction is about 5, times in 1/omega. What is 1 in such numbers is taken for each place
+from the readings: how far, how fast and with what force things move there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.effect_kind import EffectKind, ParameterInfo
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import names
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.bodies import BodiesRig
+from stickslip.declared.rigs.general import ContactRow, GeneralRig
+from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.likelihoods.scaled import ALPHA, STATIC
+
+Floats = NDArray[np.float64]
+DEFLECTION = STATIC / ALPHA  # the largest one in numbers like those of (2.1)
+LARGEST = 0.995  # quantile that counts as the largest
+LINEAR = "block_viscous_damping"
+
+
+@dataclass(frozen=True)
+class Units:
+    """What is 1 at a place, as `Dimension.size` takes it."""
+
+    length: float
+    omega: float
+    k2: float
+
+
+def largest(x: Floats) -> float:
+    """Return the size of what is as good as the largest; never 0."""
+    return max(float(np.quantile(np.abs(x), LARGEST)), 1e-300)
+
+
+class Sizes:
+    """How far, how fast and with what force things move at the places of a rig, over all runs."""
+
+    def __init__(self, model: Model, data: Sequence[BodiesData]) -> None:
+        assert isinstance(model.rig, GeneralRig)
+        self.model, self.data, self.rig, self.own = model, data, model.rig, model.rig.equations
+        self.omega = 2 * math.pi / data[0].periods[0]
+
+    def _units(self, deflection: float, force: float) -> Units:
+        length, unit = deflection / DEFLECTION, force / STATIC
+        return Units(length, self.omega, unit / length)
+
+    def _driven(self, run: BodiesData) -> Floats:
+        """Where the drive is, (n,)."""
+        if not self.own.driven:
+            return np.zeros(len(run.t))
+        ends = [way(run.drive, float(t)) for t in run.t[:: max(len(run.t) // 200, 1)]]
+        return np.asarray(run.drawn + np.interp(run.t, run.t[:: max(len(run.t) // 200, 1)], ends))
+
+    def link(self, i: int) -> Units:
+        """Of a link, by its deflection and the force of its spring."""
+        x = self.deflection(i)
+        assert isinstance(self.rig, BodiesRig)
+        return self._units(x, abs(float(self.rig.link[i].stiffness)) * x or self.friction())
+
+    def deflection(self, i: int) -> float:
+        """Return the largest deflection of a link."""
+        assert isinstance(self.rig, BodiesRig)
+        row, of_drive = self.rig.deflection(i)
+        rest = float(self.rig.link[i].rest)
+        return max(largest(run.q @ row + of_drive * self._driven(run) - rest) for run in self.data)
+
+    def coordinate(self, i: int) -> Units:
+        """Of a coordinate, by its speed and the force of all springs on it."""
+        own, force = self.own, 0.0
+        for run in self.data:
+            pulled = own.drive_stiffness[i] * self._driven(run) + own.force[i]
+            force = max(force, largest(run.q @ own.K[i] - pulled))
+        return self._units(self.speed(i) / self.omega, force)
+
+    def speed(self, i: int) -> float:
+        """Return the largest speed of a coordinate about its usual one."""
+        return max(largest(run.v[:, i] - np.median(run.v[:, i])) for run in self.data)
+
+    def friction(self) -> float:
+        """Return the largest static friction of all contacts, as declared."""
+        return max((self.static(one) for one in self.own.contacts), default=1.0)
+
+    def static(self, one: ContactRow) -> float:
+        """Return the static friction of a contact, as declared: what its law has at rest."""
+        laws = getattr(self.model.friction, "laws", None)
+        law = self.model.friction if laws is None else dict(laws)[one.law or next(iter(dict(laws)))]
+        return max(float(np.max(law.static_limits)), 1e-300)
+
+    def contact(self, one: ContactRow) -> Units:
+        """Of a contact, by its fastest slip and its static friction."""
+        fast = max(largest(slip(run, one)) for run in self.data)
+        return self._units(fast / self.omega, self.static(one))
+
+    def channel(self, name: str) -> Units:
+        """Of what a channel reads."""
+        states = self.rig.state_names
+        place, n = states.index(name), len(self.own.names)
+        moves = self.speed(place % n)
+        return self._units(moves / self.omega if place < n else moves, self.friction())
+
+
+def slip(run: BodiesData, one: ContactRow) -> Floats:
+    """Return the slip speed of a contact as the readings show it, (n,)."""
+    belt = np.asarray(run.belt(run.t)) if one.against == "belt" else 0.0
+    return np.asarray(run.v @ one.direction - belt)
+
+
+def placed_kinds(model: Model, data: Sequence[BodiesData], *, one_way: bool) -> list[EffectKind]:
+    """
+    Return every effect of the catalogue at every place that has what it acts on.
+
+    Parameters
+    ----------
+    model, data : the declared model, and its runs
+    one_way : whether every contact slips one way only, so that a constant load is a change of friction
+    """
+    sizes, out, acts = Sizes(model, data), [], []
+    for kind in CATALOGUE.values():
+        if kind.anywhere.place is None or kind.anywhere.bristle is not None or kind.anywhere in acts:
+            continue
+        if one_way and kind.both_ways:
+            continue
+        acts.append(kind.anywhere)
+        out += [scaled(kind, where, units) for where, units in _places(kind, sizes)]
+    return out
+
+
+def scaled(kind: EffectKind, where: str, units: Units) -> EffectKind:
+    """Return a kind at a place, its bounds, priors and starts in SI."""
+    info = tuple(_scaled(one, one.dimension.size(units)) for one in kind.parameters)
+    sizes = {one.name: one.unit for one in info}
+    starts = tuple({k: v * sizes[k] for k, v in one.items()} for one in kind.starts)
+    return replace(kind, where=where, parameters=info, starts=starts)  # type: ignore[arg-type]  # a place of its own
+
+
+def _scaled(info: ParameterInfo, size: float) -> ParameterInfo:
+    low, high = (None, None) if info.sought is None else (x * size for x in info.sought)
+    return replace(
+        info,
+        unit=size,
+        bounds=(info.bounds[0] * size, info.bounds[1] * size),
+        spread=None if info.spread is None else info.spread * size,
+        sought=None if low is None or high is None else (low, high),
+    )
+
+
+def _places(kind: EffectKind, sizes: Sizes) -> Iterator[tuple[str, Units]]:
+    acts, own = kind.anywhere, sizes.own
+    match acts.place:
+        case "force":
+            assert acts.force is not None
+            yield from _pushed(kind, names(parse(acts.force)), sizes)
+        case "reading":
+            for name in sizes.data[0].channels:
+                if name in sizes.rig.state_names:
+                    yield name, sizes.channel(name)
+        case "factor" if acts.of_belt:
+            moving = {"belt": own.on_belt, "drive": own.driven}
+            yield from ((name, Units(1.0, sizes.omega, 1.0)) for name, moves in moving.items() if moves)
+        case _:
+            yield from ((one.name, sizes.contact(one)) for one in own.contacts)
+
+
+def _pushed(kind: EffectKind, read: set[str], sizes: Sizes) -> Iterator[tuple[str, Units]]:
+    """Springs on links that have one, dampings on links and bodies, loads on bodies."""
+    rig, own = sizes.rig, sizes.own
+    rate, spring = "deflection_rate" in read, "deflection" in read
+    rows: list[Floats] = []
+    if isinstance(rig, BodiesRig) and (rate or spring):
+        for i, one in enumerate(rig.link):
+            row, of_drive = rig.deflection(i)
+            known = (
+                kind.name == LINEAR and float(one.damping) != 0
+            )  # a declared constant, held against it anyway
+            if (rate and not of_drive) or (spring and float(one.stiffness) != 0):
+                rows.append(row)
+                if not known:
+                    yield f"link_{i + 1}", sizes.link(i)
+    if isinstance(rig, BodiesRig) and spring:
+        return
+    for i, name in enumerate(own.names):
+        if "abs" in (kind.anywhere.force or "") and any(
+            _along(one.direction, i) for one in own.contacts if one.against == "ground"
+        ):
+            continue  # such a drag is friction by speed, and of what rests it is a kink that never passes
+        known = kind.name == LINEAR and not isinstance(rig, BodiesRig) and own.C[i, i] != 0
+        if not known and not any(_along(row, i) for row in rows):
+            yield name, sizes.coordinate(i)
+
+
+def _along(row: Floats, i: int) -> bool:
+    """Whether a link, or a contact, acts on one coordinate alone."""
+    return bool(row[i] != 0 and np.count_nonzero(row) == 1)

@@ -1,0 +1,128 @@
+"""The loop on a rig of bodies or matrices: laws, constants, scatter and effects together; errors before and after."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.model import Model
+from stickslip.discovery.general_rig import outcome
+from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
+from stickslip.discovery.general_rig.errors import error_block
+from stickslip.discovery.general_rig.result import GeneralFound, RigView
+from stickslip.discovery.laboratory import outcome as usual
+from stickslip.discovery.laboratory.search import Searched, search
+from stickslip.discovery.residual import spectrum
+from stickslip.discovery.result import Verdict
+from stickslip.errors import InputError, StickslipError
+from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
+from stickslip.likelihoods.bodies_ahead import Ahead
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.repeating import lost
+from stickslip.measured.case import Case
+
+Floats = NDArray[np.float64]
+
+
+def discover(case: Case, tell: Callable[[str], None], seed: int) -> GeneralFound:
+    """
+    Return what the declared model of a rig of bodies or matrices lacks.
+
+    Parameters
+    ----------
+    case : of such a rig
+    tell : told what is being done
+    seed : of the gate's draws
+
+    Raises
+    ------
+    InputError
+        A law has states of its own; the runs are too short.
+    StickslipError
+        No law of the declared kind moves the rig like the readings.
+    """
+    began = time.monotonic()
+    declared = case.model()
+    bench = bench_of(Model(declared.rig, friction=declared.friction), case.train, case.uncertainty)
+    if len(bench.stretches) < bench.policy.fewest_windows:
+        words = f"the train runs hold {len(bench.stretches)} windows, from stick to stick or a natural period long"
+        raise InputError(f"{words}; {bench.policy.fewest_windows} are needed to see how friction scatters")
+    validate = prepare_bodies(declared.rig, case.validate)  # type: ignore[arg-type]  # a general rig's
+    try:
+        tell("fitting the declared laws, their constants and their scatter")
+        every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
+        found = search(bench, case.uncertainty, tell, seed)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        words = (
+            "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"
+        )
+        raise StickslipError(words) from None
+    if lost(found.chosen.fit):
+        words = "laws of this kind do not move the rig like the readings; are rig, units and speeds right?"
+        raise StickslipError(words)
+    return _found(case, bench, found, validate, tell, (began, len(every.stretches) - len(bench.stretches)))
+
+
+def _found(
+    case: Case,
+    bench: GeneralBench,
+    found: Searched,
+    validate: Sequence[BodiesData],
+    tell: Callable[[str], None],
+    so_far: tuple[float, int],
+) -> GeneralFound:
+    declared, chosen, (began, out) = case.model(), found.chosen, so_far
+    before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
+    tell("forecasting the validate runs")
+    error, forecasts = error_block(before, after, validate, case.validate)
+    effects = outcome.effects(bench, found)
+    was, now = (outcome.left(bench, one.fit) for one in (found.null, chosen))
+    return GeneralFound(
+        title=case.title,
+        verdict=Verdict.effect_found if effects else Verdict.no_effect,
+        effects=effects,
+        before=before,
+        after=after,
+        law=usual.law(chosen.fit),
+        law_before=usual.law(found.null.fit),
+        residual_before=usual.described(was),
+        residual_after=usual.described(now),
+        error=error,
+        ranking=outcome.ranking(found),
+        experiments=(),
+        gate=usual.gate(found),
+        runs=(),
+        spectrum=spectrum(was, now),
+        messages=(*_left_out(out, bench), *outcome.remarks(bench, chosen, error)),
+        seconds=time.monotonic() - began,
+        scatter=outcome.scatter(chosen.fit),
+        constants=outcome.constants(bench, chosen.fit),
+        views=(*_train(bench, found), *(_view(*one) for one in zip(validate, forecasts, strict=True))),
+    )
+
+
+def _left_out(count: int, bench: GeneralBench) -> tuple[str, ...]:
+    """Say how many windows were not fitted."""
+    words = "left out of the fits, as more happens in them than one event: two slips parted by a stick too short to see"
+    return (f"{count} of {count + len(bench.stretches)} windows were {words}",) if count else ()
+
+
+def _train(bench: GeneralBench, found: Searched) -> list[RigView]:
+    sides = (outcome.readings(bench, one.fit) for one in (found.null, found.chosen))
+    return [_drawn(run, was, now) for run, was, now in zip(bench.data, *sides, strict=True)]
+
+
+def _view(run: BodiesData, forecasts: tuple[Ahead, Ahead]) -> RigView:
+    was, now = forecasts
+    return _drawn(run, was.readings, now.readings)
+
+
+def _drawn(run: BodiesData, before: Floats, after: Floats) -> RigView:
+    measured, was, now = (
+        dict(zip(run.channels, one.T, strict=True)) for one in (run.readings, before, after)
+    )
+    noise = dict(zip(run.channels, run.noise.tolist(), strict=True))
+    return RigView(run.name, run.role, run.t, measured, noise, was, now)

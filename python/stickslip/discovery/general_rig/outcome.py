@@ -1,0 +1,188 @@
+"""What a search on a rig of bodies or matrices says, in the words that every report has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.effect import effect
+from stickslip.declared.model import Model
+from stickslip.declared.rigs.general import ContactRow, GeneralRig
+from stickslip.discovery.general_rig.bench import GeneralBench
+from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
+from stickslip.discovery.messages import WORSE
+from stickslip.discovery.result import ErrorBlock, FoundEffect, Interval, Rival
+from stickslip.fitted.bodies_data import BodiesData
+from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
+from stickslip.likelihoods.fit_state import Fit, unexplained
+
+Floats = NDArray[np.float64]
+
+
+def said(name: str) -> str:
+    """Return what an effect at a place is called: by its name, and of what."""
+    return name.replace("@", " of ")
+
+
+def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
+    """Return the model of a hypothesis: law, constants and effects as fitted, channels and noise as declared."""
+    values = trial.fit.values()
+    effects = []
+    for one in trial.terms:
+        e = one.effect
+        if one.phases:
+            turned = math.pi if e.parameters["a"] < 0 else 0.0
+            phi = float(np.mod(one.phases[0] + turned, 2 * math.pi))
+            e = e.replace(a=abs(e.parameters["a"]), phi=phi)
+        effects.append(e)
+    if trial.freed is not None and _gain(bench, trial.freed):
+        effects.append(replace(effect("sensor_gain", e=trial.freed.off), where=trial.freed.name))
+    plain = bench.model
+    numbers = {}
+    for name in plain.parameters:
+        if name in values:
+            numbers[name] = values[name]
+    made = plain.replace(numbers)
+    return Model(
+        made.rig,
+        friction=made.friction,
+        effects=tuple(effects),
+        channels=declared.channels,
+        noise=declared.noise,
+    )
+
+
+def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
+    """Return the effects of the verdict, in order of weight."""
+    named = list(outcome.effects(bench, replace(found, chosen=replace(found.chosen, freed=None))))
+    if found.chosen.freed is not None:
+        named.append(_wrong_constant(bench, found, found.chosen.freed))
+    out = []
+    for one in named:
+        rivals = tuple(replace(a, name=said(a.name)) for a in one.alternatives)
+        proof = replace(
+            one.evidence, control_name=said(one.evidence.control_name), sentence=said(one.evidence.sentence)
+        )
+        out.append(replace(one, alternatives=rivals, evidence=proof))
+    return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+def _gain(bench: GeneralBench, one: Freed) -> bool:
+    return f"gain.{one.name}" in bench.declared.names
+
+
+def _wrong_constant(bench: GeneralBench, found: Searched, wrong: Freed) -> FoundEffect:
+    """A declared constant or gain that is off by more than three of its standard uncertainties."""
+    assert isinstance(bench.model.rig, GeneralRig)
+    known = bench.model.rig.numbers
+
+    def named(one: Freed) -> tuple[str, Mapping[str, Interval]] | None:
+        if _gain(bench, one):
+            return f"sensor_gain of {one.name} channel", {"e": _error(one)}
+        return f"rig_{one.name}", {one.name: one.interval(known[one.name])}
+
+    proof, rivals = evidence_of(found, wrong), rivals_of(wrong, named)
+    if _gain(bench, wrong):
+        words = f"{wrong.name} channel reads {1 + wrong.off:.4g} times what it should"
+        where = f"{wrong.name} channel"
+        return FoundEffect("sensor_gain", where, (), {"e": _error(wrong)}, proof, rivals, words)
+    value = known[wrong.name]
+    words = (
+        f"{wrong.name} is {value * (1 + wrong.off):.4g} rather than {value:.4g} ({100 * wrong.off:+.3g} %)"
+    )
+    where = wrong.name.rpartition(".")[0] or wrong.name.partition("_")[0]
+    numbers = {wrong.name: wrong.interval(value)}
+    return FoundEffect(f"rig_{wrong.name}", where, (), numbers, proof, rivals, words, of_rig=True)
+
+
+def _error(one: Freed) -> Interval:
+    """Relative error, true over declared less 1."""
+    at = one.interval()
+    return Interval(*(None if x is None else x - 1 for x in (at.value, at.low, at.high)))  # type: ignore[arg-type]
+
+
+def ranking(found: Searched) -> tuple[Rival, ...]:
+    """Return all that was fitted or scored, best first."""
+    return tuple(replace(one, names=tuple(map(said, one.names))) for one in outcome.ranking(found))
+
+
+def constants(bench: GeneralBench, fit: Fit) -> dict[str, Interval]:
+    """Return what the runs say of every declared constant and gain; a gain as 1 + e."""
+    known, out = bench.model.parameters, {}
+    for name, one in outcome.constants(bench, fit).items():
+        size = known.get(name, 1.0)
+        out[name] = Interval(*(None if x is None else x * size for x in (one.value, one.low, one.high)))  # type: ignore[arg-type]
+    return out
+
+
+def scatter(fit: Fit) -> dict[str, Interval]:
+    """Return the relative standard deviations of what differs from event to event; of several laws each by its name."""
+    out: dict[str, Interval] = {}
+    found = sizes_of_scatter(fit)
+    alone = sum(name.endswith(".kinetic") for name in found) == 1
+    for name, one in found.items():
+        law, _, kind = name.rpartition(".")
+        sizes = (one.value, one.low, one.high)
+        if kind == "static":  # a static limit has what it shares with kinetic friction, too
+            shared = found[f"{law}.kinetic"]
+            both = (shared.value, shared.low, shared.high)
+            sizes = tuple(math.hypot(a, b) for a, b in zip(sizes, both, strict=True))  # type: ignore[assignment]
+        out[kind if alone or not law else name] = Interval(*sizes)
+    return out
+
+
+def left(bench: GeneralBench, fit: Fit) -> outcome.Left:
+    """Return what a fit leaves; of several contacts in stick where all are, else in slip as the first that does."""
+    made = outcome.left(bench, fit)
+    motions = fit.windows.motions(fit.at, fit.own)
+    kept = [m for m, block in zip(motions, fit.blocks, strict=True) if m is not None and block is not None]
+    blocks = [replace(b, mode=_one_mode(m.mode)) for b, m in zip(made.blocks, kept, strict=True)]
+    return replace(made, blocks=blocks)
+
+
+def _one_mode(mode: NDArray[np.int8]) -> NDArray[np.int8]:
+    if not mode.shape[1]:
+        return np.zeros(len(mode), dtype=np.int8)
+    first = (mode != 0).argmax(axis=1)
+    return np.asarray(mode[np.arange(len(mode)), first], dtype=np.int8)
+
+
+def readings(bench: GeneralBench, fit: Fit) -> list[Floats]:
+    """Return what a fit makes of each run, (n, channels); NaN where no window is."""
+    out = [np.full(run.readings.shape, np.nan) for run in bench.data]
+    for s, motion in zip(bench.stretches, fit.windows.motions(fit.at, fit.own), strict=True):
+        if motion is not None:
+            out[s.run][s.start : s.stop] = motion.readings
+    return out
+
+
+def remarks(bench: GeneralBench, trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
+    """Return what a person should read beside the verdict."""
+    sizes = ", ".join(f"{name} by {100 * one.value:.2g} %" for name, one in scatter(trial.fit).items())
+    out = [
+        f"friction differs from event to event: {sizes} (standard deviations); the law is that of the mean event"
+    ]
+    if bench.one_way:
+        out.append("a constant load is absorbed by the friction laws: every contact slips one way only")
+    unread = sorted({one.name for run in bench.data for one, told in _seen(bench, run) if not told})
+    if unread:
+        out.append(f"the motion at {', '.join(unread)} is not read: it is found from the other coordinates")
+    if (over := unexplained(trial.fit)) > bench.policy.noise_left:
+        out.append(f"{over:.3g} times the noise's variance is left: something acts that no name says")
+    if trial.terms and error.after > WORSE * error.before:
+        out.append(
+            f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "
+            "not carry over to them"
+        )
+    return tuple(out)
+
+
+def _seen(bench: GeneralBench, run: BodiesData) -> Sequence[tuple[ContactRow, bool]]:
+    return list(zip(bench.contacts, run.seen.tolist(), strict=True))

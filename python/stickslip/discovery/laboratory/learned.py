@@ -1,0 +1,48 @@
+"""A curve that no name explains, as it was scored."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.likelihoods.score import Columns
+
+Floats = NDArray[np.float64]
+Factors = Sequence[Floats | None]
+
+
+@dataclass(frozen=True)
+class Learned:
+    """
+    A curve that was scored.
+
+    Parameters
+    ----------
+    where, variable : the place it acts and what it depends on
+    gain : fall of -2 log marginal likelihood
+    x, value, std : (k,) the curve and its standard deviation
+    count : shapes that it is made of
+    columns, size : behind it, and their numbers
+    friction : of one in the slip, each window's friction over the law's at the places of its curve
+    threshold : what the best of all curves gains, prices paid, where nothing is lacking
+    """
+
+    where: str
+    variable: str
+    gain: float
+    x: Floats
+    value: Floats
+    std: Floats
+    count: int
+    columns: Columns
+    size: Floats
+    friction: Factors | None = None
+    threshold: float = math.inf
+
+    def worth(self, windows: int) -> float:
+        """Return the gain less the price of the curve's shapes."""
+        return self.gain - self.count * math.log(windows)

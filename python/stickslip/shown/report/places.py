@@ -1,0 +1,55 @@
+"""Units of numbers at places of a rig of bodies or matrices: what slides is in N and m, what turns in N m and rad."""
+
+from __future__ import annotations
+
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.dimensions import NUMBER
+from stickslip.declared.rigs.bodies import BodiesRig
+from stickslip.declared.rigs.general import GeneralRig
+
+TURNING = {
+    "N": "N m",
+    "N/m": "N m/rad",
+    "N s/m": "N m s/rad",
+    "N s^2/m^2": "N m s^2/rad^2",
+    "N/m^3": "N m/rad^3",
+    "N/s": "N m/s",
+    "m": "rad",
+    "m/s": "rad/s",
+    "1/m": "1/rad",
+}
+SLIDES = {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"}
+TURNS = {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
+
+
+def unit_at(rig: GeneralRig, name: str, where: str, number: str) -> str | None:
+    """Return the unit of a number of an effect at a place; None where it has none, or none that is known."""
+    if name not in KINDS or "1" in rig.equations.units:
+        return None
+    known = KINDS[name].parameter(number).dimension
+    if known == NUMBER:
+        return None
+    return TURNING.get(known.unit, known.unit) if _turns(rig, where.removesuffix(" channel")) else known.unit
+
+
+def unit_of(rig: GeneralRig, name: str) -> str:
+    """Return the unit of a declared constant; "1" where coordinates of several kinds make it."""
+    own = rig.equations
+    if "1" in own.units or not isinstance(rig, BodiesRig):
+        kinds = set(own.units)
+        trait = rig.uncertain[name]
+        return (
+            {"m": SLIDES, "rad": TURNS}[kinds.pop()][trait] if len(kinds) == 1 and "1" not in kinds else "1"
+        )
+    return (TURNS if _turns(rig, name.rpartition(".")[0]) else SLIDES)[rig.uncertain[name]]
+
+
+def _turns(rig: GeneralRig, where: str) -> bool:
+    own = rig.equations
+    states = dict(zip(rig.state_names, (*own.units, *own.units), strict=True))
+    if where in states:
+        return states[where] == "rad"
+    if where.startswith("link_") and isinstance(rig, BodiesRig):
+        row, _ = rig.deflection(int(where.removeprefix("link_")) - 1)
+        return any(unit == "rad" for unit, share in zip(own.units, row, strict=True) if share)
+    return any(one.rotation for one in own.contacts if one.name == where)

@@ -1,0 +1,74 @@
+"""Windows of rigs of bodies and matrices with effects: derivatives, starts of hidden states, readings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import stickslip as ss
+from bodies_cases import CASES, recording
+from differences import held_against_differences
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of, of_drive
+from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import unexplained
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.shared import Declared, Number
+
+Floats = NDArray[np.float64]
+PLACED = [
+    ("pin", "sensor_lag", "along", {"tau": 0.004}),
+    ("pin", "sensor_nonlinearity", "across", {"q": 30.0}),
+    ("pin", "belt_seam", "contact_1", {"a": 0.05, "L": 0.02, "phi": 0.4}),
+    ("pin", "belt_speed_ripple", "belt", {"a": 0.05, "w": 30.0, "phi": 0.4}),
+    ("pin", "stribeck_peak", "contact_1", {"dT": 0.4, "v_s": 0.05}),
+    ("pin", "harmonic_forcing", "across", {"a": 0.1, "w": 50.0, "phi": 1.0}),
+    ("drill", "spring_cubic_k1", "link_1", {"k": 2.0}),
+    ("drill", "block_quadratic_damping", "table", {"c": 0.05}),
+    ("drill", "belt_speed_ripple", "drive", {"a": 0.02, "w": 3.0, "phi": 0.4}),
+    ("drill", "sensor_lag", "bit", {"tau": 0.03}),
+    ("chain", "friction_drift", "b", {"r": 0.01}),
+    ("chain", "static_aging", "a", {"dT": 0.3, "tau": 0.5}),
+]
+
+
+def simulated(
+    name: str, effect: str, where: str, numbers: dict[str, float]
+) -> tuple[ss.Model, ss.Effect, BodiesBench]:
+    """A model with an effect, and a record of it without noise, as its sensors read it."""
+    case = CASES[name]()
+    one = ss.effect(effect, where=where, **numbers)
+    model = ss.Model(case.model.rig, friction=case.model.friction, effects=(one,))
+    t = np.arange(0.0, case.settling + case.lasts / 4, case.dt)
+    run = ss.simulate(model, **case.speeds, initial=case.initial, t_end=t[-1], t_eval=t)  # type: ignore[arg-type]
+    names = run.state_names
+    read = [run.readings.get(one, run.state[:, names.index(one)]) for one in case.channels]
+    noise = case.noise * np.random.default_rng(1).standard_normal((len(t), len(read)))
+    known = Uncertainty.usual(case.model.rig, channels=case.channels)
+    return model, one, bench_of(case.model, [recording(case, t, np.transpose(read) + noise)], known)
+
+
+@pytest.mark.parametrize(("name", "effect", "where", "numbers"), PLACED)
+def test_windows_of_the_true_model_leave_the_noise(
+    name: str, effect: str, where: str, numbers: dict[str, float]
+) -> None:
+    model, _, bench = simulated(name, effect, where, numbers)
+    exact = null(BodiesWindows(model, bench.data, bench.stretches, [], Declared()), POLICY)
+    assert unexplained(exact) == pytest.approx(1.0, abs=0.2)
+    lacking = null(BodiesWindows(bench.model, bench.data, bench.stretches, [], Declared()), POLICY)
+    assert lacking.deviance > exact.deviance + 20
+
+
+@pytest.mark.parametrize(("name", "effect", "where", "numbers"), PLACED)
+def test_derivatives_with_an_effect_are_those_of_differences(
+    name: str, effect: str, where: str, numbers: dict[str, float]
+) -> None:
+    model, one, bench = simulated(name, effect, where, numbers)
+    own = [Number(f"{one.label}.{key}", size, size, 1.0) for key, size in numbers.items()]
+    own += of_drive(model, bench.data[0], 0, POLICY)
+    assert ("drive_speed" in {one.name for one in own}) == (name == "drill")
+    windows = replace(bench, policy=replace(POLICY, tolerance=1e-11)).windows(model, own)
+    at = np.array([one.start for one in windows.numbers])
+    held_against_differences(windows, at, name)
