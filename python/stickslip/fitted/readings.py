@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
-from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
@@ -185,14 +184,15 @@ def _read_x1(s: _Samples) -> None:
     seen, slopes = (s.state[:, LAGGED], s.slopes[LAGGED]) if late else (s.state[:, X1], s.slopes[X1])
     if c and not late:
         seen, slopes = seen + c * s.state[:, Y1], slopes + c * s.slopes[Y1]
-    sensor = X1Sensor(curvature=q, drift=s.p.get("sensor_drift.r", 0.0))
-    steepness = sensor.slope(seen)
-    s.out.values[:, 0] = sensor.of(seen, s.t)
+    steepness = 1 + 2 * q * seen
+    s.out.values[:, 0] = seen + q * seen**2 if q else seen
     s.out.slopes[:, 0] = slopes * steepness[:, None] if q else slopes
     if not late:
         s.add(0, "sensor_crosstalk.c", s.state[:, Y1] * steepness)
     s.add(0, "sensor_nonlinearity.q", seen**2)
-    s.add(0, "sensor_drift.r", s.t)
+    if "sensor_drift.r" in s.p:
+        s.out.values[:, 0] += s.p["sensor_drift.r"] * s.t
+        s.add(0, "sensor_drift.r", s.t)
 
 
 def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
@@ -320,6 +320,11 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.add(channel, name, basis[:, i])
 
 
+def unbent(reading: Floats, q: float) -> Floats:
+    """m of m + q m^2 = reading, on the branch through 0; at the fold where the reading lies beyond it."""
+    return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
+
+
 def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Learned] = ()) -> Floats:
     """d(x1 reading)/dt from the states of one simulation, for every effect and curve of the x1 channel.
 
@@ -332,12 +337,11 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     state : (n, 9) states, hidden ones included.
     p : parameters by name, those of curves included.
     """
-    c = p.get("sensor_crosstalk.c", 0.0)
-    sensor = X1Sensor(curvature=p.get("sensor_nonlinearity.q", 0.0), drift=p.get("sensor_drift.r", 0.0))
+    c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
     seen, moves = state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2]
     if "sensor_lag.tau" in p:
         seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]
-    rate = sensor.rate(seen, moves)
+    rate = moves * (1 + 2 * q * seen) + p.get("sensor_drift.r", 0.0)
     for one in learned:
         if one.channel != "x1":
             continue

@@ -37,7 +37,7 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
-class _RunTable(_Strict):
+class _Run(_Strict):
     """A [[run]] of a case."""
 
     file: str
@@ -59,7 +59,7 @@ class _Case(_Strict):
     law: dict[str, object] = {}
     noise: dict[str, object] = {}
     uncertainty: dict[str, object] = {}
-    run: Annotated[list[_RunTable], Field(min_length=1)]
+    run: Annotated[list[_Run], Field(min_length=1)]
     channels: dict[str, dict[str, object]]
 
 
@@ -270,7 +270,7 @@ def _case_file(path: Path) -> Path:
     return path / "rig.toml"
 
 
-def _check_runs(document: Document, runs: list[_RunTable], allowed: Path) -> None:
+def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:
     """Refuse names and windows that collide, and files that are not there or lie elsewhere."""
     folder = document.path.parent
     for i, run in enumerate(runs):
@@ -300,7 +300,7 @@ def _check_runs(document: Document, runs: list[_RunTable], allowed: Path) -> Non
             raise document.error(which, "run", i, "file", value=run.file)
 
 
-def _overlap(a: _RunTable, b: _RunTable) -> bool:
+def _overlap(a: _Run, b: _Run) -> bool:
     low = max(-float("inf") if one.start is None else one.start for one in (a, b))
     high = min(float("inf") if one.end is None else one.end for one in (a, b))
     return low < high
@@ -309,7 +309,7 @@ def _overlap(a: _RunTable, b: _RunTable) -> bool:
 def _read_run(
     document: Document,
     i: int,
-    run: _RunTable,
+    run: _Run,
     declared: _Case,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
@@ -348,7 +348,7 @@ def _read_run(
 def _read_general(
     document: Document,
     i: int,
-    run: _RunTable,
+    run: _Run,
     rig: GeneralRig,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
@@ -372,7 +372,7 @@ def _read_general(
     )
 
 
-def _name_of(run: _RunTable) -> str:
+def _name_of(run: _Run) -> str:
     """Its own, or that of its file and its window."""
     if run.name is not None:
         return run.name
@@ -381,7 +381,7 @@ def _name_of(run: _RunTable) -> str:
     return name + ("" if run.end is None else f"_to_{run.end:g}")
 
 
-def _belt_speed(document: Document, i: int, run: _RunTable, rig: AnyRig) -> float | str:
+def _belt_speed(document: Document, i: int, run: _Run, rig: AnyRig) -> float | str:
     """The set-point of a run; a driven slider has none."""
     if isinstance(rig, DrivenSlider):
         if run.belt_speed is not None:

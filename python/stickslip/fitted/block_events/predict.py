@@ -28,7 +28,7 @@ PERIODS = 2  # natural ones, of a past without sticks that its state is taken fr
 
 
 @dataclass(frozen=True)
-class BlockPrediction:
+class Prediction:
     """Readings x, deflections and velocities, and modes at times t, (n,), as `Run` has them."""
 
     t: Floats
@@ -53,7 +53,7 @@ class Step:
 
 
 @dataclass
-class BlockForecaster:
+class Forecaster:
     """Forecasts one run with one model.
 
     Parameters
@@ -80,7 +80,7 @@ class BlockForecaster:
         self.sticks = run.track.clear_sticks
 
     @classmethod
-    def of(cls, model: Model, recording: Recording, *, at_rest: bool = False) -> BlockForecaster:
+    def of(cls, model: Model, recording: Recording, *, at_rest: bool = False) -> Forecaster:
         """Forecast a recording, its events found behind the sensor; only the lag is left to the forecast.
 
         Raises
@@ -90,9 +90,9 @@ class BlockForecaster:
         """
         sensor = reading_of(model, recording.channel("x1") == "spring_force")
         measured = measure(prepare(bare(recording, sensor), at_rest=at_rest))
-        return cls(model, measured, Reading(lag=sensor.lag), sensor)
+        return cls(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag), sensor)
 
-    def free(self, at: int) -> BlockPrediction:
+    def free(self, at: int) -> Prediction:
         """The model from sample `at` to the end, its phases from the whole run, its state from the readings there.
 
         Raises
@@ -113,13 +113,13 @@ class BlockForecaster:
             start = start if leg is None else leg.start
         return self._predicted(self.model, start, run.t[at:])
 
-    def _predicted(self, model: Model, start: Start, t: Floats) -> BlockPrediction:
+    def _predicted(self, model: Model, start: Start, t: Floats) -> Prediction:
         out = self.past.simulated(model, start, t)
         sign, sensor = self.measured.run.sign, self.sensor or self.chain
         read = sensor.read(out.state[:, 0], out.hidden["m"], t)
-        return BlockPrediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
+        return Prediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
 
-    def forecast(self, stop: int, future: Floats) -> BlockPrediction:
+    def forecast(self, stop: int, future: Floats) -> Prediction:
         """Readings at `future` times from samples before `stop`.
 
         Raises
@@ -177,7 +177,7 @@ class BlockForecaster:
         ratio = np.nan
         if len(inside):
             lag = self.chain.lag * self.past.speed
-            top = self.chain.bend.undone(run.sign * e.p[inside[:1], S], e.t[inside[:1]]) + lag
+            top = self.chain.undone(run.sign * e.p[inside[:1], S], e.t[inside[:1]]) + lag
             ours = float(carried(self.model, np.array([leg.released]), self.past.speed)[0])
             limit = law.static_limits[0] if run.sign > 0 else -law.static_limits[1]
             ratio = float(carried(self.model, top, self.past.speed)[0]) / (

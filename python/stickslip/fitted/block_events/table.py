@@ -46,7 +46,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class SlipEvents:
+class Events:
     """The slips of one run, fitted one by one, in time order; (k,) arrays but for `p` (k, 6).
 
     `dwell` is the time at rest before each; `travel` the belt's travel at the breakaway; `slip` the distance slid;
@@ -84,7 +84,7 @@ class Measured:
     """A run with its events."""
 
     run: Run
-    events: SlipEvents
+    events: Events
     sticks: Sticks
 
 
@@ -157,14 +157,12 @@ def sticks(run: Run) -> Sticks:
     return Sticks(found.t, found.x, found.speed / run.belt_speed, found.std / run.belt_speed)
 
 
-def events(run: Run) -> SlipEvents:
+def events(run: Run) -> Events:
     """Slips with a stick on both sides, each fitted by itself."""
     bounds, starts = _windows(run)
     if not bounds:
         none = np.zeros(0)
-        return SlipEvents(
-            np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=()
-        )
+        return Events(np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=())
     windows = cut(run, bounds)
     start = np.array(starts)
     size = np.maximum(start[:, S] - start[:, K], 5 * run.noise)
@@ -227,7 +225,7 @@ def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
     return Windows(run.t[at], np.where(bad, 0.0, x), np.where(bad, 0.0, 1 / run.noise))
 
 
-def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEvents:
+def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> Events:
     p = found.p
     std = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
     slid, ends = lost(p), arrest(p)
@@ -236,7 +234,7 @@ def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEv
     release = p[:, RELEASE]
     dwell, previous = _rests(run, release)
     chosen = [one for one, kept in zip(bounds, good, strict=True) if kept]
-    return SlipEvents(
+    return Events(
         p[good],
         std[good],
         found.rms[good],
