@@ -7,6 +7,7 @@ from stickslip.simulated.instruction_set import check_instruction_set
 
 if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip._core import build_config
+    from stickslip.declared.candidate import candidate
     from stickslip.declared.effect import CATALOGUE, Effect, Tabulated, effect, tabulated
     from stickslip.declared.formula_laws.dahl import DahlFriction
     from stickslip.declared.formula_laws.formula import FormulaFriction, LawState
@@ -99,6 +100,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "Trajectory": "stickslip.simulated.trajectory",
     "Transitions": "stickslip.simulated.trajectory",
     "build_config": "stickslip._core",
+    "candidate": "stickslip.declared.candidate",
     "compare": "stickslip.likelihoods.compare",
     "continuation": "stickslip.simulated.orbits.continuation",
     "cycle_sensitivity": "stickslip.simulated.orbits.cycle_sensitivity",
@@ -185,6 +187,7 @@ __all__ = [
     "Transitions",
     "__version__",
     "build_config",
+    "candidate",
     "compare",
     "continuation",
     "cycle_sensitivity",

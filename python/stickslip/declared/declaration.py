@@ -1,4 +1,4 @@
-"""The tables [rig], [friction], [[effect]] and [channels] of TOML files: to what is declared, and back."""
+"""The tables [rig], [friction], [[effect]], [[candidate]], [channels] of TOML files: to what is declared, and back."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from stickslip.declared.bodies_model import check_names_of_laws
+from stickslip.declared.candidate import candidate
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated, effect, tabulated
@@ -129,6 +130,20 @@ def read_effect(document: Document, *keys: Key, table: Table) -> AnyEffect:
             raise document.error(f"unknown; {hint}", *keys, key)
     with document.at(*keys):
         return effect(name, **given)
+
+
+def read_candidate(document: Document, *keys: Key, table: Table) -> FormulaEffect:
+    """Make the rival that `table` declares: name, where, a formula, its numbers and their ranges."""
+    given = dict(table)
+    if (kind := given.pop("kind", "formula")) != "formula":
+        raise document.error("a rival is a formula; leave it out", *keys, "kind", value=kind)
+    for needed in ("name", "ranges"):
+        if needed not in given:
+            place, _ = document.place(*keys, needed)
+            words = "name, where, one of force, factor and reading, and ranges"
+            raise InputError(f"lacks '{needed}'; it needs {words}", place=place)
+    with document.at(*keys):
+        return candidate(**given)  # type: ignore[arg-type]  # it looks
 
 
 def read_channel(document: Document, *keys: Key, table: Table) -> Channel:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from stickslip import arguments
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
@@ -45,7 +46,7 @@ from stickslip.errors import InputError, number
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
 from stickslip.measured.case import Case
-from stickslip.measured.memory_case import Columns, case_in_memory
+from stickslip.measured.memory_case import Columns, case_in_memory, with_candidates
 from stickslip.measured.recording import Recording
 from stickslip.measured.thinning import sentences, thinned_case
 
@@ -68,6 +69,7 @@ def discover(
     belt_speed: float | str | None = None,
     noise: Mapping[str, float] | None = None,
     friction: FrictionLaw | None = None,
+    candidates: Iterable[FormulaEffect] = (),
     progress: Callable[[str], None] | None = None,
     threads: int | None = None,
     seed: int = 0,
@@ -84,6 +86,8 @@ def discover(
         Of columns in memory, as `load_recording` takes them.
     friction
         The declared law of recordings or columns; nothing is declared if absent.
+    candidates
+        Effects of one's own, from `stickslip.candidate`, held against the catalogue; beside those of a case.
     progress
         Told what is being tried, a sentence at a time.
     threads
@@ -134,11 +138,18 @@ def discover(
         }
         if wrong := [name for name, one in given.items() if one is not None]:
             raise InputError("is for recordings and columns in memory; a case has its own", key=wrong[0])
+        case = with_candidates(case, candidates)
     else:
         if not hasattr(case, "keys") and not isinstance(case, Recording | list | tuple):
             arguments.must_be("case", case, Case, "load_case(path) gives one")
         case = case_in_memory(
-            case, rig, channels=channels, belt_speed=belt_speed, noise=noise, friction=friction
+            case,
+            rig,
+            channels=channels,
+            belt_speed=belt_speed,
+            noise=noise,
+            friction=friction,
+            candidates=candidates,
         )
     return _discover_case(case, progress, threads, seed, budget)
 
@@ -151,6 +162,8 @@ def _discover_case(
     budget: float | None,
 ) -> Found:
     """Check what was asked for, and search."""
+    if case.candidates:
+        raise InputError("can be declared, and are not sought as yet; leave them out", key="candidates")
     seed = arguments.whole_number("seed", seed, least=0)
     if budget is not None and not isinstance(case.rig, Rig):
         raise InputError(

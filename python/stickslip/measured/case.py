@@ -13,8 +13,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.bodies_model import check_closed_form
-from stickslip.declared.declaration import read_channel, read_friction, read_laws, read_rig
-from stickslip.declared.effect import AnyEffect
+from stickslip.declared.candidate import distinct, on_rig
+from stickslip.declared.declaration import read_candidate, read_channel, read_friction, read_laws, read_rig
+from stickslip.declared.effect import AnyEffect, FormulaEffect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.model import IN_A_FOLDER, Model
@@ -59,6 +60,7 @@ class _Case(_Strict):
     law: dict[str, object] = {}
     noise: dict[str, object] = {}
     uncertainty: dict[str, object] = {}
+    candidate: list[dict[str, object]] = []
     run: Annotated[list[_Run], Field(min_length=1)]
     channels: dict[str, dict[str, object]]
 
@@ -90,6 +92,8 @@ class Case(Drawn):
         Numbers of `friction` that the file does not give: they are where a fit starts, and nobody's word.
     known
         How well the constants and the gains are known, as [uncertainty] says; None: nothing is said of it.
+    candidates
+        Effects of one's own that `discover` holds against its catalogue, in the order of the file.
 
     Examples
     --------
@@ -110,6 +114,7 @@ class Case(Drawn):
     path: Path
     undeclared: tuple[str, ...] = ()
     known: Uncertainty | None = None
+    candidates: tuple[FormulaEffect, ...] = ()
 
     def __repr__(self) -> str:
         roles = ", ".join(
@@ -246,6 +251,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     with document.at("uncertainty"):
         usual = Uncertainty.usual(rig, declared.rig, channels)
         known = usual.with_table(declared.uncertainty)
+    candidates = _candidates(document, declared.candidate, rig, friction, channels)
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
     _check_runs(document, declared.run, allowed)
     runs = tuple(
@@ -256,7 +262,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
     if isinstance(rig, GeneralRig):  # whose laws have no numbers that stand for nobody's word
         undeclared = ()
-    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared, known)
+    return Case(title, rig, friction, noise, runs, channels, document.path, undeclared, known, candidates)
 
 
 def _case_file(path: Path) -> Path:
@@ -268,6 +274,24 @@ def _case_file(path: Path) -> Path:
         words = f"the folder of a model ({models[0]}); a case is wanted, the folder with rig.toml and the recordings"
         raise InputError(words, place=Place(str(path)))
     return path / "rig.toml"
+
+
+def _candidates(
+    document: Document,
+    tables: list[dict[str, object]],
+    rig: AnyRig,
+    friction: FrictionLaw,
+    channels: Mapping[str, Channel],
+) -> tuple[FormulaEffect, ...]:
+    """The rivals of [[candidate]], each at its place and once."""
+    found: list[FormulaEffect] = []
+    for i, table in enumerate(tables):
+        one = read_candidate(document, "candidate", i, table=table)
+        with document.at("candidate", i):
+            found.append(on_rig(one, rig, friction, channels))
+            if one.name in [each.name for each in found[:-1]]:
+                raise InputError("is there twice; name one otherwise", key="name", value=one.name)
+    return distinct(found)
 
 
 def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:

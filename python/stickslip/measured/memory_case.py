@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
 from numpy.typing import ArrayLike
 
 from stickslip.arguments import must_be
+from stickslip.declared.candidate import distinct, on_rig
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw
@@ -31,6 +33,7 @@ def case_in_memory(
     belt_speed: float | str | None = None,
     noise: Mapping[str, float] | None = None,
     friction: FrictionLaw | None = None,
+    candidates: Iterable[FormulaEffect] = (),
 ) -> Case:
     """Return a case of what is in memory.
 
@@ -44,6 +47,8 @@ def case_in_memory(
         Of columns, as `load_recording` takes them.
     friction
         The declared law; nothing is declared if absent.
+    candidates
+        Effects of one's own for `discover`, from `stickslip.candidate`.
 
     Returns
     -------
@@ -85,7 +90,26 @@ def case_in_memory(
     silent = () if friction else tuple(one.name for one in fields(law))
     known = {name: first.noise.get("x1" if name == "spring_force" else name) for name in first.channels}
     own = {name: size / abs(first.factors[name]) for name, size in known.items() if size is not None}
-    return Case(first.name, rig or first.rig, law, own, tuple(given), first.channels, IN_MEMORY, silent)
+    case = Case(first.name, rig or first.rig, law, own, tuple(given), first.channels, IN_MEMORY, silent)
+    return with_candidates(case, candidates)
+
+
+def with_candidates(case: Case, candidates: Iterable[FormulaEffect]) -> Case:
+    """Return a case with these effects of one's own beside its own.
+
+    Raises
+    ------
+    InputError
+        One that does not act on its rig, or a name that is there twice.
+    """
+    more = []
+    for one in distinct(candidates):
+        try:
+            more.append(on_rig(one, case.rig, case.friction, case.channels))
+        except InputError as error:
+            key = ".".join(part for part in ("candidates", one.name, error.key) if part)
+            raise InputError(error.what, key=key, value=error.value) from None
+    return replace(case, candidates=distinct((*case.candidates, *more)))
 
 
 def _cut(run: Recording) -> tuple[Recording, Recording]:

@@ -23,9 +23,10 @@ from stickslip.declared.law_form import VARIABLES, BranchForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import coordinate, distance, velocity
 from stickslip.declared.rigs.general import Equations, GeneralRig
+from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, unknown
-from stickslip.simulated.general import General, rig_equations
+from stickslip.simulated.general import General
 from stickslip.simulated.placed_effects import NO_EFFECTS, Push
 
 Floats = NDArray[np.float64]
@@ -350,4 +351,4 @@ def moved_equations(model: Model, name: str, size: float) -> Equations:
         return model.rig.moved({name: size})
     rig = copy(model.rig)
     object.__setattr__(rig, name, size)  # a damping of 0 may be moved below it here
-    return rig_equations(rig)[0]
+    return equations_of(rig)[0]

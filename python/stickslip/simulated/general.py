@@ -21,8 +21,8 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Places, seen
-from stickslip.declared.rig import BlockOnBelt, Rig
-from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig, Unit
+from stickslip.declared.rigs.general import Equations
+from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 from stickslip.simulated.placed_effects import NO_EFFECTS, Effects, effects_of
@@ -127,7 +127,7 @@ def general(
         such rig.
     """
     rig = model.rig
-    own, order = rig_equations(rig)
+    own, order = equations_of(rig)
     if any(isinstance(one, Tabulated) for one in model.effects):
         raise InputError(
             "a curve acts where all speeds are numbers and no law or effect is a formula", key="effects"
@@ -152,35 +152,6 @@ def general(
     effects = replace(effects, prescribed=(speeds[0], speeds[1]))
     belt, drive = (effects.moved(key, one) for key, one in zip(effects.keys, speeds, strict=True))
     return General(own, laws, belt, drive, order, rig.state_names, effects)
-
-
-def rig_equations(rig: object) -> tuple[Equations, tuple[int, ...]]:
-    """Equations of a rig, and the places of its states among (q, v).
-
-    Raises
-    ------
-    InputError
-        It is a driven slider.
-    """
-    if isinstance(rig, GeneralRig):
-        return rig.equations, tuple(range(2 * len(rig.equations.names)))
-    if isinstance(rig, BlockOnBelt):
-        matrices = ([[rig.mass]], [[rig.damping]], [[rig.stiffness]])
-        names: tuple[str, ...] = ("x1",)
-        order: tuple[int, ...] = (0, 1)
-    elif isinstance(rig, Rig):
-        s = 1.0 if rig.coupling == "reciprocal" else -1.0
-        C = [[rig.eta1, rig.eta1], [rig.eta1, rig.eta12]]
-        matrices = ([[rig.alpha1, 0.0], [0.0, rig.alpha2]], C, [[rig.alpha1, s], [1.0, rig.beta3]])
-        names, order = ("x1", "y1"), (0, 2, 1, 3)
-    else:
-        raise InputError("a driven slider has no belt; stickslip.forecast moves it", key="rig")
-    M, C_, K = (np.array(one) for one in matrices)
-    n = len(names)
-    contact = ContactRow("block", np.eye(n)[0], "belt", "", False)
-    zero = np.zeros(n)
-    units: tuple[Unit, ...] = tuple("m" for _ in names)
-    return Equations(names, units, M, C_, K, zero, zero, zero, (contact,)), order
 
 
 def form_of(law: FrictionLaw) -> LawForm:
