@@ -158,8 +158,7 @@ class Engine:
             if not left.size:
                 break
             chosen = [windows[i] for i in left.tolist()]
-            made = _core.simulate_windows(
-                structure=self.lowered[0].structure,
+            made = self.lowered[0].windows(
                 parameters=numbers,
                 set=np.array([w.run for w in chosen], dtype=np.int32),
                 initial=np.ascontiguousarray(initial[left] + nudge * VISIBLE),

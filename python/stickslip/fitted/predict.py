@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import _core
 from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.data import Data
@@ -19,8 +18,6 @@ from stickslip.fitted.solve import fit
 from stickslip.fitted.unknowns import Hypothesis, Unknown
 from stickslip.fitted.window import AUTO, Window
 from stickslip.fitted.windows import start_window
-from stickslip.simulated.lowering import WIDTH
-from stickslip.simulated.states import COUNT
 
 Floats = NDArray[np.float64]
 PHASES = 12  # starts tried for an unknown phase
@@ -134,18 +131,14 @@ class Forecaster:
         """Simulate from a window's start through times t after it."""
         numbers, p = self.engine.parameters(self.vector, 0)
         start = float(self.run.t[window.start]) - self.run.half
-        raw: dict[str, object] = _core.simulate(
-            structure=self.engine.lowered[0].structure,
+        raw = self.engine.lowered[0].run(
             parameters=numbers,
             initial=window.state,
-            t_start=start,
-            t_end=float(t[-1]),
+            t=np.ascontiguousarray(t),
             contact=min(window.contact, AUTO),
-            t_eval=np.ascontiguousarray(t),
+            t_start=start,
             rtol=RTOL,
             atol=ATOL,
-            locator=_core.Locator.henon,
-            seeds=np.zeros((0, WIDTH + COUNT)),
             max_transitions=100_000,
         )
         state = np.asarray(raw["state"])

@@ -239,8 +239,7 @@ class _Run:
         initial[:, self.of.sensors.begins] = self.own[:, : self.of.begins]
         initial[:, DERIVED] = derived
         initial[:, DWELL] = [w.dwell for w in self.places]
-        raw = _core.simulate_windows(
-            structure=self.lowered.structure,
+        raw = self.lowered.windows(
             parameters=np.nan_to_num(self._parameters()),
             set=np.arange(len(self.places), dtype=np.int32),
             initial=np.nan_to_num(initial),

@@ -7,20 +7,21 @@ The only place that knows the core's slot names. A public name may move several 
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.declared.bodies_model import check_closed_form
-from stickslip.declared.effect import CATALOGUE, CONSTANTS, Effect, Tabulated
+from stickslip.declared.effect import CATALOGUE, CONSTANTS, Effect, FormulaEffect, Tabulated
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, unknown
+from stickslip.simulated.named_tapes import Tapes, tapes
 from stickslip.simulated.states import AT, COUNT, HIDDEN, VISIBLE
 
 Floats = NDArray[np.float64]
@@ -43,7 +44,8 @@ class Lowered:
     """A model as the core takes it; `slots` maps every public parameter name to its slots.
 
     `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
-    `hidden` names the states that the model's effects add.
+    `hidden` names the states that the model's effects add. `tapes` are there where a formula acts on the motion: its
+    numbers have the places of effects that the model does not have.
     """
 
     structure: _core.Structure
@@ -52,6 +54,33 @@ class Lowered:
     dimension: int
     factors: Mapping[str, float] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
+    tapes: Tapes | None = None
+
+    def windows(self, **asked: Any) -> Mapping[str, object]:
+        """Return what `_core.simulate_windows` makes of windows; the structure is the model's."""
+        if self.tapes is not None:
+            return self.tapes.windows(**asked)
+        out: Mapping[str, object] = _core.simulate_windows(structure=self.structure, **asked)
+        return out
+
+    def run(
+        self, *, parameters: Floats, initial: Floats, t: Floats, contact: int, **asked: Any
+    ) -> Mapping[str, object]:
+        """Return states (n, 9) and modes (n,) at times t, without derivatives."""
+        if self.tapes is not None:
+            return self.tapes.run(parameters, initial, t, contact, **asked)
+        out: Mapping[str, object] = _core.simulate(
+            structure=self.structure,
+            parameters=parameters,
+            initial=initial,
+            t_end=float(t[-1]),
+            contact=contact,
+            t_eval=t,
+            locator=_core.Locator.henon,
+            seeds=np.zeros((0, WIDTH + COUNT)),
+            **asked,
+        )
+        return out
 
     def initial(self, state: Iterable[float]) -> Floats:
         """Return the core's full initial state from the visible one, followed by any hidden ones."""
@@ -127,12 +156,15 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
             parameters[place] = value
         slots[name] = places
 
-    check_closed_form(model.rig, model.friction, model.effects)
+    formulas = [one for one in model.effects if isinstance(one, FormulaEffect) and one.acts != "reading"]
+    check_closed_form(model.rig, model.friction)
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
     bits, table, factors = 0, None, dict[str, float]()
     for term in model.effects:
+        if isinstance(term, FormulaEffect):
+            continue
         if isinstance(term, Tabulated):
             if term.of_reading:  # acts on the reading, not on the motion
                 continue
@@ -148,7 +180,6 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
                 for key in ("w", "phi"):
                     put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
             continue
-        assert isinstance(term, Effect)  # formulas were refused above
         if term.name in CONSTANTS:
             _correct(term, parameters, slots, factors)
             continue
@@ -162,7 +193,30 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         table_period=0.0 if table is None or table.period is None else table.period,
         knots=[] if table is None else list(table.knots),
     )
-    return Lowered(structure, parameters, slots, len(model.rig.state_names), factors, hidden_states(model))
+    _put_formulas(formulas, model, put)
+    return Lowered(
+        structure,
+        parameters,
+        slots,
+        len(model.rig.state_names),
+        factors,
+        hidden_states(model),
+        tapes(model, belt_speed, slots, WIDTH) if formulas else None,
+    )
+
+
+def _put_formulas(formulas: Sequence[FormulaEffect], model: Model, put: _Put) -> None:
+    """Give the numbers of formulas the places of effects that the model does not have."""
+    taken = {one.name for one in model.effects}
+    free = [name for name in SLOTS if (owner := name.partition(".")[0]) in CATALOGUE and owner not in taken]
+    numbers = {f"{one.label}.{name}": size for one in formulas for name, size in one.parameters.items()}
+    if len(numbers) > len(free):
+        words = (
+            f"formulas have {len(numbers)} numbers; {len(free)} are the most beside the model's other effects"
+        )
+        raise InputError(words, key="effects")
+    for (name, size), place in zip(numbers.items(), free, strict=False):
+        put(name, size, place)
 
 
 def hidden_states(model: Model) -> tuple[str, ...]:

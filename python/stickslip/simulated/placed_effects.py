@@ -91,21 +91,25 @@ def effects_of(effects: Sequence[AnyEffect], places: Places) -> Effects:
     InputError
         As `placed`.
     """
-    found = tuple(placed(one, places) for one in effects)
+    return of_placed([placed(one, places) for one in effects], places.states)
+
+
+def of_placed(found: Sequence[Placed], states: Mapping[str, Tree]) -> Effects:
+    """Return what effects at their places make; `states` are trees of the rig's own."""
     numbers = {name: size for one in found for name, size in one.numbers.items()}
     pushes, readings = list[Push](), dict[str, Tree]()
-    zero = np.zeros(places.n)
+    zero = np.zeros(len(states) // 2)
     for one in found:
         if one.direction is not None and one.force is not None:
             pushes.append(Push(one.direction, one.force, one.states, one.link))
         elif one.channel is not None and one.reading is not None:
-            true = places.states[one.channel]
+            true = states[one.channel]
             seen = _after(true, readings.get(one.channel, true))
             readings[one.channel] = seen(one.reading)
             if one.states:
                 kept = [replace(each, rate=seen(each.rate), start=seen(each.start)) for each in one.states]
                 pushes.append(Push(zero, Number(0.0), tuple(kept)))
-    return Effects(found, numbers, tuple(pushes), readings)
+    return Effects(tuple(found), numbers, tuple(pushes), readings)
 
 
 def _after(true: Tree, before: Tree) -> Callable[[Tree], Tree]:

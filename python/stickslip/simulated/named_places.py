@@ -1,0 +1,198 @@
+"""Effects of the catalogue where a formula acts beside them on a named rig, put to their places as trees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from stickslip.declared.bodies_model import law_of
+from stickslip.declared.effect import CONSTANTS, AnyEffect, Effect, FormulaEffect, Tabulated
+from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.declared.model import Model
+from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
+from stickslip.declared.rigs.general import ContactRow
+from stickslip.declared.rigs.named import equations_of
+from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError
+from stickslip.simulated.general import General, form_of
+from stickslip.simulated.placed_effects import of_placed
+
+Floats = NDArray[np.float64]
+PIVOT = "pivot_dry_friction"
+REFUSED = (
+    "belt_load_droop",
+    "friction_memory",
+    "contact_compliance",
+)  # their states start anew, or move the belt
+
+
+def beside_formula(kind: EffectKind) -> bool:
+    """Whether an effect of the catalogue acts beside a formula on a named rig."""
+    return kind.name not in REFUSED
+
+
+def named(model: Model, belt_speed: float) -> General:
+    """Return what the core of general rigs simulates of a named rig's model.
+
+    Raises
+    ------
+    InputError
+        An effect that does not act beside a formula.
+    """
+    own, order = equations_of(model.rig)
+    places = Places(model.rig, own, order)
+    law = form_of(law_of(model.friction, own.contacts[0]))
+    found = [each for one in model.effects if (each := _placed(one, places, law, model)) is not None]
+    pivot = next((one for one in found if one.label == PIVOT and one.direction is None), None)
+    # what adds to friction comes before what multiplies it
+    found.sort(
+        key=lambda one: one.contact is not None and "factor" in (one.acts or {}) and one.number is None
+    )
+    effects = of_placed([one for one in found if one is not pivot], places.states)
+    laws = [effects.changed(0, law)]
+    if pivot is not None:
+        own = replace(own, contacts=(*own.contacts, ContactRow("pivot", np.eye(2)[1], "ground", "", False)))
+        force = BranchForm(Name(f"{PIVOT}.f"), Name(f"{PIVOT}.f"))
+        laws.append(LawForm(force, force, pivot.numbers))
+        effects = replace(effects, numbers={**effects.numbers, **pivot.numbers})
+    effects = replace(effects, prescribed=(Speed.of(belt_speed), Speed.of(0.0)))
+    belt = effects.moved("belt_speed", Speed.of(belt_speed))
+    return General(own, tuple(laws), belt, Speed.of(0.0), order, model.rig.state_names, effects)
+
+
+def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Placed | None:
+    """An effect at its place; None of one that moves nothing there: it acts on a reading, or corrects a number."""
+    if isinstance(one, FormulaEffect):
+        return None if one.acts == "reading" else placed(one, places)
+    if isinstance(one, Tabulated):
+        return None if one.of_reading else _curve(one, places)
+    kind = one.kind
+    if one.name in REFUSED:
+        formula = next(each.name for each in model.effects if isinstance(each, FormulaEffect))
+        raise InputError(
+            f"'{one.name}' does not act beside an effect by a formula, '{formula}'", key="effects"
+        )
+    if one.name in CONSTANTS or (kind.physics == "reading" and not kind.hidden):
+        return None
+    special = {
+        "sensor_lag": _lag,
+        "normal_force_feedback": _pressed,
+        PIVOT: _pivot,
+        "spring_cubic_k2": _between,
+    }
+    if one.name in special:
+        return special[one.name](one, places, law, model)
+    return placed(one, places)
+
+
+def _named_numbers(one: Effect) -> dict[str, float]:
+    return {f"{one.name}.{name}": size for name, size in one.parameters.items()}
+
+
+def _lag(one: Effect, places: Places, _law: LawForm, model: Model) -> Placed:
+    """The lagged reading of x1, of what crosstalk makes of it."""
+    seen: Tree = coordinate(0)
+    cross = next((each for each in model.effects if each.name == "sensor_crosstalk"), None)
+    numbers = _named_numbers(one)
+    if isinstance(cross, Effect):
+        seen = _sum(seen, _times(Name("sensor_crosstalk.c"), coordinate(1)))
+        numbers |= _named_numbers(cross)
+    m = "sensor_lag.m"
+    rate = Apply("divide", (Apply("subtract", (seen, Name(m))), Name("sensor_lag.tau")))
+    return Placed(
+        one.name, numbers, (PlacedState(m, rate, seen),), channel=next(iter(places.states)), reading=Name(m)
+    )
+
+
+def _pressed(one: Effect, _places: Places, law: LawForm, _model: Model) -> Placed:
+    """Friction times max(0, 1 + (beta2 y1 + eta2 y2)/T_s)."""
+    limit = law.minus.static or law.minus.kinetic
+    assert limit is not None
+    limit = substituted(limit, {"u": Number(0.0), "dwell": Number(0.0)})
+    press = _sum(
+        _times(Name(f"{one.name}.beta2"), coordinate(1)), _times(Name(f"{one.name}.eta2"), velocity(1))
+    )
+    factor = Apply("max", (Number(0.0), _sum(Number(1.0), Apply("divide", (press, limit)))))
+    return Placed(one.name, _named_numbers(one), contact=0, acts={"factor": factor})
+
+
+def _pivot(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Placed:
+    """Friction of a contact of its own; with a creep speed a force."""
+    numbers = _named_numbers(one)
+    if one.parameters["v_c"] == 0:
+        return Placed(one.name, {f"{PIVOT}.f": numbers[f"{PIVOT}.f"]})
+    rounded = Apply("tanh", (Apply("divide", (velocity(1), Name(f"{PIVOT}.v_c"))),))
+    force = Apply("negate", (_times(Name(f"{PIVOT}.f"), rounded),))
+    return Placed(one.name, numbers, direction=np.eye(2)[1], force=force)
+
+
+def _between(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Placed:
+    """A force on both coordinates, of their sum."""
+    acts = one.as_acts
+    assert acts.force is not None
+    by: dict[str, Tree] = {"deflection": _sum(coordinate(0), coordinate(1))}
+    by |= {name: Name(f"{one.name}.{name}") for name in one.parameters}
+    force = substituted(parse(acts.force), by)
+    return Placed(one.name, _named_numbers(one), direction=np.ones(2), force=force)
+
+
+def _curve(one: Tabulated, places: Places) -> Placed:
+    """A curve as a polynomial whose coefficients jump from knot to knot; they are linear in its values."""
+    if one.period is not None:
+        words = f"'{one.name}', a curve that repeats, does not act beside an effect by a formula"
+        raise InputError(words, key="effects")
+    of: Mapping[str, Tree] = {**places.states, "t": Name("t"), "v_w": Name("v")}
+    numbers = dict(zip(parts(one), (coefficients(one) @ np.array(one.values)).tolist(), strict=True))
+    curve = spline(of[one.variable], one.knots, [Name(name) for name in numbers])
+    if one.where == "contact":
+        return Placed(one.name, numbers, contact=0, acts={"factor": _sum(Number(1.0), curve)})
+    direction, _ = places.force(one.where)
+    return Placed(one.name, numbers, direction=direction, force=curve)
+
+
+def parts(one: Tabulated) -> list[str]:
+    """Names of the coefficients of a curve: of every interval, those of each power less the interval's before."""
+    return [f"{one.name}.part_{i}" for i in range(4 * (len(one.knots) - 1))]
+
+
+def coefficients(one: Tabulated) -> Floats:
+    """Return what the coefficients of a curve are by its values, (4 intervals, values)."""
+    knots, n = np.array(one.knots) - one.knots[0], len(one.knots)
+    local = scipy.interpolate.CubicSpline(knots, np.eye(n), bc_type="natural").c  # (4, intervals, values)
+    whole = np.zeros((n - 1, 4, n))
+    for i, knot in enumerate(knots[:-1]):  # powers of s - knot, as powers of s
+        for power in range(4):
+            for lower in range(power + 1):
+                whole[i, lower] += math.comb(power, lower) * (-knot) ** (power - lower) * local[3 - power, i]
+    whole[1:] -= whole[:-1].copy()
+    return np.asarray(whole.reshape(-1, n))
+
+
+def spline(x: Tree, knots: tuple[float, ...], named_parts: list[Tree]) -> Tree:
+    """Return a cubic spline by its coefficients, constant beyond the outer knots."""
+    inside = Apply("min", (Apply("max", (x, Number(knots[0]))), Number(knots[-1])))
+    s: Tree = Apply("subtract", (inside, Number(knots[0])))
+    powers = list(named_parts[:4])
+    for i, knot in enumerate(knots[1:-1], start=1):
+        beyond = Apply("sign", (Apply("subtract", (inside, Number(knot))),))
+        there = _times(Number(0.5), _sum(Number(1.0), beyond))
+        powers = [_sum(one, _times(there, named_parts[4 * i + k])) for k, one in enumerate(powers)]
+    square = _times(s, s)
+    shifted = _sum(_sum(powers[0], _times(powers[1], s)), _times(powers[2], square))
+    return _sum(shifted, _times(powers[3], _times(square, s)))
+
+
+def _sum(a: Tree, b: Tree) -> Tree:
+    return Apply("add", (a, b))
+
+
+def _times(a: Tree, b: Tree) -> Tree:
+    return Apply("multiply", (a, b))
