@@ -145,7 +145,7 @@ def compare(
         If the model does not belong to the recording's rig, or cannot be simulated from the estimated start.
     """
     must_be("model", model, Model, "load_model(file) or identify(case).model give one")
-    check_closed_form(model.rig, model.friction, model.effects)
+    check_closed_form(model.rig, model.friction)
     must_be("recording", recording, Recording, "one of a case's runs, like case.validate[0]")
     tell = progress or (lambda _what, _share: None)
     tell("reading modes", 0.0)

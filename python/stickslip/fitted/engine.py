@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from stickslip import _core
 from stickslip.fitted.data import Data
+from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
-from stickslip.fitted.readings import Chain, Learned, read, states_read
+from stickslip.fitted.readings import Added, Chain, Learned, read, states_read
 from stickslip.fitted.unknowns import Hypothesis
 from stickslip.fitted.window import AUTO, Window, by_free, window_penalties
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
@@ -101,9 +102,10 @@ class Engine:
         self.low, self.high = hypothesis.limits(runs)
         self.reach = np.minimum(REACH / np.sqrt(self.precision), hypothesis.turns(runs))
         self.columns = [hypothesis.columns(run) for run in range(runs)]
+        self.added: tuple[Added, ...] = (*self.learned, *formulas_of(hypothesis.model))
         known = {*self.names, *self.fixed}
         channels = self.data[0].readings.shape[1]
-        self.kept = np.array(states_read(known, channels, self.learned), dtype=np.int32)
+        self.kept = np.array(states_read(known, channels, self.added), dtype=np.int32)
         self._last = (b"none", np.empty((0, 0)), [])
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -304,7 +306,7 @@ class Engine:
                 values[number],
                 run.belt_speed,
                 run.readings.shape[1],
-                self.learned,
+                self.added,
                 offset,
             )
             yield run, rows, chain

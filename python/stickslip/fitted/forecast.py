@@ -56,7 +56,7 @@ class Expected:
 def follow(model: Model, recording: Recording, belt_speed: float, horizon: float) -> Expected:
     """Return what a model without scatter makes of what follows; errors and warnings are those of `forecast`."""
     must_be("model", model, Model, "load_model(file) gives one")
-    check_closed_form(model.rig, model.friction, model.effects)
+    check_closed_form(model.rig, model.friction)
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
     if isinstance(model.rig, DrivenSlider):
         words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"

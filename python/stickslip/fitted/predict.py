@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.data import Data
@@ -54,7 +55,8 @@ class Forecaster:
     learned: tuple[Learned, ...] = ()
 
     def __post_init__(self) -> None:
-        self.periodic = [one for one in self.model.effects if "phi" in one.parameters]
+        turns = (one for one in self.model.effects if not isinstance(one, FormulaEffect))
+        self.periodic = [one for one in turns if "phi" in one.parameters]
         unknowns = tuple(
             Unknown(f"{one.name}.phi", one.parameters["phi"], False, 0.0, 30.0, per_run=True)
             for one in self.periodic
@@ -145,8 +147,8 @@ class Forecaster:
         if len(state) != len(t):
             raise StickslipError("the model's run stopped before the horizon; its numbers make it ill-posed")
         channels = self.run.readings.shape[1]
-        chain = read(t, state, no_slopes(len(t)), (), p, self.run.belt_speed, channels, self.learned)
-        rate = reading_rate(t, state, p, self.learned)
+        chain = read(t, state, no_slopes(len(t)), (), p, self.run.belt_speed, channels, self.engine.added)
+        rate = reading_rate(t, state, p, self.engine.added)
         return Prediction(t, chain.values, rate, state, np.asarray(raw["mode"]))
 
     def forecast(self, stop: int, future: Floats) -> Prediction:

@@ -2,7 +2,7 @@
 
 x1 reading: m + q m^2 + r t, m being x1 + c y1 or, where there is a lag, that lagged (the core's hidden state m).
 y1 reading: y1 at t - delay; or, which has no name, lagged (y1_lag.tau). belt reading: the belt's own speed V.
-Learned curves add g(variable) to a channel.
+Learned curves add g(variable) to a channel; formulas come last.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
+from stickslip.fitted.formula_reading import READING, FormulaReading
 from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
@@ -82,6 +83,9 @@ def _cardinal_turn(knots: tuple[float, ...]) -> scipy.interpolate.CubicSpline:
     return scipy.interpolate.CubicSpline(knots, ends, bc_type="periodic")
 
 
+Added = Learned | FormulaReading  # what a model's channels have beside the effects of the catalogue
+
+
 def curves_of(model: Model) -> tuple[Learned, ...]:
     """The curves that a model adds to its readings; their values are among its parameters."""
     terms = [one for one in model.effects if isinstance(one, Tabulated) and one.of_reading]
@@ -140,9 +144,10 @@ class _Samples:
             self.out.slopes[:, channel, self.names.index(name)] += slope
 
 
-def states_read(known: Collection[str], channels: int, learned: tuple[Learned, ...] = ()) -> list[int]:
+def states_read(known: Collection[str], channels: int, learned: tuple[Added, ...] = ()) -> list[int]:
     """States whose sensitivities the chain of effects with the `known` parameters needs."""
-    needed = {AT[one.variable] for one in learned if one.variable != "t"}
+    needed = {AT[one.variable] for one in learned if isinstance(one, Learned) and one.variable != "t"}
+    needed |= {k for one in learned if isinstance(one, FormulaReading) for k in one.states}
     needed |= {LAGGED} if "sensor_lag.tau" in known else {X1}
     needed |= {Y1, Y2} if "sensor_delay.delay" in known or Y1_LAG in known else {Y1}
     return sorted(needed | ({BELT} if channels == 3 else set()))
@@ -156,7 +161,7 @@ def read(
     p: Mapping[str, float],
     belt_speed: float,
     channels: int,
-    learned: tuple[Learned, ...] = (),
+    learned: tuple[Added, ...] = (),
     offset: NDArray[np.int64] | None = None,
 ) -> Chain:
     """Readings from states (n, 9) and the sensitivities (n, k) of those of them that `states_read` names.
@@ -172,9 +177,34 @@ def read(
         _read_y1(samples, np.array([0, len(t)]) if offset is None else offset)
     if channels == 3:
         _read_belt(samples, belt_speed)
-    for curve in learned:
-        _add_curve(samples, curve)
+    for one in learned:
+        if isinstance(one, Learned):
+            _add_curve(samples, one)
+        else:
+            through_formula(out, one, t, state, sensitivity, names, p)
     return out
+
+
+def through_formula(
+    out: Chain,
+    one: FormulaReading,
+    t: Floats,
+    state: Floats,
+    sensitivity: Slopes,
+    names: tuple[str, ...],
+    p: Mapping[str, float],
+) -> None:
+    """Put a channel of a chain through a formula."""
+    c = _CHANNEL[one.channel]
+    of = one.at(out.values[:, c].copy(), t, state, p)
+    slopes = out.slopes[:, c] * one.slope(READING, of, t.shape)[:, None]
+    for name in one.slopes:
+        along = one.slope(name, of, t.shape)
+        if name in AT:
+            slopes += along[:, None] * sensitivity[AT[name]]
+        elif (full := f"{one.effect.label}.{name}") in names:
+            slopes[:, names.index(full)] += along
+    out.values[:, c], out.slopes[:, c] = one.read(of, t.shape), slopes
 
 
 def _read_x1(s: _Samples) -> None:
@@ -325,7 +355,7 @@ def unbent(reading: Floats, q: float) -> Floats:
     return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
 
 
-def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Learned] = ()) -> Floats:
+def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Added] = ()) -> Floats:
     """d(x1 reading)/dt from the states of one simulation, for every effect and curve of the x1 channel.
 
     The portrait is drawn of readings, so the velocity must be theirs: that of a lagged m is (x1 + c y1 - m)/tau. The
@@ -342,9 +372,15 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     if "sensor_lag.tau" in p:
         seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]
     rate = moves * (1 + 2 * q * seen) + p.get("sensor_drift.r", 0.0)
+    reading = seen + q * seen**2 + p.get("sensor_drift.r", 0.0) * t
     for one in learned:
         if one.channel != "x1":
             continue
+        if isinstance(one, FormulaReading):
+            of = one.at(reading, t, state, p)
+            rate, reading = one.rate(rate, of, state), one.read(of, t.shape)
+            continue
+        reading = reading + one.basis(one.at(t, state, p)) @ one.values(p)
         rate = rate + (one.basis(one.at(t, state, p), 1) @ one.values(p)) * _moves(one, t, state, p)
     return np.asarray(rate)
 

@@ -15,8 +15,9 @@ from stickslip import _core
 from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
+from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
-from stickslip.fitted.readings import Chain, Slopes, no_slopes
+from stickslip.fitted.readings import Chain, Slopes, no_slopes, through_formula
 from stickslip.fitted.window import STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, derived
@@ -28,7 +29,7 @@ from stickslip.likelihoods.sensors import Samples, Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
-from stickslip.simulated.states import COUNT, DWELL, X2
+from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X2
 
 Floats = NDArray[np.float64]
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
@@ -83,7 +84,9 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
         self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
         self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
-        self.kept = np.array(sensors.kept(self.fixed, self.channels), dtype=np.int32)
+        self.formulas = formulas_of(model)
+        read = {*sensors.kept(self.fixed, self.channels), *(k for one in self.formulas for k in one.states)}
+        self.kept = np.array(sorted(read), dtype=np.int32)
         self.added = np.zeros((len(stretches), policy.knots))  # to the windows' curves, known
 
     def scatter(self) -> Population:
@@ -94,7 +97,12 @@ class BeltWindows(EventWindows[Data, Stretch]):
         """Return the windows' own numbers from the readings around their starts, (w, own)."""
         own = np.zeros((len(self.stretches), self.own))
         for row, w in zip(own, self.stretches, strict=True):
-            row[: self.begins] = self.data[w.run].local_state(w.start)[list(self.sensors.begins)]
+            run, state = self.data[w.run], np.zeros(COUNT)
+            state[list(VISIBLE)] = run.local_state(w.start)
+            for one in reversed(self.formulas):
+                k = AT[one.channel]
+                state[k] = one.behind(float(state[k]), float(run.t[w.start]), state)
+            row[: self.begins] = state[list(self.sensors.begins)]
         return own
 
     def values(self, at: Floats, run: int) -> dict[str, float]:
@@ -203,7 +211,10 @@ class _Run:
     def _read(self, state: Floats, slopes: Slopes, names: tuple[str, ...]) -> Chain:
         """What the sensors make of the states."""
         samples = Samples(self.data.t[self.samples], state, slopes, names, self.offset)
-        return self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
+        chain = self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
+        for one in self.of.formulas:
+            through_formula(chain, one, samples.t, state, slopes, names, self.values)
+        return chain
 
     def _derived(self, values: dict[str, float], own: Floats) -> Floats:
         """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""

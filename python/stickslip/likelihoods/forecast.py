@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.arguments import explained, must_be
-from stickslip.declared.effect import Effect
+from stickslip.declared.effect import Effect, FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.rigs.general import GeneralRig
@@ -163,13 +163,15 @@ def _of_block(expected: Expected) -> Distribution | None:
     past, model = expected.past, expected.model
     if not isinstance(model.rig, BlockOnBelt) or past.belt_speed == 0:
         return None
-    if not all(isinstance(one, Effect) for one in model.effects):
+    if not all(isinstance(one, (Effect, FormulaEffect)) for one in model.effects):
         return None
     units = scaled(model.rig, [past])
     own = Model(
         units.block(),
         friction=units.law(model.friction),
-        effects=tuple(units.effect(one, back=False) for one in model.effects if isinstance(one, Effect)),
+        effects=tuple(
+            units.effect(one, back=False) for one in model.effects if isinstance(one, (Effect, FormulaEffect))
+        ),
     )
     force = past.channel("x1") == "spring_force"
     sensors = BlockSensors((f"gain.{past.channel('x1')}",), own.parameters["stiffness"] if force else None)

@@ -12,11 +12,12 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from stickslip.declared.effect import Effect, effect
+from stickslip.declared.effect import Effect, FormulaEffect, effect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Scales
+from stickslip.declared.scaled_formula import in_scales
 from stickslip.declared.si import dimension
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.stretches import LATEST, SOONEST
@@ -55,12 +56,20 @@ class Scaled:
         factor = {name: self.size(name) if back else 1 / self.size(name) for name in known}
         return type(law)(**{name: value * factor[name] for name, value in known.items() if value is not None})
 
-    def effect(self, one: Effect, *, back: bool = True) -> Effect:
-        """Return an effect of scaled numbers in the declared ones, or not `back`: of declared ones in scaled ones."""
+    def effect(self, one: Effect | FormulaEffect, *, back: bool = True) -> Effect | FormulaEffect:
+        """Return an effect of scaled numbers in the declared ones, or not `back`: of declared ones in scaled ones.
+
+        A formula's numbers are the declared ones in both.
+        """
+        if isinstance(one, FormulaEffect):
+            assert not back
+            return in_scales(one, self.scales)
         sizes = {k: self.size(f"{one.name}.{k}") for k in one.parameters}
         return one.replace(**{k: v * sizes[k] if back else v / sizes[k] for k, v in one.parameters.items()})
 
-    def model(self, made: Model, values: Mapping[str, float], gain: str) -> Model:
+    def model(
+        self, made: Model, values: Mapping[str, float], gain: str, rivals: Sequence[FormulaEffect] = ()
+    ) -> Model:
         """
         Return a model of scaled numbers in the declared ones, its constants as relative errors beside the declared.
 
@@ -69,10 +78,16 @@ class Scaled:
         made : its law and effects, scaled
         values : as fitted, scaled
         gain : name of the sensor's gain among them
+        rivals : formulas as they are declared
         """
+        own = {one.name: one for one in rivals}
         shares = {"rig_mass": values["mass"] / ALPHA - 1, "rig_stiffness": values["stiffness"] / ALPHA - 1}
         shares["sensor_gain"] = values.get(gain, 0.0)
-        effects = [self.effect(one) for one in made.effects if isinstance(one, Effect)]
+        effects = [
+            own[one.name].replace(**one.parameters) if isinstance(one, FormulaEffect) else self.effect(one)
+            for one in made.effects
+            if isinstance(one, (Effect, FormulaEffect))
+        ]
         effects += [effect(name, e=e) for name, e in shares.items() if e != 0]
         return Model(
             replace(self.rig, damping=values["damping"] * self.size("damping")),

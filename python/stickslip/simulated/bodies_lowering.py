@@ -27,6 +27,7 @@ from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, unknown
 from stickslip.simulated.general import General
+from stickslip.simulated.named_places import corrected
 from stickslip.simulated.placed_effects import NO_EFFECTS, Push
 
 Floats = NDArray[np.float64]
@@ -153,6 +154,8 @@ class LoweredBodies:
             row[self.layout["initial"] + initial[name]] = 1.0
         elif name in self.places:
             row[self.layout["parameters"] + self.places[name]] = 1.0
+        elif name.startswith("tabulated_"):
+            raise InputError("beside a formula no derivative by a curve is known", key=name)
         elif name in self.model.parameters and name not in self.model.friction.numbers:
             self._refuse_lengths(name)
             row[: self.layout["parameters"]] = self._rig_moves(name)
@@ -349,6 +352,7 @@ def moved_equations(model: Model, name: str, size: float) -> Equations:
     """Return the equations of a model with one number of its rig changed."""
     if isinstance(model.rig, GeneralRig):
         return model.rig.moved({name: size})
-    rig = copy(model.rig)
-    object.__setattr__(rig, name, size)  # a damping of 0 may be moved below it here
+    rig = copy(corrected(model))
+    share = getattr(rig, name) / model.parameters[name] if model.parameters[name] else 1.0
+    object.__setattr__(rig, name, size * share)  # a damping of 0 may be moved below it here
     return equations_of(rig)[0]

@@ -156,7 +156,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
             parameters[place] = value
         slots[name] = places
 
-    formulas = [one for one in model.effects if isinstance(one, FormulaEffect) and one.acts != "reading"]
+    formulas = [one for one in model.effects if isinstance(one, FormulaEffect)]
     check_closed_form(model.rig, model.friction)
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
@@ -201,15 +201,20 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         len(model.rig.state_names),
         factors,
         hidden_states(model),
-        tapes(model, belt_speed, slots, WIDTH) if formulas else None,
+        tapes(model, belt_speed, slots, WIDTH) if any(one.acts != "reading" for one in formulas) else None,
     )
 
 
 def _put_formulas(formulas: Sequence[FormulaEffect], model: Model, put: _Put) -> None:
     """Give the numbers of formulas the places of effects that the model does not have."""
+    for one in formulas:
+        if one.states:
+            words = f"the effect '{one.name}' has states of its own, which no reading shows where a window begins; "
+            raise InputError(words + "it can be simulated, and no more", key="effects")
     taken = {one.name for one in model.effects}
     free = [name for name in SLOTS if (owner := name.partition(".")[0]) in CATALOGUE and owner not in taken]
-    numbers = {f"{one.label}.{name}": size for one in formulas for name, size in one.parameters.items()}
+    acting = [one for one in formulas if one.acts != "reading"]
+    numbers = {f"{one.label}.{name}": size for one in acting for name, size in one.parameters.items()}
     if len(numbers) > len(free):
         words = (
             f"formulas have {len(numbers)} numbers; {len(free)} are the most beside the model's other effects"

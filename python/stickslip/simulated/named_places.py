@@ -18,15 +18,16 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substitut
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
+from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
 from stickslip.declared.rigs.general import ContactRow
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
-from stickslip.simulated.general import General, form_of
+from stickslip.simulated.general import General, form_of, general
 from stickslip.simulated.placed_effects import of_placed
 
 Floats = NDArray[np.float64]
-PIVOT = "pivot_dry_friction"
+PIVOT, LAGGED = "pivot_dry_friction", "m"
 REFUSED = (
     "belt_load_droop",
     "friction_memory",
@@ -39,18 +40,40 @@ def beside_formula(kind: EffectKind) -> bool:
     return kind.name not in REFUSED
 
 
-def named(model: Model, belt_speed: float) -> General:
+def whole(model: Model, belt_speed: object, drive_speed: object = None) -> General:
+    """Return what the core of general rigs simulates of a model of any rig, readings included.
+
+    Raises
+    ------
+    InputError
+        As `general`, and an effect that does not act beside a formula.
+    """
+    formula = any(isinstance(one, FormulaEffect) for one in model.effects)
+    if belt_speed is None or not formula or not isinstance(model.rig, (Rig, BlockOnBelt)):
+        return general(model, belt_speed, drive_speed)
+    return named(model, belt_speed, readings=True)
+
+
+def named(model: Model, belt_speed: object, *, readings: bool = False) -> General:
     """Return what the core of general rigs simulates of a named rig's model.
+
+    Parameters
+    ----------
+    model, belt_speed
+        As for `general`.
+    readings
+        Whether what acts on readings alone is there too.
 
     Raises
     ------
     InputError
         An effect that does not act beside a formula.
     """
-    own, order = equations_of(model.rig)
+    own, order = equations_of(corrected(model))
     places = Places(model.rig, own, order)
     law = form_of(law_of(model.friction, own.contacts[0]))
-    found = [each for one in model.effects if (each := _placed(one, places, law, model)) is not None]
+    acting = [one for one in model.effects if readings or not _read_alone(one)]
+    found = [each for one in acting if (each := _placed(one, places, law, model)) is not None]
     pivot = next((one for one in found if one.label == PIVOT and one.direction is None), None)
     # what adds to friction comes before what multiplies it
     found.sort(
@@ -63,24 +86,50 @@ def named(model: Model, belt_speed: float) -> General:
         force = BranchForm(Name(f"{PIVOT}.f"), Name(f"{PIVOT}.f"))
         laws.append(LawForm(force, force, pivot.numbers))
         effects = replace(effects, numbers={**effects.numbers, **pivot.numbers})
-    effects = replace(effects, prescribed=(Speed.of(belt_speed), Speed.of(0.0)))
-    belt = effects.moved("belt_speed", Speed.of(belt_speed))
+    speed = Speed.of(belt_speed, "belt_speed")
+    effects = replace(effects, prescribed=(speed, Speed.of(0.0)))
+    belt = effects.moved("belt_speed", speed)
     return General(own, tuple(laws), belt, Speed.of(0.0), order, model.rig.state_names, effects)
 
 
-def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Placed | None:
-    """An effect at its place; None of one that moves nothing there: it acts on a reading, or corrects a number."""
+def corrected(model: Model) -> AnyRig:
+    """Return a block's rig with the constants that effects correct."""
+    if not isinstance(model.rig, BlockOnBelt):
+        return model.rig
+    shares = {
+        one.kind.corrects: one.parameters["e"]
+        for one in model.effects
+        if isinstance(one, Effect) and one.name in CONSTANTS
+    }
+    own = {
+        name: getattr(model.rig, name) * (1 + e)
+        for name, e in shares.items()
+        if name in ("mass", "stiffness")
+    }
+    return replace(model.rig, **own)
+
+
+def _read_alone(one: AnyEffect) -> bool:
+    """Whether an effect acts on a reading alone, without a state."""
     if isinstance(one, FormulaEffect):
-        return None if one.acts == "reading" else placed(one, places)
+        return one.acts == "reading" and not one.states
     if isinstance(one, Tabulated):
-        return None if one.of_reading else _curve(one, places)
-    kind = one.kind
+        return one.of_reading
+    return one.kind.physics == "reading" and not one.kind.hidden
+
+
+def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Placed | None:
+    """An effect at its place; None of one that corrects a number of the rig."""
+    if isinstance(one, FormulaEffect):
+        return placed(one, places)
+    if isinstance(one, Tabulated):
+        return _curve(one, places)
     if one.name in REFUSED:
         formula = next(each.name for each in model.effects if isinstance(each, FormulaEffect))
         raise InputError(
             f"'{one.name}' does not act beside an effect by a formula, '{formula}'", key="effects"
         )
-    if one.name in CONSTANTS or (kind.physics == "reading" and not kind.hidden):
+    if one.name in CONSTANTS and one.kind.corrects != "reading":
         return None
     special = {
         "sensor_lag": _lag,
@@ -105,7 +154,7 @@ def _lag(one: Effect, places: Places, _law: LawForm, model: Model) -> Placed:
     if isinstance(cross, Effect):
         seen = _sum(seen, _times(Name("sensor_crosstalk.c"), coordinate(1)))
         numbers |= _named_numbers(cross)
-    m = "sensor_lag.m"
+    m = LAGGED
     rate = Apply("divide", (Apply("subtract", (seen, Name(m))), Name("sensor_lag.tau")))
     return Placed(
         one.name, numbers, (PlacedState(m, rate, seen),), channel=next(iter(places.states)), reading=Name(m)
@@ -146,6 +195,10 @@ def _between(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Plac
 
 def _curve(one: Tabulated, places: Places) -> Placed:
     """A curve as a polynomial whose coefficients jump from knot to knot; they are linear in its values."""
+    if one.of_reading:
+        raise InputError(
+            f"'{one.name}', a curve of a reading, is not simulated beside a formula", key="effects"
+        )
     if one.period is not None:
         words = f"'{one.name}', a curve that repeats, does not act beside an effect by a formula"
         raise InputError(words, key="effects")

@@ -21,13 +21,13 @@ from stickslip.declared.formula.value import value
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
+from stickslip.simulated.named_places import LAGGED as SEEN_LATE
 from stickslip.simulated.named_places import coefficients, named, parts
 from stickslip.simulated.states import AT, COUNT, DWELL, LAGGED
 
 Floats = NDArray[np.float64]
 Entries = list[tuple[int, int, float]]  # what a value takes from a place of the row: value, place, factor
 SLIPS = (-1, 0, 1)
-READ = "sensor_lag.m"  # the one state of an effect that a named rig shows
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,8 +191,8 @@ def _states(lowered: LoweredBodies, n: int) -> dict[int, int]:
     """Place among the general core's states of each that the named core has, too."""
     own = lowered.own
     out = {AT[name]: k for name, k in zip(own.state_names, own.order, strict=True)}
-    if READ in own.hidden:
-        out[LAGGED] = 2 * n + own.hidden.index(READ)
+    if SEEN_LATE in own.hidden:
+        out[LAGGED] = 2 * n + own.hidden.index(SEEN_LATE)
     return out
 
 
@@ -201,7 +201,7 @@ def _rig(model: Model, lowered: LoweredBodies, slots: Mapping[str, tuple[int, ..
     place = {name: where[0] for name, where in slots.items() if "." not in name}
     M, C, K = (lowered.layout[key] for key in "MCK")
     if isinstance(model.rig, BlockOnBelt):
-        named_ = ((M, "mass"), (C, "damping"), (K, "stiffness"))
+        named_: tuple[tuple[int, str], ...] = ((M, "mass"), (C, "damping"), (K, "stiffness"))
     else:
         named_ = (
             *((M, "alpha1"), (M + 3, "alpha2")),

@@ -20,7 +20,8 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, number
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
-from stickslip.simulated.general import General, general
+from stickslip.simulated.general import General
+from stickslip.simulated.named_places import whole
 from stickslip.simulated.sensed import sensed
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
@@ -60,7 +61,7 @@ def simulate_any(
     settings
         The rest of what `_core.simulate_bodies` takes.
     """
-    own = general(model, belt_speed, drive_speed)
+    own = whole(model, belt_speed, drive_speed)
     lowered = lower_bodies(own, model)
     visible, hidden = split_initial(own, initial)
     modes = contact_modes(own, contact)

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.errors import ModelWarning, StickslipError
 from stickslip.fitted.block_events.levels import carried, number_of
@@ -77,10 +78,11 @@ class Past:
             The run stops before the last of them.
         """
         owned = hidden_states(model)
+        names = tuple(name for name in owned if name == "m") if _by_formula(model) else HIDDEN
         out = simulate(
             model,
             belt_speed=self.speed,
-            initial=(start.x, start.v, *(start.hidden[name] if name in owned else 0.0 for name in HIDDEN)),
+            initial=(start.x, start.v, *(start.hidden[name] if name in owned else 0.0 for name in names)),
             t_start=float(self.t[start.at]),
             t_end=float(t[-1]),
             t_eval=t,
@@ -133,7 +135,7 @@ class Past:
         soft, end = before.start.contact == "auto", before.end
         if not soft and end.mode[-1] != 0:
             return None
-        hidden = {name: float(values[-1]) for name, values in end.hidden.items()}
+        hidden = dict.fromkeys(HIDDEN, 0.0) | {name: float(values[-1]) for name, values in end.hidden.items()}
         contact = "auto" if soft else "stick"
         return Start(at, float(end.state[-1, 0]), float(end.state[-1, 1]), hidden, contact)
 
@@ -200,3 +202,8 @@ def _softness(model: Model) -> float:
     """By how much bristles bend where the spring is drawn by 1; 0 without them."""
     bristle = number_of(model, "contact_compliance", "k")
     return model.parameters["stiffness"] / bristle if bristle else 0.0
+
+
+def _by_formula(model: Model) -> bool:
+    """Whether an effect by a formula acts, whose core keeps fewer hidden states."""
+    return any(isinstance(one, FormulaEffect) for one in model.effects)

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.cycle import S
@@ -116,7 +117,7 @@ class Forecaster:
     def _predicted(self, model: Model, start: Start, t: Floats) -> Prediction:
         out = self.past.simulated(model, start, t)
         sign, sensor = self.measured.run.sign, self.sensor or self.chain
-        read = sensor.read(out.state[:, 0], out.hidden["m"], t)
+        read = sensor.read(out.state[:, 0], out.hidden.get("m"), t)
         return Prediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
 
     def forecast(self, stop: int, future: Floats) -> Prediction:
@@ -208,7 +209,8 @@ class Forecaster:
 
     def settle(self, stop: int) -> None:
         """Phases of this run, which no other run tells; those of the model where the past fits them."""
-        names = [f"{one.name}.phi" for one in self.model.effects if "phi" in one.parameters]
+        turns = (one for one in self.model.effects if not isinstance(one, FormulaEffect))
+        names = [f"{one.name}.phi" for one in turns if "phi" in one.parameters]
         if not names or len(self._walked(stop)) < 2 * self.turned:
             return
         self.turned = len(self.walk)
@@ -259,7 +261,7 @@ class Forecaster:
         own = float(np.sum(((m - local(t)) / past.noise) ** 2))
         if not worth(float(np.sum(r[good] ** 2)), own, degree + 1, len(t)):
             return None
-        hidden = {name: float(values[-1]) for name, values in leg.end.hidden.items()}
+        hidden = dict(leg.start.hidden) | {name: float(x[-1]) for name, x in leg.end.hidden.items()}
         start = Start(stop - 1, float(leg.end.state[-1, 0]), 0.0, hidden, leg.start.contact)
         x, v = state_behind(local, rides, lag)
         contact = start.contact if stuck else "auto"

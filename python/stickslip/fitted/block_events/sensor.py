@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
+from stickslip.fitted.formula_reading import FormulaReading, formulas_of
 from stickslip.fitted.readings import unbent
+from stickslip.simulated.states import COUNT, X1, X2
 
 Floats = NDArray[np.float64]
 TURNS = 40  # of undoing curves: each leaves their slope's share of what the last left
@@ -18,13 +20,16 @@ TURNS = 40  # of undoing curves: each leaves their slope's share of what the las
 
 @dataclass(frozen=True)
 class Reading:
-    """What the channel makes of the deflection x: gain m + curvature m^2 + drift t + curves; m is x, or x lagged."""
+    """What the channel makes of the deflection x: gain m + curvature m^2 + drift t + curves; m is x, or x lagged.
+
+    What formulas make of x is x and what they add, in the place of a curve.
+    """
 
     gain: float
     curvature: float
     drift: float
     lag: float = 0.0
-    curves: tuple[Tabulated, ...] = ()
+    curves: tuple[Tabulated | FormulaReading, ...] = ()
 
     def of(self, m: Floats, t: Floats) -> Floats:
         """Readings of (lagged) deflections at times t, without curves."""
@@ -72,13 +77,21 @@ class Reading:
         """What curves add, (n,)."""
         out = np.zeros(len(x))
         for one in self.curves:
-            out += one.curve(x if one.variable == "x1" else t)
+            out += (
+                formula_adds(one, x, t)
+                if isinstance(one, FormulaReading)
+                else one.curve(x if one.variable == "x1" else t)
+            )
         return out
 
     def _added_rate(self, x: Floats, v: Floats, t: Floats) -> Floats:
         """The rate of that, (n,)."""
         out, along = np.zeros(len(x)), {"x1": (x, v), "t": (t, 1.0)}
         for one in self.curves:
+            if isinstance(one, FormulaReading):
+                state = _state(x, v)
+                out += one.rate(v, one.at(x, t, state, {}), state) - v
+                continue
             at, moves = along[one.variable]
             out += one.curve(at, 1) * np.asarray(moves)
         return out
@@ -99,7 +112,19 @@ def reading_of(model: Model, force_channel: bool) -> Reading:
     curvature = known.get("sensor_nonlinearity", {}).get("q", 0.0)
     drift, lag = known.get("sensor_drift", {}).get("r", 0.0), known.get("sensor_lag", {}).get("tau", 0.0)
     curves = tuple(one for one in model.effects if isinstance(one, Tabulated) and one.of_reading)
-    if any(one.variable == "x2" for one in curves):
+    formulas = formulas_of(model)
+    if any(one.variable == "x2" for one in curves) or any(X2 in one.states for one in formulas):
         words = "a curve of the reading in x2 cannot be undone where x1 alone is recorded; one in x1 or t can"
         raise InputError(words, key="learned_x1_x2")
-    return Reading(gain, curvature, drift, lag, curves)
+    return Reading(gain, curvature, drift, lag, (*curves, *formulas))
+
+
+def formula_adds(one: FormulaReading, x: Floats, t: Floats) -> Floats:
+    """Return what a formula adds to deflections (n,) at times t."""
+    return one.read(one.at(x, np.broadcast_to(t, x.shape), _state(x, np.zeros_like(x)), {}), x.shape) - x
+
+
+def _state(x: Floats, v: Floats) -> Floats:
+    out = np.zeros((len(x), COUNT))
+    out[:, X1], out[:, X2] = x, v
+    return out

@@ -14,7 +14,8 @@ from stickslip import _core
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, unknown
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
-from stickslip.simulated.general import General, general
+from stickslip.simulated.general import General
+from stickslip.simulated.named_places import whole
 from stickslip.simulated.simulate_bodies import split_initial
 from stickslip.simulated.sweep.observables import OBSERVABLES, STATUS_FLAGS, Arrays, periodicity
 from stickslip.simulated.sweep.request import Request
@@ -86,7 +87,7 @@ class BodiesRequest(Request):
     def base(self) -> LoweredBodies:
         """The model as the core takes it, with every varied speed a number."""
         speeds = [0.0 if key in self._varied else one for key, one in zip(SPEEDS, self.speeds, strict=True)]
-        return lower_bodies(general(self.model, *speeds), self.model)
+        return lower_bodies(whole(self.model, *speeds), self.model)
 
     @property
     def _varied(self) -> set[str]:
@@ -137,7 +138,7 @@ class BodiesRequest(Request):
             {name: size for name, size in given.items() if name in self.model.parameters}
         )
         belt, drive = (given.get(key, one) for key, one in zip(SPEEDS, self.speeds, strict=True))
-        return lower_bodies(general(model, belt, drive), model)
+        return lower_bodies(whole(model, belt, drive), model)
 
     def _observed(self, raw: Mapping[str, Any], own: General) -> Mapping[str, object]:
         """Every result of a run; of one that failed its status alone."""
