@@ -183,9 +183,9 @@ def distinct(candidates: Iterable[FormulaEffect]) -> tuple[FormulaEffect, ...]:
 
 
 def sizes(one: FormulaEffect) -> tuple[str, ...]:
-    """Return the fewest of its sought numbers that, being 0, leave nothing of an effect; () where none do.
+    """Return the fewest of its sought numbers that an effect is proportional to together; () where there are none.
 
-    Of "-c*v - k*v**3" they are c and k, of "1 + a*sin(w*t)" it is a; "1/(1 - a)" and "exp(-t/tau)" have a and none.
+    Of "-c*v - k*v**3" they are c and k, of "1 + a*sin(w*t)" it is a; "1/(1 - a)" and "exp(-t/tau)" have none.
     """
     tree = one.trees()[one.acts]
     rng = np.random.default_rng(0)
@@ -197,16 +197,17 @@ def sizes(one: FormulaEffect) -> tuple[str, ...]:
     of |= {name: rng.uniform(low, high, LOOKS) for name, (low, high) in one.ranges.items()}
     nothing: Any = {"force": 0.0, "factor": 1.0}.get(one.acts, of.get("reading", 0.0))
 
-    def found(scale: float, chosen: tuple[str, ...]) -> np.ndarray:
+    def added(scale: float, chosen: tuple[str, ...]) -> np.ndarray:
+        moved = {name: scale * np.asarray(of[name]) for name in chosen}
         with np.errstate(all="ignore"):
-            moved = {name: scale * np.asarray(of[name]) for name in chosen}
             return np.asarray(np.broadcast_to(value(tree, {**of, **moved}) - nothing, LOOKS))
 
     for count in range(1, len(one.ranges) + 1):
-        able = [chosen for chosen in combinations(one.ranges, count) if not found(0.0, chosen).any()]
-        for chosen in able:  # of "a*sin(w*t)" rather a, which it is proportional to
-            if np.allclose(found(2.0, chosen), 2 * found(1.0, chosen), rtol=1e-9, atol=0):
+        for chosen in combinations(one.ranges, count):
+            whole = added(1.0, chosen)
+            rounding = 1e-9 * float(np.max(np.abs(nothing)))  # of 1 + a
+            good = np.isfinite(whole)
+            twice = np.allclose(added(2.0, chosen)[good], 2 * whole[good], rtol=1e-9, atol=rounding)
+            if twice and not added(0.0, chosen)[good].any():
                 return chosen
-        if able:
-            return able[0]
     return ()

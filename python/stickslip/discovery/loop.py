@@ -162,8 +162,9 @@ def _discover_case(
     budget: float | None,
 ) -> Found:
     """Check what was asked for, and search."""
-    if case.candidates:
-        raise InputError("can be declared, and are not sought as yet; leave them out", key="candidates")
+    if case.candidates and not isinstance(case.rig, (Rig, BlockOnBelt)):
+        words = f"are not sought on a {type(case.rig).__name__}; leave them out"
+        raise InputError(words, key="candidates")
     seed = arguments.whole_number("seed", seed, least=0)
     if budget is not None and not isinstance(case.rig, Rig):
         raise InputError(
@@ -198,7 +199,10 @@ def _searched(
             return driven.discover(case, tell=tell, seed=seed)
         if isinstance(case.rig, BlockOnBelt):
             found = block.discover(case, tell, seed)
-            return found or slider.carried(slider.discover(case, progress=tell, seed=seed))
+            if found is not None:
+                return found
+            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+            return replace(found, messages=(*found.messages, *block.untold(case)))
         if isinstance(case.rig, GeneralRig):
             return general_rig.discover(case, tell, seed)
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
@@ -247,7 +251,8 @@ def _discover(asked: _Asked) -> Found:
     if verdicts is None or verdicts.doubtful:
         found = _repeating(asked)
         if verdicts is None or found.residual_after.clean:
-            return found
+            notes = laboratory.untold(case, len(bench.stretches))
+            return replace(found, messages=(*found.messages, *notes))
     return laboratory.discovered(
         case, verdicts, asked.data[count:], asked.notes, asked.tell, asked.workers, asked.seed, asked.began
     )

@@ -80,7 +80,6 @@ class FormulaReading:
                 out = out + self.slope(name, of, shape) * state[:, RATE[AT[name]]]
         return out
 
-
     def behind(self, reading: float, t: float, state: Floats) -> float:
         """Return what is read as `reading` at one time, in a state (9,), by Newton's method from the reading itself."""
         rows, at, x = state[None].copy(), np.array([t]), reading

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.declared.effect import Tabulated
+from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated
 from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.tree import names
 from stickslip.declared.formula.value import value
@@ -165,14 +165,39 @@ class Tapes:
         return {"state": state[skip:], "mode": raw["mode"][skip:, 0]}
 
 
+_LAST: dict[object, Tapes] = {}
+KEPT = 64
+
+
 def tapes(model: Model, belt_speed: float, slots: Mapping[str, tuple[int, ...]], width: int) -> Tapes:
     """Return the tapes of a named rig's model; `slots` and `width` are those of a row of its own core.
+
+    The last few are kept: models that differ in the numbers of their effects alone have the same, as these are in the
+    row.
 
     Raises
     ------
     InputError
         An effect does not act beside a formula.
     """
+    key = (model.rig, model.friction, tuple(map(_form, model.effects)), belt_speed, tuple(slots.items()))
+    if key not in _LAST:
+        if len(_LAST) >= KEPT:
+            _LAST.clear()
+        _LAST[key] = _tapes(model, belt_speed, slots, width)
+    return _LAST[key]
+
+
+def _form(one: AnyEffect) -> object:
+    """What of an effect is not in the row."""
+    if isinstance(one, Tabulated):
+        return one.where, one.variable, one.knots, one.period
+    if isinstance(one, FormulaEffect):
+        return one.name, one.where, one.acts, one.formula
+    return one.name, one.parameters.get("v_c") == 0
+
+
+def _tapes(model: Model, belt_speed: float, slots: Mapping[str, tuple[int, ...]], width: int) -> Tapes:
     lowered = lower_bodies(named(model, belt_speed), model)
     layout, n = lowered.layout, len(lowered.own.equations.names)
     constant, turned = lowered.values.copy(), np.zeros((len(lowered.values), width + COUNT))

@@ -34,6 +34,17 @@ class Apply:
     operation: Operation
     operands: tuple[Tree, ...]
 
+    def __hash__(self) -> int:
+        known: int | None = self.__dict__.get("_hash")
+        if known is None:  # kept: of a tree of n nodes it would take n steps each time
+            known = hash((self.operation, self.operands))
+            self.__dict__["_hash"] = known
+        return known
+
+    def __getstate__(self) -> dict[str, object]:
+        # another process hashes text otherwise
+        return {name: one for name, one in self.__dict__.items() if name != "_hash"}
+
 
 Tree = Number | Name | Apply
 

@@ -16,6 +16,7 @@ from stickslip.discovery.laboratory.belt_curves import learned
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.fit_state import Fit
@@ -34,9 +35,11 @@ class BeltBench(Bench):
     Parameters
     ----------
     sensors : what the rig records
+    rivals : effects of the user's own
     """
 
     sensors: Sensors
+    rivals: tuple[RivalKind, ...] = ()
 
     @property
     def one_way(self) -> bool:
@@ -70,7 +73,7 @@ class BeltBench(Bench):
             and not (self.one_way and kind.both_ways)
             and kind.name != "contact_compliance"
             and not (kind.behaves.idle and kind.behaves.idle(self.model.friction, ()))
-        ]
+        ] + [*self.rivals]
 
     def wobble(self, scatter: Population) -> float:
         """See `Bench.wobble`."""

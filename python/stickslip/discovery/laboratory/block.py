@@ -17,6 +17,8 @@ from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.loop import Verdicts, searched
+from stickslip.discovery.laboratory.loop import untold as of_rivals
+from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched, Trial
@@ -89,7 +91,8 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     sensors = BlockSensors(
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
-    return BeltBench(declared, train, stretches(train), known(case), POLICY, sensors), units, data
+    rivals = tuple(rival(one, units.scales) for one in case.candidates)
+    return BeltBench(declared, train, stretches(train), known(case), POLICY, sensors, rivals), units, data
 
 
 def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:
@@ -111,6 +114,12 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None
     if verdicts is None or unexplained(verdicts.searched.chosen.fit) > bench.policy.noise_left:
         return None
     return _found(Search(case, units, data, verdicts), tell, began)
+
+
+def untold(case: Case) -> tuple[str, ...]:
+    """Return what became of a user's own effects where the search of single slips, without them, is told."""
+    made = bench_of(case) if case.candidates else None
+    return of_rivals(case, None if made is None else len(made[0].stretches))
 
 
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
@@ -186,7 +195,7 @@ def _model(search: Search, trial: Trial) -> Model:
     """The model of a hypothesis: declared constants with what the runs say of them beside, as relative errors."""
     bench = search.verdicts.bench
     made = outcome.model(bench, trial, search.case.model())
-    return search.units.model(made, trial.fit.values(), bench.sensors.gains[0])
+    return search.units.model(made, trial.fit.values(), bench.sensors.gains[0], search.case.candidates)
 
 
 def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.effect import Effect, effect
+from stickslip.declared.effect import Effect, FormulaEffect, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.likelihoods.fit_state import Fit, Windowed
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.shared import Declared, Number
@@ -34,22 +35,25 @@ class Term:
     Parameters
     ----------
     effect, phases : the effect; a phase a run
-    of : its facts in the rig's numbers and at its place, where those are not the catalogue's
+    of : its facts, where it is none of the catalogue
     """
 
-    effect: Effect
+    effect: Effect | FormulaEffect
     phases: tuple[float, ...] = ()
     of: EffectKind | None = None
 
     @property
     def kind(self) -> EffectKind:
         """Its facts."""
-        return self.of or self.effect.kind
+        if self.of is not None:
+            return self.of
+        assert isinstance(self.effect, Effect)
+        return self.effect.kind
 
     @property
     def name(self) -> str:
         """What its numbers are called by: its name, and its place where it has one."""
-        return self.effect.label
+        return self.effect.label if isinstance(self.effect, Effect) else self.effect.name
 
     @property
     def where(self) -> str:
@@ -59,16 +63,22 @@ class Term:
 
 def term(kind: EffectKind, numbers: Mapping[str, float], phases: tuple[float, ...] = ()) -> Term:
     """Return an effect of a kind with its numbers."""
+    if isinstance(kind, RivalKind):
+        return Term(kind.made(numbers), phases, kind)
     return Term(replace(effect(kind.name, **numbers), where=kind.where), phases, kind)
 
 
 def label(kind: EffectKind) -> str:
     """Return what the numbers of an effect are called by."""
-    return kind.name if kind.where == KINDS[kind.name].where else f"{kind.name}@{kind.where}"
+    if isinstance(kind, RivalKind) or kind.where == KINDS[kind.name].where:
+        return kind.name
+    return f"{kind.name}@{kind.where}"
 
 
 def place_of(kind: EffectKind) -> str:
     """Return where an effect acts, in the words of a report."""
+    if isinstance(kind, RivalKind):
+        return kind.where
     reads = KINDS[kind.name].where.endswith(" channel") and not kind.where.endswith(" channel")
     return f"{kind.where} channel" if reads else kind.where
 

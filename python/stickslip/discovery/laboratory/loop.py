@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from stickslip.declared.model import Model
+from stickslip.declared.si import scales_of
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
@@ -18,6 +19,7 @@ from stickslip.discovery.laboratory.curves import leading
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.proven import proven
+from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
 from stickslip.discovery.laboratory.search import Searched, Trial, search
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -87,7 +89,8 @@ def searched(
         found = search(bench, known, tell, seed)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
-    if lost(found.chosen.fit) or repeats(found.chosen.fit):
+    rivals = [one for one in found.chosen.terms if isinstance(one.kind, RivalKind)]
+    if lost(found.chosen.fit) or (repeats(found.chosen.fit) and not rivals):
         return None
     tell("looking for a curve that no name explains")
     alone = _curve(bench, found, seed)
@@ -100,7 +103,31 @@ def searched(
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
     """Return the train runs of a rig of (2.1), cut into windows."""
     model = Model(case.rig, friction=case.friction)
-    return BeltBench(model, data, stretches(data), declared_of(case), POLICY, RigSensors())
+    scales = scales_of(case.rig, case.channels)
+    rivals = tuple(rival(one, scales) for one in case.candidates)
+    return BeltBench(model, data, stretches(data), declared_of(case), POLICY, RigSensors(), rivals)
+
+
+def untold(case: Case, windows: int | None) -> tuple[str, ...]:
+    """
+    Return what became of a user's own effects where a law that repeats is searched without them.
+
+    Parameters
+    ----------
+    case : with its candidates
+    windows : that a search beside scatter has; None: it could not be made
+    """
+    if not case.candidates:
+        return ()
+    names = ", ".join(one.name for one in case.candidates)
+    if windows is None or windows < POLICY.fewest_windows:
+        few = "no" if windows is None else f"{windows}"
+        words = f"not tried: {few} stretches from stick to stick are told in the train runs, and"
+        return (f"{names}: {words} {POLICY.fewest_windows} are needed",)
+    words = (
+        "beside friction that may scatter nothing of it stands; the law that repeats is searched without it"
+    )
+    return (f"{names}: {words}",)
 
 
 def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:

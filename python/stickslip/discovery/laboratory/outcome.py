@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
@@ -17,6 +18,7 @@ from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
@@ -131,7 +133,7 @@ def model(bench: Bench, trial: Trial, declared: Model) -> Model:
         e = one.effect
         if one.phases:
             e = e.replace(phi=float(np.mod(one.phases[0], 2 * math.pi)))
-        if e.parameters.get("a", 0.0) < 0:
+        if one.kind.wave is not None and e.parameters["a"] < 0:
             e = e.replace(a=-e.parameters["a"], phi=float(np.mod(e.parameters["phi"] + math.pi, 2 * math.pi)))
         effects.append(e)
     made = fitted_model(bench.model, values)
@@ -150,8 +152,8 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     out = []
     for one in chosen.terms:
         kind = one.kind
-        own = _own(numbers, one.name)
-        a = own.get("a")
+        own = {k: _within(kind, k, v) for k, v in _own(numbers, one.name).items()}
+        a = own.get("a") if kind.wave is not None else None
         turned = a is not None and a.value < 0
         if a is not None and turned:
             own["a"] = Interval(
@@ -169,6 +171,14 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     if chosen.freed is not None:
         out.append(_wrong_constant(bench, found, chosen.freed))
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+def _within(kind: EffectKind, name: str, one: Interval) -> Interval:
+    """A number of a user's own effect, its interval within the range that the user gave."""
+    if not isinstance(kind, RivalKind):
+        return one
+    low, high = kind.parameter(name).bounds
+    return Interval(*(None if x is None else min(max(x, low), high) for x in (one.value, one.low, one.high)))  # type: ignore[arg-type]
 
 
 def _wrong_constant(bench: Bench, found: Searched, wrong: Freed) -> FoundEffect:

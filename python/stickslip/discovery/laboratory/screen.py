@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.score import Columns, score
+from stickslip.simulated.named_places import beside_formula
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +96,7 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     found: list[Candidate] = []
     scored: list[Shapes | Waves] = []
     for kind in bench.kinds():
-        if label(kind) in taken:
+        if label(kind) in taken or not _beside(kind, terms):
             continue
         if kind.wave:
             waves = Waves(bench, fit, terms, kind)
@@ -107,6 +109,13 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
                 found.append(one)
     count = len(bench.stretches)
     return Screen(tuple(sorted(found, key=lambda one: -one.worth(count))), tuple(scored))
+
+
+def _beside(kind: EffectKind, terms: Sequence[Term]) -> bool:
+    """Whether an effect can be simulated beside others: some cannot beside a formula."""
+    kinds = [kind, *(one.kind for one in terms)]
+    formula = any(isinstance(one, RivalKind) and one.physics == "dynamics" for one in kinds)
+    return not formula or all(isinstance(one, RivalKind) or beside_formula(one) for one in kinds)
 
 
 def columns(bench: Bench, fit: Fit, terms: Sequence[Term], one: Term, names: Sequence[str]) -> Columns:
@@ -129,16 +138,16 @@ def _shape(
     """An effect that does not come and go: best of a grid over what no score reaches."""
     best: tuple[float, Floats, dict[str, float], tuple[str, ...], Columns] | None = None
     sets, count = [], 1
-    for numbers, sizes in _starts(bench, kind):
+    for of, numbers, sizes in _places(bench, kind):
         names = tuple(f"{label(kind)}.{n}" for n in sizes)
-        made = columns(bench, fit, terms, term(kind, numbers), names)
+        made = columns(bench, fit, terms, term(of, numbers), names)
         if all(one is None for one in made):  # no window moves like that
             continue
         sets.append(made)
         # what is 0 by declaration and stays 0 is no number
         count = sum(i.name in sizes or numbers[i.name] != 0 for i in kind.parameters)
         gain, size = null.scored(null.projected(made))
-        if not _impossible(kind, sizes, size) and (best is None or gain > best[0]):
+        if not _impossible(of, sizes, size) and (best is None or gain > best[0]):
             best = gain, size, numbers, sizes, made
     shapes = Shapes(count, tuple(sets))
     if best is None:
@@ -148,17 +157,27 @@ def _shape(
     if gain > count * math.log(len(bench.stretches)):
         found = score(fit, made, bench.policy)
         gain, size, step = found.gain, found.size, found.step
-        if _impossible(kind, sizes, size):
+        if _impossible(of, sizes, size):
             return None, shapes
     numbers = dict(numbers)
     for n, x in zip(sizes, size, strict=True):
-        numbers[n] = _bounded(kind, n, float(x))
+        numbers[n] = _bounded(of, n, float(x))
     return Candidate(term(kind, numbers), gain, count, step), shapes
+
+
+def _places(bench: Bench, kind: EffectKind) -> Iterator[tuple[EffectKind, dict[str, float], tuple[str, ...]]]:
+    """Where columns are taken: the effect, its numbers, and the names of those that they are of."""
+    if isinstance(kind, RivalKind):
+        yield from kind.tries(bench.policy.grid)
+        return
+    for numbers, sizes in _starts(bench, kind):
+        yield kind, numbers, sizes
 
 
 def _impossible(kind: EffectKind, sizes: Sequence[str], found: Floats) -> bool:
     """Whether the score asks for a size that the effect cannot have."""
-    return any(kind.parameter(n).least_found >= 0 > x for n, x in zip(sizes, found, strict=True))
+    infos = [(kind.parameter(n), x) for n, x in zip(sizes, found, strict=True)]
+    return any(one.least_found >= 0 > x or one.bounds[1] <= 0 < x for one, x in infos)
 
 
 def _bounded(kind: EffectKind, name: str, size: float) -> float:

@@ -13,6 +13,7 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.likelihoods.fit import begun, fitted, null
 from stickslip.likelihoods.fit_state import Fit
@@ -228,6 +229,8 @@ def leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
 def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
     """Where the catalogue begins numbers that an effect may do without."""
     kind = term.kind
+    if isinstance(kind, RivalKind):
+        return
     optional = {i.name for i in kind.parameters if i.optional}
     for start in kind.starts:
         if more := {k: v for k, v in start.items() if k in optional and term.effect.parameters[k] == 0}:
@@ -270,6 +273,8 @@ def _scaled(term: Term, scale: float) -> Term:
     kind = term.kind
     sizes = {i.name for i in sizes_of(kind)} or {i.name for i in kind.parameters if not i.optional}
     numbers = {k: v * scale if k in sizes else v for k, v in term.effect.parameters.items()}
+    if isinstance(kind, RivalKind):
+        numbers |= {i.name: min(max(numbers[i.name], i.bounds[0]), i.bounds[1]) for i in kind.parameters}
     return replace(term, effect=term.effect.replace(**numbers))
 
 

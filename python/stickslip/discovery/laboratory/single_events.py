@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.search import Trial
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -71,7 +70,7 @@ def single(bench: BeltBench, trial: Trial, run: Data, population: Population) ->
 
 def _settled(bench: BeltBench, trial: Trial, population: Population, phase: float) -> tuple[Floats, Floats]:
     """Chi-squared of each event and its cost with the scatter's, (w,) each, at its best own numbers."""
-    windows = bench.windows([Term(one.effect, (phase,) if one.phases else ()) for one in trial.terms])
+    windows = bench.windows([replace(one, phases=(phase,) if one.phases else ()) for one in trial.terms])
     at, count = _numbers(windows, trial), len(bench.stretches)
     best = np.full(count, np.inf), np.full(count, np.inf)
     for late in LATE:
