@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stickslip as ss
+from stickslip.declared.effect import FormulaEffect
 
+Acting = ss.Effect | FormulaEffect
 Floats = NDArray[np.float64]
 RIG = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2}
 DT = 0.1
@@ -54,23 +56,37 @@ def in_si(off: float) -> dict[str, float]:
 
 
 def case(
-    folder: Path, effects: tuple[ss.Effect, ...], scatter: float, off: float, seed: int, *, si: bool = False
+    folder: Path,
+    effects: tuple[Acting, ...],
+    scatter: float,
+    off: float,
+    seed: int,
+    *,
+    si: bool = False,
+    few: bool = False,
+    more: str = "",
 ) -> Path:
-    """Write a case whose declared alpha2, or J of a rig in `si`, is `off` by a share; return its rig.toml."""
+    """
+    Write a case whose declared alpha2, or J of a rig in `si`, is `off` by a share; return its rig.toml.
+
+    Parameters
+    ----------
+    few : half as many runs, and these short
+    more : text of further tables
+    """
     rng = np.random.default_rng(seed)
     model = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction(), effects=effects)
     runs = []
-    for i, (speed, role) in enumerate(
-        [
-            (0.08, "train"),
-            (0.15, "train"),
-            (-0.1, "train"),
-            (-0.2, "train"),
-            (0.11, "validate"),
-            (-0.14, "validate"),
-        ]
-    ):
-        t, readings = record(model, speed, 14, scatter, rng)
+    every = [
+        (0.08, "train"),
+        (0.15, "train"),
+        (-0.1, "train"),
+        (-0.2, "train"),
+        (0.11, "validate"),
+        (-0.14, "validate"),
+    ]
+    for i, (speed, role) in enumerate(every[::2] if few else every):
+        t, readings = record(model, speed, 9 if few else 14, scatter, rng)
         noisy = readings + 1e-3 * rng.standard_normal(readings.shape)
         name = f"run_{i}.csv"
         np.savetxt(folder / name, np.column_stack([t, noisy]), delimiter=",", header="t,x1,y1", comments="")
@@ -81,6 +97,7 @@ def case(
     lines = ['title = "scatter"', "[rig]", *(f"{k} = {v}" for k, v in declared.items())]
     lines += ["[noise]", "x1 = 1e-3", "y1 = 1e-3", *runs, "[channels]"]
     lines += [f'{c} = {{ column = "{c}", unit = "1" }}' for c in ("t", "x1", "y1")]
+    lines += [more]
     path = folder / "rig.toml"
     path.write_text("\n".join(lines) + "\n")
     return path
@@ -144,15 +161,17 @@ def block_record(
         slid += state[0] + belt_speed * stop * dt - run.state[stop, 0]
         out.append(run.state[:stop, 0])
         state = tuple(float(one) for one in run.state[stop, :2])
-        if any("dwell" in one.kind.hidden for one in model.effects):
+        if any("dwell" in one.kind.hidden for one in model.effects if isinstance(one, ss.Effect)):
             state = (*state, stop * dt - begins)  # it has stuck that long
         t += stop * dt
     x = np.concatenate(out)
     return dt * np.arange(len(x)), x
 
 
-def later(one: ss.Effect, t: float, belt_speed: float) -> ss.Effect:
-    """The effect as it is a time later."""
+def later(one: Acting, t: float, belt_speed: float) -> Acting:
+    """The effect as it is a time later; a formula of no time is the same."""
+    if isinstance(one, FormulaEffect):
+        return one
     turn = {"belt_seam": lambda p: 2 * math.pi * belt_speed / p["L"]}.get(one.name, lambda p: p.get("w", 0.0))
     if "phi" not in one.parameters:
         return one
@@ -161,8 +180,10 @@ def later(one: ss.Effect, t: float, belt_speed: float) -> ss.Effect:
 
 def block_case(
     folder: Path,
-    effects: tuple[ss.Effect, ...] = (),
+    effects: tuple[Acting, ...] = (),
     *,
+    few: bool = False,
+    more: str = "",
     seed: int,
     scatter: float = 0.02,
     length: float | None = None,
@@ -175,6 +196,8 @@ def block_case(
     Parameters
     ----------
     effects : that act
+    few : fewer runs, and these short
+    more : text of further tables
     seed : of scatter and noise
     scatter : relative, of every event; along the belt where it has a `length`
     off : declared over true `mass` and `stiffness`, and the sensor's `gain`, less 1
@@ -192,7 +215,7 @@ def block_case(
         f"m = {MASS * (1 + off.get('mass', 0.0))}",
         f"k = {STIFFNESS * (1 + off.get('stiffness', 0.0))}",
     ]
-    for name, speed in SPEEDS.items():
+    for name, speed in [*SPEEDS.items()][1 if few else 0 :]:
         turned = ss.Model(
             model.rig,
             friction=model.friction,
@@ -201,7 +224,7 @@ def block_case(
                 for one in effects
             ),
         )
-        t, x = block_record(turned, speed, 15, scatter if length is None else 0.0, rng, surface)
+        t, x = block_record(turned, speed, 8 if few else 15, scatter if length is None else 0.0, rng, surface)
         force = STIFFNESS * read(t, x) * (1 + off.get("gain", 0.0)) + FORCE_NOISE * rng.standard_normal(
             len(t)
         )
@@ -210,7 +233,12 @@ def block_case(
         )
         role = "validate" if name == "run_3" else "train"
         lines += ["[[run]]", f'file = "{name}.csv"', f'role = "{role}"', f"belt_speed = {speed}"]
-    lines += ["[channels]", 't = { column = "t", unit = "s" }', 'spring_force = { column = "F", unit = "N" }']
+    lines += [
+        "[channels]",
+        't = { column = "t", unit = "s" }',
+        'spring_force = { column = "F", unit = "N" }',
+        more,
+    ]
     path = folder / "rig.toml"
     path.write_text("\n".join(lines) + "\n")
     return path

@@ -202,3 +202,27 @@ def test_a_candidate_writes_the_table_it_is_read_from(tmp_path: Path) -> None:
     table = {key: size for key, size in one.table().items() if key != "kind"}
     (same,) = read(tmp_path, SI + tomlkit.dumps({"candidate": [table]})).candidates
     assert same == one
+
+
+def test_the_candidates_of_the_page_act_on_the_rig_of_the_page() -> None:
+    """docs/discovery.md shows candidates of a case in SI."""
+    page = (Path(__file__).resolve().parent.parent / "docs" / "discovery.md").read_text(encoding="utf-8")
+    (snippet,) = [
+        one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "ss.candidate(" in one
+    ]
+    given: dict[str, list[object]] = {}
+
+    class Shown:
+        candidate = staticmethod(ss.candidate)
+
+        @staticmethod
+        def load_case(_: str) -> None:
+            return None
+
+        @staticmethod
+        def discover(_: None, candidates: list[object]) -> None:
+            rig = ss.Rig.from_si(m=40, J=0.3, r=0.1, k1=6000, k2=400, k3=1200, c1=2, c2=3, length=0.01)
+            given["acting"] = [on_rig(one, rig, ss.PaperFriction()) for one in candidates]
+
+    exec(snippet.replace("import stickslip as ss", ""), {"ss": Shown})
+    assert [(one.name, one.where) for one in given["acting"]] == [("drag", "angle_body"), ("late", "contact")]

@@ -50,6 +50,9 @@ def test_the_cases_of_the_page(cases: list[Case]) -> None:
 
     assert one.rig == BlockOnBelt(mass=0.0307, stiffness=168)
     assert [len(run) for run in one.runs] == [24, 26, 50]
+    assert [(own.name, own.where, own.ranges) for own in one.candidates] == [
+        ("stiffening", "block", {"k2": (0.0, 1e5)})
+    ]
     assert one.runs[2].rig == BlockOnBelt(mass=0.0307, stiffness=1002)
     np.testing.assert_allclose(one.runs[2].x1 * 1002, 0.301 * np.sin(0.5 * np.arange(50)), atol=1e-12)
 

@@ -19,6 +19,7 @@ from stickslip.declared.formula.dimension import Dimensions, dimensions, measure
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names, substituted, switches
 from stickslip.declared.formula.value import Value
+from stickslip.declared.rig import Rig
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
 from stickslip.errors import InputError, did_you_mean
@@ -132,7 +133,7 @@ class Places:
         }
         units = [*own.units, *("1" if one == "1" else f"{one}/s" for one in own.units)]
         self.units = {name: units[k] for name, k in zip(states, order, strict=True)}
-        self.bare = not isinstance(rig, GeneralRig) or "1" in own.units
+        self.bare = isinstance(rig, Rig) or "1" in own.units  # (2.1) is nondimensional
 
     # -- by what it acts on ------------------------------------------------------------------------------------
 
