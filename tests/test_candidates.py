@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
+from importlib import resources
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 
@@ -152,6 +155,20 @@ def test_places_of_a_named_rig_have_one_name(where: str, given: dict[str, str], 
     one = ss.candidate("mine", where=where, ranges={"c": [0, 1]}, **given)
     rig, law = ss.BlockOnBelt(mass=1, stiffness=1), ss.CoulombFriction(static=1, kinetic=0.5)
     assert on_rig(one, rig, law).where == named
+
+
+@pytest.mark.parametrize(
+    ("name", "where"), [("mine", "contact.static"), ("My-own", "contact"), ("a_1", "y1 channel")]
+)
+def test_a_report_may_have_its_name_and_its_place(name: str, where: str) -> None:
+    page = (
+        resources.files("stickslip.shown.report").joinpath("report.schema.json").read_text(encoding="utf-8")
+    )
+    known = json.loads(page)["$defs"]["effect"]["properties"]
+    jsonschema.validate(name, known["name"])
+    jsonschema.validate(where, known["where"])
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate("somewhere", known["where"])
 
 
 def test_a_number_that_the_law_has_not_is_refused() -> None:

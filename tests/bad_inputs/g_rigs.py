@@ -7,6 +7,7 @@ from pathlib import Path
 
 import stickslip as ss
 from bad_input import bad_input
+from stickslip.declared.candidate import on_rig
 
 AREA = "rigs of bodies and matrices, formulas"
 HEAD = "[rig]\nkind = 'bodies'\n[rig.body.table]\ninertia = '0.35 kg m^2'\n"
@@ -66,3 +67,20 @@ def speed(_: Path) -> object:
 def cycle(_: Path) -> object:
     law = ss.StribeckFriction(F_c=1, F_s=2, v_s=0.1)
     return ss.limit_cycle(ss.Model(ss.BlockOnBelt(), friction=law), belt_speed="0.1 + 0.01*t")
+
+
+RIVALS: dict[str, dict[str, object]] = {
+    "an effect of one's own by a name of the catalogue": {"name": "constant_load"},
+    "an effect of one's own without a range": {"ranges": {}},
+    "an effect of one's own with a state": {"states": {"z": {"rate": "-z"}}},
+    "a start outside its range": {"c": "9 N s/m"},
+}
+for what, changed in RIVALS.items():
+    usual = {"name": "mine", "where": "block", "force": "-c*x2", "ranges": {"c": ["0 N s/m", "5 N s/m"]}}
+    bad_input(AREA, what)(lambda _, given={**usual, **changed}: ss.candidate(**given))  # type: ignore[misc]
+
+
+@bad_input(AREA, "an effect of one's own that a driven slider is to have")
+def on_slider(_: Path) -> object:
+    own = ss.candidate("mine", force="-c*x2", ranges={"c": [0, 5]})
+    return on_rig(own, ss.DrivenSlider(mass=1), ss.CoulombFriction())
