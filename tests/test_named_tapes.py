@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -139,3 +141,11 @@ def test_a_block_in_stick_moves_with_a_belt_that_a_formula_moves() -> None:
     )
     np.testing.assert_allclose(made["state"][:120, X2], 0.1 * (1 + 0.2 * np.cos(2 * T)), atol=1e-9)
     assert (made["mode"] == 0).all()
+
+
+def test_tapes_cross_processes() -> None:
+    made = lower(ss.Model(RIG, friction=ss.PaperFriction(), effects=[NOTHING, CURVE]), 0.1).tapes
+    assert made is not None
+    again = pickle.loads(pickle.dumps(made))
+    np.testing.assert_array_equal(again.turned, made.turned)
+    np.testing.assert_array_equal(again.constant, made.constant)

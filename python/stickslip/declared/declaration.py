@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from stickslip.declared.bodies_model import check_names_of_laws
-from stickslip.declared.candidate import candidate
+from stickslip.declared.candidate import candidate, distinct, on_rig
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated, effect, tabulated
@@ -144,6 +144,24 @@ def read_candidate(document: Document, *keys: Key, table: Table) -> FormulaEffec
             raise InputError(f"lacks '{needed}'; it needs {words}", place=place)
     with document.at(*keys):
         return candidate(**given)  # type: ignore[arg-type]  # it looks
+
+
+def read_candidates(
+    document: Document,
+    tables: Iterable[Table],
+    rig: AnyRig,
+    friction: FrictionLaw,
+    channels: Mapping[str, Channel],
+) -> tuple[FormulaEffect, ...]:
+    """Make the rivals of [[candidate]], each at its place and once."""
+    found: list[FormulaEffect] = []
+    for i, table in enumerate(tables):
+        one = read_candidate(document, "candidate", i, table=table)
+        with document.at("candidate", i):
+            found.append(on_rig(one, rig, friction, channels))
+            if one.name in [each.name for each in found[:-1]]:
+                raise InputError("is there twice; name one otherwise", key="name", value=one.name)
+    return distinct(found)
 
 
 def read_channel(document: Document, *keys: Key, table: Table) -> Channel:

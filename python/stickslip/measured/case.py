@@ -13,8 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
 from stickslip.declared.bodies_model import check_closed_form
-from stickslip.declared.candidate import distinct, on_rig
-from stickslip.declared.declaration import read_candidate, read_channel, read_friction, read_laws, read_rig
+from stickslip.declared.declaration import read_candidates, read_channel, read_friction, read_laws, read_rig
 from stickslip.declared.effect import AnyEffect, FormulaEffect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
@@ -251,7 +250,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     with document.at("uncertainty"):
         usual = Uncertainty.usual(rig, declared.rig, channels)
         known = usual.with_table(declared.uncertainty)
-    candidates = _candidates(document, declared.candidate, rig, friction, channels)
+    candidates = read_candidates(document, declared.candidate, rig, friction, channels)
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
     _check_runs(document, declared.run, allowed)
     runs = tuple(
@@ -274,24 +273,6 @@ def _case_file(path: Path) -> Path:
         words = f"the folder of a model ({models[0]}); a case is wanted, the folder with rig.toml and the recordings"
         raise InputError(words, place=Place(str(path)))
     return path / "rig.toml"
-
-
-def _candidates(
-    document: Document,
-    tables: list[dict[str, object]],
-    rig: AnyRig,
-    friction: FrictionLaw,
-    channels: Mapping[str, Channel],
-) -> tuple[FormulaEffect, ...]:
-    """The rivals of [[candidate]], each at its place and once."""
-    found: list[FormulaEffect] = []
-    for i, table in enumerate(tables):
-        one = read_candidate(document, "candidate", i, table=table)
-        with document.at("candidate", i):
-            found.append(on_rig(one, rig, friction, channels))
-            if one.name in [each.name for each in found[:-1]]:
-                raise InputError("is there twice; name one otherwise", key="name", value=one.name)
-    return distinct(found)
 
 
 def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:

@@ -46,6 +46,8 @@ class Tapes:
         Place of the belt's speed in a row.
     slots
         Places of numbers in a row, by name.
+    made_of
+        What `tapes` made it of: it is made again in another process.
     """
 
     lowered: LoweredBodies
@@ -54,6 +56,10 @@ class Tapes:
     states: Mapping[int, int]
     speed: int
     slots: Mapping[str, tuple[int, ...]]
+    made_of: tuple[Model, float, Mapping[str, tuple[int, ...]], int]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return tapes, self.made_of  # what the core takes does not cross processes
 
     def windows(
         self,
@@ -209,7 +215,8 @@ def _tapes(model: Model, belt_speed: float, slots: Mapping[str, tuple[int, ...]]
     for ours, theirs in states.items():
         turned[layout["initial"] + theirs, width + ours] = 1.0
     turned[layout["dwell"], width + DWELL] = 1.0
-    return Tapes(lowered, constant, turned, states, slots["belt_speed"][0], slots)
+    made_of = (model, belt_speed, slots, width)
+    return Tapes(lowered, constant, turned, states, slots["belt_speed"][0], slots, made_of)
 
 
 def _states(lowered: LoweredBodies, n: int) -> dict[int, int]:
