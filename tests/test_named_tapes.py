@@ -149,3 +149,12 @@ def test_tapes_cross_processes() -> None:
     again = pickle.loads(pickle.dumps(made))
     np.testing.assert_array_equal(again.turned, made.turned)
     np.testing.assert_array_equal(again.constant, made.constant)
+
+
+@pytest.mark.parametrize("effects", [(), (NOTHING,)])
+def test_what_fits_simulate_crosses_processes(effects: tuple[object, ...]) -> None:
+    """A search in a laboratory hands fits, with their windows, to its workers."""
+    made = lower(ss.Model(RIG, friction=ss.PaperFriction(), effects=[*effects, CURVE]), 0.1)
+    again = pickle.loads(pickle.dumps(made))
+    np.testing.assert_array_equal(again.parameters, made.parameters)
+    assert again.slots == made.slots

@@ -45,7 +45,8 @@ class Lowered:
 
     `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
     `hidden` names the states that the model's effects add. `tapes` are there where a formula acts on the motion: its
-    numbers have the places of effects that the model does not have.
+    numbers have the places of effects that the model does not have. `made_of` is what `lower` made it of, and
+    makes it of again in another process.
     """
 
     structure: _core.Structure
@@ -55,6 +56,10 @@ class Lowered:
     factors: Mapping[str, float] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
     tapes: Tapes | None = None
+    made_of: tuple[Model, float] = field(kw_only=True)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return lower, self.made_of  # what the core takes does not cross processes
 
     def windows(self, **asked: Any) -> Mapping[str, object]:
         """Return what `_core.simulate_windows` makes of windows; the structure is the model's."""
@@ -202,6 +207,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         factors,
         hidden_states(model),
         tapes(model, belt_speed, slots, WIDTH) if any(one.acts != "reading" for one in formulas) else None,
+        made_of=(model, belt_speed),
     )
 
 
