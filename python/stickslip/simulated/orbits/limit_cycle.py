@@ -47,13 +47,14 @@ def limit_cycle(
 
     Parameters
     ----------
-    model, belt_speed, drive_speed
-        The rig, and what moves it, as for `simulate`: of a rig of bodies or matrices numbers, or formulas of t that
-        repeat.
+    model, belt_speed
+        The rig on its belt, whose speed is a number or a formula of t that repeats; left out where nothing rubs on one.
     guess
         A cycle nearby; or a state (d,) to settle from, at rest at the origin if absent (moving with the drive, springs
         slack). Hidden states may be left out: they are 0, or as the law starts them. With `period`, the state is taken
         as a point of the cycle itself, and unstable cycles can be found.
+    drive_speed
+        Likewise of the drive that pulls at links of a rig of bodies.
     period
         Rough period, of a guess that is already near the cycle.
     settle

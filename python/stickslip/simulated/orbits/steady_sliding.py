@@ -83,10 +83,12 @@ def steady_sliding(
 
     Parameters
     ----------
-    model, belt_speed, drive_speed
-        The rig and what moves it, evenly.
+    model, belt_speed
+        The rig on its belt, which moves evenly; left out where nothing rubs on one.
     guess
         State (d,) to start Newton's method from; the origin if absent. Its speeds count for what no spring holds alone.
+    drive_speed
+        Speed of the drive that pulls at links of a rig of bodies.
 
     Returns
     -------
