@@ -168,7 +168,7 @@ def test_a_report_may_have_its_name_and_its_place(name: str, where: str) -> None
     jsonschema.validate(name, known["name"])
     jsonschema.validate(where, known["where"])
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate("somewhere", known["where"])
+        jsonschema.validate("some where", known["where"])
 
 
 def test_a_number_that_the_law_has_not_is_refused() -> None:

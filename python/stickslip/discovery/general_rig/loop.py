@@ -40,11 +40,14 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> GeneralFound
     Raises
     ------
     InputError
-        A law has states of its own; the runs are too short.
+        A law has states of its own; the runs are too short; the case has candidates.
     StickslipError
         No law of the declared kind moves the rig like the readings.
     """
     began = time.monotonic()
+    if case.candidates:
+        words = "effects of one's own are held against the catalogue on the rig of (2.1) and a block on a belt alone; "
+        raise InputError(f"{words}a [[effect]] of kind formula acts here", key="candidate")
     declared = case.model()
     bench = bench_of(Model(declared.rig, friction=declared.friction), case.train, case.uncertainty)
     if len(bench.stretches) < bench.policy.fewest_windows:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
@@ -18,7 +17,7 @@ from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
-from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.laboratory.rival_kind import within
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
@@ -152,7 +151,7 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     out = []
     for one in chosen.terms:
         kind = one.kind
-        own = {k: _within(kind, k, v) for k, v in _own(numbers, one.name).items()}
+        own = {k: within(kind, k, v) for k, v in _own(numbers, one.name).items()}
         a = own.get("a") if kind.wave is not None else None
         turned = a is not None and a.value < 0
         if a is not None and turned:
@@ -171,14 +170,6 @@ def effects(bench: Bench, found: Searched) -> tuple[FoundEffect, ...]:
     if chosen.freed is not None:
         out.append(_wrong_constant(bench, found, chosen.freed))
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
-
-
-def _within(kind: EffectKind, name: str, one: Interval) -> Interval:
-    """A number of a user's own effect, its interval within the range that the user gave."""
-    if not isinstance(kind, RivalKind):
-        return one
-    low, high = kind.parameter(name).bounds
-    return Interval(*(None if x is None else min(max(x, low), high) for x in (one.value, one.low, one.high)))  # type: ignore[arg-type]
 
 
 def _wrong_constant(bench: Bench, found: Searched, wrong: Freed) -> FoundEffect:

@@ -21,6 +21,7 @@ from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.rig import Scales
 from stickslip.declared.scaled_formula import in_scales
+from stickslip.discovery.result import Interval
 
 Floats = NDArray[np.float64]
 STRENGTH = "strength"  # of the whole effect, where it is proportional to none of its numbers
@@ -94,6 +95,16 @@ class RivalKind(EffectKind):
             yield {
                 one.name: _within(one.bounds, float(share)) for one, share in zip(shapes, place, strict=True)
             }
+
+
+def within(kind: EffectKind, name: str, one: Interval) -> Interval:
+    """Return a number of an effect; of a user's own one within the range that the user gave."""
+    if not isinstance(kind, RivalKind):
+        return one
+    low, high = kind.parameter(name).bounds
+    value, *ends = (None if x is None else min(max(x, low), high) for x in (one.value, one.low, one.high))
+    assert value is not None
+    return Interval(value, *ends)
 
 
 def _within(bounds: tuple[float, float], share: float) -> float:
