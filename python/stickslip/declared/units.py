@@ -31,6 +31,8 @@ OF_GRAVITY = {"g": 9.80665, "mg": 9.80665e-3}  # as the sheets of accelerometers
 class Channel(Displayed):
     """How a quantity was recorded: reading = scale * column + offset, in `unit`.
 
+    `offset`, `offset_uncertainty` and `reads` are of rigs of bodies or matrices.
+
     Parameters
     ----------
     column
@@ -46,8 +48,6 @@ class Channel(Displayed):
         Standard uncertainty of the offset, in `unit`; 0: it is exact.
     reads
         What it reads, where that is not its own name: `{"second": Channel("c2", "mm", reads="block")}`.
-
-    `offset`, `offset_uncertainty` and `reads` are of rigs of bodies or matrices.
 
     Raises
     ------
