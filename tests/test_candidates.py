@@ -242,4 +242,4 @@ def test_the_candidates_of_the_page_act_on_the_rig_of_the_page() -> None:
             given["acting"] = [on_rig(one, rig, ss.PaperFriction()) for one in candidates]
 
     exec(snippet.replace("import stickslip as ss", ""), {"ss": Shown})
-    assert [(one.name, one.where) for one in given["acting"]] == [("drag", "angle_body"), ("late", "contact")]
+    assert [(one.name, one.where) for one in given["acting"]] == [("drag", "block"), ("late", "contact")]

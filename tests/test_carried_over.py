@@ -8,7 +8,8 @@ import pytest
 import stickslip as ss
 from scattering import DT, RIG, record
 from stickslip.discovery.laboratory.carried import error_block
-from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.ahead import ahead
@@ -39,7 +40,7 @@ def recorded(*effects: ss.Effect, speeds: tuple[float, ...], seed: int) -> list[
 def known(data: list[Data], *effects: ss.Effect) -> tuple[Fit, ss.Model]:
     """A fit of other runs that found all numbers as they are."""
     terms = [Term(one, tuple(0.0 for _ in data) if "phi" in one.parameters else ()) for one in effects]
-    bench = Bench(PLAIN, data, stretches(data), Declared(), RigSensors(), POLICY)
+    bench = BeltBench(PLAIN, data, stretches(data), Declared(), POLICY, RigSensors())
     scatter = Population(level=SCATTER, curve=1e-4, length=0.4, static=1e-4, belt=1e-4)
     return replace(begin(bench.windows(terms)), population=scatter), PLAIN.with_effects(effects)
 

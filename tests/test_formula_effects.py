@@ -326,8 +326,6 @@ def test_what_cannot_act_elsewhere_is_refused() -> None:
     rig, law = ss.BlockOnBelt(mass=1, stiffness=1), ss.CoulombFriction(static=1, kinetic=0.5)
     with pytest.raises(InputError, match="leave it out"):
         ss.Model(rig, friction=law, effects=[ss.effect("constant_load", where="x1", f=0.1)])
-    with pytest.raises(InputError, match="can be simulated on a named rig, and no more"):
-        ss.limit_cycle(ss.Model(rig, friction=law, effects=[formula]), belt_speed=0.2)
     with pytest.raises(InputError, match="a curve acts"):
         block(ss.tabulated("block", "x1", [0, 1], [0, 1]))
     with pytest.raises(InputError, match="is a formula, for rigs on a belt"):
