@@ -7,8 +7,8 @@ import pytest
 
 import stickslip as ss
 from scattering import DT, RIG, record
-from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data, prepare
