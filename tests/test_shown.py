@@ -123,7 +123,7 @@ def test_a_headline_of_many_effects_numbers_them():
     names = ["spring_cubic_k1", "harmonic_forcing", "sensor_lag", "static_aging"]
 
     def headline_of(found):
-        effects = [SimpleNamespace(name=n, alternatives=[], of_rig=False) for n in found]
+        effects = [SimpleNamespace(name=n, where="block", alternatives=[], of_rig=False) for n in found]
         fits = SimpleNamespace(chi2=1.0)
         rig = SimpleNamespace(
             verdict=Verdict.effect_found, before=MODEL, effects=effects, residual_after=fits
