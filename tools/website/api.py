@@ -32,7 +32,7 @@ GROUPS: Mapping[str, tuple[str, tuple[str, ...]]] = {  # page: title, names of `
         "Friction laws",
         (*(law.__name__ for law in ALL_LAWS.values()), "LawState"),
     ),
-    "effects": ("Effects", ("effect", "Effect", "tabulated", "Tabulated", "CATALOGUE")),
+    "effects": ("Effects", ("effect", "Effect", "candidate", "tabulated", "Tabulated", "CATALOGUE")),
     "simulation": ("Simulation", ("simulate", "Trajectory", "Transitions", "Status", "sweep", "reference")),
     "orbits": (
         "Cycles, branches, exponents",
