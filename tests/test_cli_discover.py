@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import signal
 import time
 from collections.abc import Callable
@@ -19,7 +20,9 @@ from quick_figures import saved_empty
 from stickslip.cli.commands import main
 from stickslip.cli.discover import folded
 from stickslip.discovery.result import Found
-from stickslip.progress import stages
+from stickslip.progress import StageStep, stages, trying
+
+LAG = ("sensor_lag",)
 
 
 def invoke(*arguments: object) -> Result:
@@ -35,10 +38,15 @@ def known(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
             case: ss.Case, *, progress: Callable[[str], None], seed: int, threads: int | None
         ) -> Found:
             assert (seed, threads) in ((3, None), (3, 2))
-            for what in ("sensor_lag", "belt_seam", "sensor_lag + belt_seam", "sensor_lag + sensor_delay"):
-                progress(f"trying {what}")
-            progress("scoring a curve: block against x1")
-            progress("scoring a curve: block against x2")
+            for base, name in (
+                ((), "sensor_lag"),
+                ((), "belt_seam"),
+                (LAG, "belt_seam"),
+                (LAG, "sensor_delay"),
+            ):
+                progress(trying(base, name))
+            for variable in ("x1", "x2"):
+                progress(StageStep(f"scoring a curve: block against {variable}", "scoring curves"))
             return found_by_hand.found(case, verdict=verdict)
 
         monkeypatch.setattr(ss, "discover", search)
@@ -55,7 +63,7 @@ def test_every_verdict_is_a_success(tmp_path: Path, known: Callable[[str], None]
     assert result.exit_code == 0, result.output
     assert json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))["verdict"] == verdict
     stages = [line.partition("] ")[2] for line in result.stderr.splitlines()]
-    assert [one for one in stages if not one.startswith("note: ")] == [
+    assert [one for one in stages if not one.startswith(("note: ", "still "))] == [
         "trying each effect", "trying sensor_lag + each other effect", "scoring curves", "drawing the report"
     ]  # fmt: skip
     for name in ("report.html", "report.json", "model_before.toml", "model_after.toml"):
@@ -81,10 +89,10 @@ def test_a_log_hears_what_is_tried_while_a_stage_lasts(capsys: pytest.CaptureFix
         tell("fitting the declared law")
         time.sleep(0.5)  # no word from the search
         for what in ("sensor_lag", "belt_seam", "belt_seam", "cubic_spring"):
-            tell(f"trying {what}")
+            tell(trying((), what))
         time.sleep(0.3)
-        tell("trying sensor_lag + belt_seam")
-        tell("trying sensor_lag + cubic_spring")
+        tell(trying(LAG, "belt_seam"))
+        tell(trying(LAG, "cubic_spring"))
         time.sleep(0.3)
     lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines()]
     assert list(dict.fromkeys(lines)) == [
@@ -95,6 +103,18 @@ def test_a_log_hears_what_is_tried_while_a_stage_lasts(capsys: pytest.CaptureFix
         "trying sensor_lag + each other effect",
         "trying sensor_lag + each other effect: 1 of at most 22 done, now trying sensor_lag + cubic_spring",
     ]
+
+
+def test_a_stage_is_told_by_its_type_and_not_read_from_the_words(capsys: pytest.CaptureFixture[str]) -> None:
+    with stages("discovering", effects=23, every=60.0) as tell:
+        tell("trying a rig of another name + what it lacks")
+        tell("a note: a curve: of x1")
+    lines = [line.partition("] ")[2] for line in capsys.readouterr().err.splitlines()]
+    assert lines == ["trying a rig of another name + what it lacks", "a note: a curve: of x1"]
+    step = trying(LAG, "belt_seam")
+    assert step == "trying sensor_lag + belt_seam"  # a text to whoever prints it
+    again = pickle.loads(pickle.dumps(step))
+    assert (again, again.stage, again.beside) == (step, step.stage, 1)
 
 
 def test_what_is_printed_has_the_tie_the_si_value_and_the_next_experiment(

@@ -19,7 +19,7 @@ from stickslip.discovery.search import Search, Trial
 from stickslip.discovery.trace import declared, explained
 from stickslip.fitted.data import prepare
 from stickslip.measured.case import Case
-from stickslip.progress import stage
+from stickslip.progress import StageStep
 from stickslip.shown.pages.filters import numbers
 from stickslip.shown.report.words import headline, kind, sureness
 
@@ -221,8 +221,12 @@ def test_a_tied_number_is_among_the_messages(monkeypatch: pytest.MonkeyPatch) ->
     lag = ss.effect("block_viscous_damping", c=0.6)
     case = make_case((lag,), length=30.0, speeds=SPEEDS)
     monkeypatch.setattr(choice, "_with_rig", lambda search, made: replace(made, tied=(_freed_beta3(search),)))
-    found = ss.discover(case, threads=1)
+    said: list[str] = []
+    found = ss.discover(case, threads=1, progress=said.append)
     assert [one.name for one in found.effects] == ["block_viscous_damping"]
+    freeing = {str(one): one.stage for one in said if isinstance(one, StageStep) and "free" in one.stage}
+    assert {"freeing alpha2 of the rig", "freeing block inertia of the rig"} <= {*freeing}
+    assert {*freeing.values()} == {"freeing each number of the rig"}  # one stage of the log
     assert any("beta3 is 4 rather than 4: check it" in one for one in found.messages)
 
 
@@ -247,7 +251,3 @@ def test_a_number_at_its_bound_is_still_one_of_a_rig() -> None:
 def _freed_beta3(search: Search) -> Trial:
     null = search.tried[()]
     return next(one for one in rig_numbers.freed(search, null) if one.names == ("beta3",))
-
-
-def test_freeing_the_rigs_numbers_is_one_stage_of_the_log() -> None:
-    assert stage("freeing alpha2 of the rig") == stage("freeing block inertia of the rig")

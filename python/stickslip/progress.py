@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Self
 
 from rich.console import Console
 from rich.progress import (
@@ -22,6 +23,39 @@ from rich.progress import (
 )
 
 EVERY = 10.0  # seconds after which a log hears of a stage that lasts
+
+
+class StageStep(str):
+    """What is being done, in words, where it is one of a stage's steps: a text like any other to who prints it.
+
+    Parameters
+    ----------
+    words : str
+        "trying sensor_lag + belt_seam".
+    stage : str
+        What all its steps are called together: "trying sensor_lag + each other effect".
+    beside : int, optional
+        Where every effect is tried, one a step: how many are there already and so are not tried.
+    """
+
+    __slots__ = ("beside", "stage")
+    stage: str
+    beside: int | None
+
+    def __new__(cls, words: str, stage: str, beside: int | None = None) -> Self:
+        """Make the text, which cannot be changed any more."""
+        step = super().__new__(cls, words)
+        step.stage, step.beside = stage, beside
+        return step
+
+    def __reduce__(self) -> tuple[type[StageStep], tuple[str, str, int | None]]:
+        return type(self), (str(self), self.stage, self.beside)  # a caller may send it to another process
+
+
+def trying(base: Sequence[str], name: str) -> StageStep:
+    """StageStep of the stage in which each effect is tried beside those of `base`."""
+    stage = f"trying {' + '.join(base)} + each other effect" if base else "trying each effect"
+    return StageStep(f"trying {' + '.join([*base, name])}", stage, len(base))
 
 
 @contextmanager
@@ -67,7 +101,7 @@ def stages(title: str, effects: int = 0, *, every: float = EVERY) -> Iterator[Ca
     Yields
     ------
     callable
-        To be told in words what is being done.
+        To be told in words what is being done; a `StageStep` says of which stage it is, other words are their own.
     """
     err = Console(stderr=True, highlight=False)
     if not err.is_terminal:
@@ -79,24 +113,14 @@ def stages(title: str, effects: int = 0, *, every: float = EVERY) -> Iterator[Ca
         yield lambda what: status.update(f"{title}: {what} [dim]({time.monotonic() - began:.0f} s)[/dim]")
 
 
-def stage(what: str) -> str:
-    """The stage of the search that a message belongs to: all of "trying a + b", "trying a + c" are one."""
-    if what.startswith("trying "):
-        base, plus, _ = what.removeprefix("trying ").rpartition(" + ")
-        return f"trying {base} + each other effect" if plus else "trying each effect"
-    if what.startswith("freeing "):
-        return "freeing each number of the rig"
-    head, curve, _ = what.partition(" a curve: ")
-    return f"{head} curves" if curve else what
-
-
 class _Log:
     """Lines for a log: one for each stage, and one every so many seconds of a stage that lasts."""
 
     def __init__(self, to: Console, effects: int, every: float) -> None:
         self.to, self.effects, self.every = to, effects, every
         self.began = self.said = time.monotonic()
-        self.stage, self.now = "", ""
+        self.stage = self.now = ""
+        self.most = 0  # steps that the stage has at most; 0 if that is not known
         self.seen: list[str] = []  # what was begun in the stage, the present one last
         self.over = threading.Event()
         self.lock = threading.Lock()
@@ -105,9 +129,11 @@ class _Log:
         """Take note of what is being done; a new stage is said at once."""
         with self.lock:
             self.now = what
-            if (stage_ := stage(what)) != self.stage:
-                self.stage, self.seen = stage_, [what]
-                self._say(stage_)
+            stage, beside = (what.stage, what.beside) if isinstance(what, StageStep) else (what, None)
+            if stage != self.stage:
+                self.stage, self.seen = stage, [what]
+                self.most = 0 if beside is None or not self.effects else self.effects - beside
+                self._say(stage)
             elif what not in self.seen:
                 self.seen.append(what)
 
@@ -133,15 +159,9 @@ class _Log:
             return "still at the start"
         if self.stage == self.now:
             return f"still {self.stage}"
-        done, most = len(self.seen) - 1, self._most()
-        of = f" of at most {most}" if most > done else ""
+        done = len(self.seen) - 1
+        of = f" of at most {self.most}" if self.most > done else ""
         return f"{self.stage}: {done}{of} done, now {self.now}"
-
-    def _most(self) -> int:
-        """How many the stage has at most; 0 if that is not known."""
-        if not self.effects or not self.stage.startswith("trying "):
-            return 0
-        return self.effects - self.stage.count(" + ")
 
     def _say(self, line: str) -> None:
         self.said = time.monotonic()

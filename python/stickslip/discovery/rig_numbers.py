@@ -19,6 +19,7 @@ from stickslip.discovery.rivals import hypothesis
 from stickslip.discovery.search import CLEAN, Search, Trial
 from stickslip.discovery.workers import each
 from stickslip.fitted.unknowns import RIG, Unknown
+from stickslip.progress import StageStep
 
 BEYOND = 3.0  # standard uncertainties within which a constant is as declared (the format of a case says so)
 FACTOR = 10.0  # by which a declared number may be wrong
@@ -70,14 +71,17 @@ def freed(search: Search, chosen: Trial, closely: bool = False) -> list[Trial]:
     rig = search.model.rig
     assert isinstance(rig, Rig)
     kinds = [names for names, kind in KINDS.items() if all(getattr(rig, name) > 0 for name in kind.free)]
-    say = lambda names: f"freeing {called(names)} of the rig"  # noqa: E731
-    tasks = each(search, partial(_freed, chosen=chosen), kinds, say)
+    tasks = each(search, partial(_freed, chosen=chosen), kinds, _freeing)
     found = [replace(one, names=names) for names, task in tasks if (one := task.result()) is not None]
     found.sort(key=lambda one: one.bic)
     if closely and found and found[0].excess > CLEAN and found[0].bic < chosen.bic:
         found[0] = replace(search.polish(found[0], turns=1), names=found[0].names)
     search.freed += found
     return found
+
+
+def _freeing(names: tuple[str, ...]) -> StageStep:
+    return StageStep(f"freeing {called(names)} of the rig", "freeing each number of the rig")
 
 
 def _freed(search: Search, names: tuple[str, ...], *, chosen: Trial) -> Trial | None:

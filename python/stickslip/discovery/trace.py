@@ -19,6 +19,7 @@ from stickslip.discovery.search import CLEAN, JUDGED, Search, Trial, stands
 from stickslip.discovery.workers import each
 from stickslip.errors import StickslipError
 from stickslip.fitted.solve import QUIET
+from stickslip.progress import StageStep, trying
 
 Floats = NDArray[np.float64]
 FAR = 1.15  # of the cost of one that reaches the noise: a rival beyond is none
@@ -80,8 +81,8 @@ def screen(search: Search, base: Trial, exclude: Sequence[str] = ()) -> list[Tri
         found, search.ripples = lines.result()
         yield from found
 
-    def say(one: tuple[str, Start]) -> str:
-        return f"trying {' + '.join([*base.names, one[0]])}"
+    def say(one: tuple[str, Start]) -> StageStep:
+        return trying(base.names, one[0])
 
     tried, best = [], dict[str, Trial]()
     ends: list[tuple[str, Trial]] = []

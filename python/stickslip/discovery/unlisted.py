@@ -18,15 +18,14 @@ from stickslip.discovery.workers import each
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.readings import Learned
 from stickslip.fitted.unknowns import Hypothesis, Unknown
+from stickslip.progress import StageStep
 from stickslip.simulated.states import BELT, X2
 
 Floats = NDArray[np.float64]
 STATE = {"x1": 0, "x2": 1, "y1": 2, "y2": 3}
 LOOSE = 3.0  # times wider a band is for its curve's mean, which the friction law takes up as well
 KNOTS, FINE = 7, 15
-PROMISING = (
-    0.85  # of the excess that the best named effect leaves: a curve that leaves more is not fitted closely
-)
+PROMISING = 0.85  # of the excess that the best named effect leaves: what leaves more is not fitted closely
 STALLED = 12.0  # and so much for the one that promised most
 FURTHER = 3  # fits of a curve on finer knots at most
 REACH = 0.05  # share by which the motion must reach further for another
@@ -51,6 +50,10 @@ class Term:
     variable: str
     knots: tuple[float, ...]
     recurs: bool = False
+
+    def step(self, doing: str) -> StageStep:
+        """What is said when something is done with it, one of the curves."""
+        return StageStep(f"{doing} a curve: {self.where} against {self.variable}", f"{doing} curves")
 
     @property
     def prefix(self) -> str:
@@ -175,7 +178,7 @@ def crude(search: Search, base: Trial, most: int = 6) -> Crude:
     """Curves added to `base`: screened by their scores, the best `most` fitted."""
     promised = scores(search, base)
     found: list[tuple[Term, Trial]] = []
-    say = lambda term: f"learning a curve: {term.where} against {term.variable}"  # noqa: E731
+    say = partial(Term.step, doing="learning")
     quick = partial(_quickly, base=base, first=promised[0][1])
     for term, task in each(search, quick, [term for _, term in promised[:most]], say):
         if search.left < 0.05 * search.budget and found:
@@ -243,7 +246,7 @@ def _worth(
 
 def scores(search: Search, base: Trial) -> list[tuple[float, Term]]:
     """Curves that may be added to `base` with the `gain` of each, greatest first."""
-    say = lambda term: f"scoring a curve: {term.where} against {term.variable}"  # noqa: E731
+    say = partial(Term.step, doing="scoring")
     tasks = partial(each, search, partial(_scored, base=base), terms(base), say)
     return search.once(
         "scores",
@@ -395,6 +398,3 @@ def called(name: str) -> str:
     body = name.removeprefix("tabulated_")
     where = next(place for place in TERMS if body.startswith(f"{place}_"))
     return f"a curve on the {where.replace('_', ' ')} in {body.removeprefix(f'{where}_')}"
-
-
-__all__ = ["Tabulated", "Term", "curve", "is_tabulated", "learn", "with_term"]

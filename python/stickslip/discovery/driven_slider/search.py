@@ -18,6 +18,7 @@ from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 from stickslip.likelihoods.policy import POLICY
+from stickslip.progress import trying
 
 Floats = NDArray[np.float64]
 
@@ -138,7 +139,7 @@ class Search:
         self.balance.at(fit)
         found = []
         for choice in choices:
-            self.tell(f"trying {' + '.join((*fit.names, choice.name))}")
+            self.tell(trying(fit.names, choice.name))
             found.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
         return tuple(sorted(filter(self.possible, found), key=self.score))
 
