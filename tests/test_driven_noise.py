@@ -13,7 +13,7 @@ from stickslip.discovery.driven_slider.feedback import feedback
 from stickslip.discovery.driven_slider.fit import Balance
 from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared
 from stickslip.discovery.driven_slider.motion import motion, spread
-from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener
+from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener, autoregressions
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.search import extreme
 
@@ -158,6 +158,20 @@ def test_rounding_is_drawn_as_other_places_of_the_encoder_s_scale_leave_it() -> 
     plain = lines(np.random.default_rng(2).standard_normal((len(balance.sure), count)))
     assert real > 1.5 * plain  # the rounding of this motion has lines
     assert own == pytest.approx(real, rel=0.2)
+
+
+def test_autoregressions_of_every_order_are_those_of_the_normal_equations() -> None:
+    noise = np.random.default_rng(3).standard_normal(5000)
+    x = scipy.signal.lfilter([1.0, 0.4], [1.0, -1.2, 0.7], noise)
+    r = np.array([x[k:] @ x[: len(x) - k] for k in range(21)]) / len(x)
+    found = [*autoregressions(r)]
+    assert len(found) == 21
+    for order, (h, left) in enumerate(found):
+        solved = (
+            np.linalg.solve(scipy.linalg.toeplitz(r[:order]), -r[1 : order + 1]) if order else np.zeros(0)
+        )
+        np.testing.assert_allclose(h, np.append(1.0, solved), rtol=1e-9, atol=1e-12)
+        assert left == pytest.approx(h @ r[: order + 1], rel=1e-10)
 
 
 def test_a_record_without_force_noise_leaves_that_of_the_readings() -> None:

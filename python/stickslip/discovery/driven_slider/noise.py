@@ -20,7 +20,7 @@ chapter 3; partial likelihood, D. R. Cox, Biometrika 62, 1975, 269; closed loops
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -309,11 +309,23 @@ def _whitened(noise: Noise, runs: Sequence[Rows]) -> tuple[Noise, float]:
     if r[0] < 0.5:  # less is left than the least noise
         return noise, n * float(r[0]) + fixed
     best, h = np.inf, np.ones(1)
-    for order in range(STEER.order + 1):
-        own = np.ones(1)
-        if order:
-            own = np.concatenate([[1.0], -scipy.linalg.solve_toeplitz(r[:order], r[1 : order + 1])])
-        score = n * float(own @ r[: order + 1]) + float(np.log(n)) * order
+    for order, (own, left) in enumerate(autoregressions(r)):
+        score = n * left + float(np.log(n)) * order
         if score < best:
             best, h = score, own
     return replace(noise, filter=tuple(map(float, h))), best + fixed
+
+
+def autoregressions(r: Floats) -> Iterator[tuple[Floats, float]]:
+    """Of autocovariances (m + 1,): the filter (1, h[1], ..) of each order 0 to m, and the variance it leaves.
+
+    One recursion gives all: N. Levinson, J. Math. Phys. 25, 1946, 261; J. Durbin, Rev. Int. Stat. Inst. 28, 1960, 233.
+    """
+    h, left = np.ones(1), float(r[0])
+    yield h, left
+    for order in range(1, len(r)):
+        reflected = -float(h @ r[order:0:-1]) / left
+        h = np.append(h, 0.0)
+        h = h + reflected * h[::-1]
+        left *= 1 - reflected**2
+        yield h, left
