@@ -108,6 +108,18 @@ class TestGlitches:
         x[1003] -= 0.03
         assert find_glitches(x).indices.tolist() == [1000, 1003]
 
+    @pytest.mark.parametrize(("second", "least"), [(1.0, 25.0), (-1.0, 25.0), (0.6, 50.0)])
+    def test_two_side_by_side_are_found_and_not_their_neighbours(self, second, least):
+        sigma = 1e-3
+        x = TRUTH.x + sigma * RANDOM.normal(size=TRUTH.x.size)
+        sticks = [i for i in range(140, 3950, 67) if (TRUTH.mode[i - 60 : i + 60] == 0).all()]
+        at = np.array(sticks)  # two in the midst of a slip may be motion
+        assert len(at) > 10
+        size = np.where(at % 2, 1, -1) * RANDOM.uniform(least, 4 * least, at.size) * sigma
+        x[at] += size
+        x[at + 1] += second * size
+        assert find_glitches(x).indices.tolist() == sorted([*at, *(at + 1)])
+
     def test_silent_channel_and_short_ones(self):
         x = np.zeros(200)
         assert not find_glitches(x).mask.any()

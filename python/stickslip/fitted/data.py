@@ -19,8 +19,6 @@ from stickslip.measured.repeats import held, held_sentence
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
-GLITCH_SIGMAS = 8.0
-GLITCH_TURNS = 3  # one taken out shows the smaller beside it
 COPIED = 50  # values in a row that two records share by no chance
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
@@ -160,12 +158,8 @@ def cleaned(t: Floats, readings: Floats, noise: Floats) -> tuple[Floats, Floats,
     weight[same] = 0.0
     for c in range(readings.shape[1]):
         _bridge(t, readings[:, c], weight[:, c])
-        for _ in range(GLITCH_TURNS):
-            found = _glitches(readings[:, c], noise[c]) & (weight[:, c] > 0)
-            weight[found, c] = 0.0
-            _bridge(t, readings[:, c], weight[:, c])
-            if not found.any():
-                break
+        weight[signals.find_glitches(readings[:, c], noise=float(noise[c])).mask, c] = 0.0
+        _bridge(t, readings[:, c], weight[:, c])
     return readings, weight, same
 
 
@@ -231,26 +225,6 @@ def _bridge(t: Floats, values: Floats, weight: Floats) -> None:
     bad = weight == 0
     if bad.any() and not bad.all():
         values[bad] = np.interp(t[bad], t[~bad], values[~bad])
-
-
-def _glitches(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Samples, singly or in twos, that stand out against the cubic through four neighbours, by more than these bend."""
-    out = np.zeros(len(values), dtype=bool)
-    padded = np.pad(values, 2, mode="edge")
-    around = np.stack([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]])
-    middle = (-around[0] + 4 * around[1] + 4 * around[2] - around[3]) / 6.0
-    bend = np.abs(around[0] - around[1] - around[2] + around[3])
-    off = np.abs(values - middle)
-    size = max(
-        noise, 1.07 * float(np.median(off))
-    )  # the noise may be declared too small; 1.39 of it is in `off`
-    far = off > GLITCH_SIGMAS * size + bend
-    out[2:-2] = far[2:-2]
-    # two side by side hide each other: from those beyond, where these show little motion
-    flanks = _flanks(values)
-    middle = (-4 * flanks[0] + 9 * flanks[1] + 9 * flanks[2] - 4 * flanks[3]) / 10.0
-    out[3:-3] |= np.abs(values[3:-3] - middle) > 1.7 * GLITCH_SIGMAS * size + 2 * np.ptp(flanks, axis=0)
-    return out
 
 
 def _flanks(values: Floats) -> Floats:

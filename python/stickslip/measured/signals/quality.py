@@ -1,4 +1,4 @@
-"""What is wrong with a channel: noise, one-sample glitches, quantisation, clipping."""
+"""What is wrong with a channel: noise, glitches of one sample or two, quantisation, clipping."""
 
 import math
 from dataclasses import dataclass
@@ -13,6 +13,8 @@ from stickslip.measured.signals._input import Booleans, Floats, finite_vector, p
 
 _CUBIC = (-1.0 / 6.0, 4.0 / 6.0, 0.0, 4.0 / 6.0, -1.0 / 6.0)  # the middle of five by its four neighbours
 _CUBIC_STD = math.sqrt(1.0 + sum(w * w for w in _CUBIC))  # of x - prediction, for unit white noise
+_FLANKS = (-0.4, 0.9, 0.9, -0.4)  # the same by the second and third neighbours on both sides
+_FLANKS_STD = math.sqrt(1.0 + sum(w * w for w in _FLANKS))
 _AT_ONCE = 1 << 14  # samples whose differences are weighted at once: each takes some 500 bytes
 _WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
 
@@ -95,7 +97,7 @@ def _differences(x: Floats, t: Floats | None) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Glitches:
-    """One-sample glitches of a channel.
+    """Glitches of a channel, of one sample or of two side by side.
 
     Attributes
     ----------
@@ -104,7 +106,7 @@ class Glitches:
     deviation : ndarray, shape (n,)
         Sample less the cubic through its four neighbours [unit of x].
     threshold : ndarray, shape (n,)
-        What `deviation` had to exceed [unit of x].
+        What `deviation` had to exceed [unit of x]; two side by side hide each other in it.
 
     Examples
     --------
@@ -137,7 +139,10 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
     normal quantile of `false_alarms` times its standard deviation, ``1.394 noise``, and stand out from
     the deviations beside it (a glitch g leaves -2g/3 there). Where the signal itself is rough (deviations
     over a hundred samples half as large again as usual) the local scale is used, after Hampel. The
-    strongest are taken out first and the rest looked at again.
+    strongest are taken out first and the rest looked at again. Two side by side hide each other from such a
+    comparison: before it, samples are compared with the cubic through their second and third neighbours,
+    where these differ, beyond the usual motion from sample to sample, by less than half of what is beyond the
+    same quantile.
 
     Parameters
     ----------
@@ -180,7 +185,10 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
         return Glitches(mask, np.zeros_like(values), np.full_like(values, np.inf))
     first = _deviation(values)
     threshold = _threshold(values, first, false_alarms, noise)
-    deviation = first
+    mask |= _beside_quiet(values, threshold)
+    if mask.any():
+        values[mask] = np.interp(np.flatnonzero(mask), np.flatnonzero(~mask), values[~mask])
+    deviation = _deviation(values)
     for _ in range(10):
         size = np.abs(deviation)
         beside = np.maximum(np.roll(size, 1), np.roll(size, -1))
@@ -198,6 +206,20 @@ def _deviation(x: Floats) -> Floats:
     """Each sample less the cubic through its four neighbours; 0 for the first two and the last two."""
     out = np.zeros_like(x)
     out[2:-2] = x[2:-2] - np.convolve(x, _CUBIC, mode="valid")
+    return out
+
+
+def _beside_quiet(x: Floats, threshold: Floats) -> Booleans:
+    """Samples, singly or in twos, far from the cubic through the second and third neighbours.
+
+    These may differ by the usual motion, and else by less than half of what is beyond the threshold.
+    """
+    moves = scipy.ndimage.median_filter(np.diff(x), size=min(_WINDOW, x.size - 1), mode="nearest")
+    flanks = np.stack([x[:-6], x[1:-5], x[5:-1], x[6:]])
+    deviation = np.abs(x[3:-3] - np.array(_FLANKS) @ flanks)
+    spread = np.ptp(flanks - np.array([[-3.0], [-2.0], [2.0], [3.0]]) * moves[3:-2], axis=0)
+    out = np.zeros(x.shape, dtype=np.bool_)
+    out[3:-3] = deviation > _FLANKS_STD / _CUBIC_STD * threshold[3:-3] + 2.0 * spread
     return out
 
 
