@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.formula_reading import READING, FormulaReading
+from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
@@ -214,15 +215,14 @@ def _read_x1(s: _Samples) -> None:
     seen, slopes = (s.state[:, LAGGED], s.slopes[LAGGED]) if late else (s.state[:, X1], s.slopes[X1])
     if c and not late:
         seen, slopes = seen + c * s.state[:, Y1], slopes + c * s.slopes[Y1]
-    steepness = 1 + 2 * q * seen
-    s.out.values[:, 0] = seen + q * seen**2 if q else seen
+    sensor = X1Sensor(curvature=q, drift=s.p.get("sensor_drift.r", 0.0))
+    steepness = sensor.slope(seen)
+    s.out.values[:, 0] = sensor.of(seen, s.t)
     s.out.slopes[:, 0] = slopes * steepness[:, None] if q else slopes
     if not late:
         s.add(0, "sensor_crosstalk.c", s.state[:, Y1] * steepness)
     s.add(0, "sensor_nonlinearity.q", seen**2)
-    if "sensor_drift.r" in s.p:
-        s.out.values[:, 0] += s.p["sensor_drift.r"] * s.t
-        s.add(0, "sensor_drift.r", s.t)
+    s.add(0, "sensor_drift.r", s.t)
 
 
 def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
@@ -350,11 +350,6 @@ def _add_curve(s: _Samples, curve: Learned) -> None:
         s.add(channel, name, basis[:, i])
 
 
-def unbent(reading: Floats, q: float) -> Floats:
-    """m of m + q m^2 = reading, on the branch through 0; at the fold where the reading lies beyond it."""
-    return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
-
-
 def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequence[Added] = ()) -> Floats:
     """d(x1 reading)/dt from the states of one simulation, for every effect and curve of the x1 channel.
 
@@ -367,12 +362,12 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     state : (n, 9) states, hidden ones included.
     p : parameters by name, those of curves included.
     """
-    c, q = p.get("sensor_crosstalk.c", 0.0), p.get("sensor_nonlinearity.q", 0.0)
+    c = p.get("sensor_crosstalk.c", 0.0)
+    sensor = X1Sensor(curvature=p.get("sensor_nonlinearity.q", 0.0), drift=p.get("sensor_drift.r", 0.0))
     seen, moves = state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2]
     if "sensor_lag.tau" in p:
         seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]
-    rate = moves * (1 + 2 * q * seen) + p.get("sensor_drift.r", 0.0)
-    reading = seen + q * seen**2 + p.get("sensor_drift.r", 0.0) * t
+    rate, reading = sensor.rate(seen, moves), sensor.of(seen, t)
     for one in learned:
         if one.channel != "x1":
             continue

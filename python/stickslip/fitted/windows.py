@@ -12,8 +12,9 @@ from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect_terms import Before
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
-from stickslip.fitted.readings import Y1_LAG, Learned, curves_of, unbent
+from stickslip.fitted.readings import Y1_LAG, Learned, curves_of
 from stickslip.fitted.window import AUTO, SLIPPING, STICK, Window
+from stickslip.fitted.x1_sensor import unbent
 from stickslip.measured.sticks import rides
 from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X1, X2, Y1, Y2
 

@@ -13,7 +13,7 @@ from stickslip.declared.rig import BlockOnBelt
 from stickslip.fitted.block_events.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, positions
 from stickslip.fitted.block_events.fit import Fitted, Prior, Windows, fit
 from stickslip.fitted.block_events.levels import damping, true_stiffness
-from stickslip.fitted.block_events.sensor import Reading, reading_of
+from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.block_events.table import Measured, cut
 
 Floats = NDArray[np.float64]
@@ -51,15 +51,11 @@ def constants_of(model: Model, measured: Measured) -> Constants:
     )
     c = run.rig.damping - model.rig.damping + damping(model, fastest)
     middle = float(np.median(measured.events.p[:, S])) if len(measured.events) else 0.0
-    slope = _slope(reading, middle) + reading.drift / run.belt_speed
+    slope = float(reading.bend.slope(np.array(middle))) + reading.bend.drift / run.belt_speed
     squeeze = known.get("contact_compliance", {}).get("k")
     if squeeze is not None:
         slope *= squeeze / (squeeze + stiffness)
     return Constants(slope, float(np.log(stiffness / mass)), float(c / (2 * np.sqrt(stiffness * mass))))
-
-
-def _slope(reading: Reading, at: float) -> float:
-    return reading.gain + 2 * reading.curvature * at
 
 
 def held(measured: Measured, constants: Constants) -> Held:

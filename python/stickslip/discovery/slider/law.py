@@ -70,7 +70,7 @@ def _levels(chosen: Sequence[Weighed], choice: Choice, runs: Sequence[Measured])
     out = []
     for one in (run for run in runs if len(run.events)):
         e, speed = one.events, one.run.belt_speed
-        top, bottom = (reading.undone(x, e.t) for x in (e.p[:, S], e.arrest))
+        top, bottom = (reading.bend.undone(x, e.t) for x in (e.p[:, S], e.arrest))
         grown = growth * (1 - np.exp(-e.dwell / tau)) if growth else 0.0
         slid = sliding(model, top, bottom, speed, constants_of(model, one).log_w2)
         out.append(np.column_stack([carried(model, top, speed) - grown, slid]))

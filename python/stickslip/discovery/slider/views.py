@@ -81,8 +81,8 @@ def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -
 def _state(one: Measured, model: Model, m: Motion) -> Floats:
     """(n, 2) deflections and velocities behind predicted readings and their rates."""
     reading = reading_of(model, one.run.force_channel)
-    x = reading.undone(m[0], one.run.t)
-    return np.column_stack([x, (m[1] - reading.drift) / (reading.gain + 2 * reading.curvature * x)])
+    x = reading.bend.undone(m[0], one.run.t)
+    return np.column_stack([x, reading.bend.moves(x, m[1])])
 
 
 def _seen(m: Motion) -> Floats:

@@ -91,7 +91,7 @@ class Forecaster:
         """
         sensor = reading_of(model, recording.channel("x1") == "spring_force")
         measured = measure(prepare(bare(recording, sensor), at_rest=at_rest))
-        return cls(model, measured, Reading(1.0, 0.0, 0.0, sensor.lag), sensor)
+        return cls(model, measured, Reading(lag=sensor.lag), sensor)
 
     def free(self, at: int) -> Prediction:
         """The model from sample `at` to the end, its phases from the whole run, its state from the readings there.
@@ -178,7 +178,7 @@ class Forecaster:
         ratio = np.nan
         if len(inside):
             lag = self.chain.lag * self.past.speed
-            top = self.chain.undone(run.sign * e.p[inside[:1], S], e.t[inside[:1]]) + lag
+            top = self.chain.bend.undone(run.sign * e.p[inside[:1], S], e.t[inside[:1]]) + lag
             ours = float(carried(self.model, np.array([leg.released]), self.past.speed)[0])
             limit = law.static_limits[0] if run.sign > 0 else -law.static_limits[1]
             ratio = float(carried(self.model, top, self.past.speed)[0]) / (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
 from stickslip.fitted.formula_reading import FormulaReading, formulas_of
-from stickslip.fitted.readings import unbent
+from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import COUNT, X1, X2
 
 Floats = NDArray[np.float64]
@@ -20,28 +20,23 @@ TURNS = 40  # of undoing curves: each leaves their slope's share of what the las
 
 @dataclass(frozen=True)
 class Reading:
-    """What the channel makes of the deflection x: gain m + curvature m^2 + drift t + curves; m is x, or x lagged.
+    """What the channel makes of the deflection x: what `bend` makes of m, x or x lagged, and curves added.
 
     What formulas make of x is x and what they add, in the place of a curve.
     """
 
-    gain: float
-    curvature: float
-    drift: float
+    bend: X1Sensor = field(default_factory=X1Sensor)
     lag: float = 0.0
     curves: tuple[Tabulated | FormulaReading, ...] = ()
 
-    def of(self, m: Floats, t: Floats) -> Floats:
-        """Readings of (lagged) deflections at times t, without curves."""
-        return np.asarray(self.gain * m + self.curvature * m**2 + self.drift * t)
-
-    def undone(self, reading: Floats, t: Floats) -> Floats:
-        """(Lagged) deflections behind readings without curves."""
-        return unbent((reading - self.drift * t) / self.gain, self.curvature / self.gain)
+    @property
+    def gain(self) -> float:
+        """Reading by deflection, where that is small."""
+        return self.bend.gain
 
     def read(self, x: Floats, m: Floats | None, t: Floats) -> Floats:
         """Readings of a motion, (n,); `m` where there is a lag."""
-        return self.of(x if m is None or not self.lag else m, t) + self._added(x, t)
+        return self.bend.of(x if m is None or not self.lag else m, t) + self._added(x, t)
 
     def settled(self, x: float, v: float) -> float:
         """m of a motion that has been steady for long."""
@@ -49,16 +44,16 @@ class Reading:
 
     def steady(self, reading: Floats, v: float, t: Floats) -> Floats:
         """Deflections behind readings without curves taken in motion at a steady v."""
-        return self.undone(reading, t) + self.lag * v
+        return self.bend.undone(reading, t) + self.lag * v
 
     def behind(self, reading: Floats, rate: Floats, t: Floats) -> tuple[Floats, Floats]:
         """(Lagged) deflections m and their rates behind readings and theirs; the deflection is m + lag m'."""
-        m = self.undone(reading, t)
-        moves = self._rate(m, rate - self.drift)
+        m = self.bend.undone(reading, t)
+        moves = self.bend.moves(m, rate)
         for _ in range(TURNS if self.curves else 0):
             x = m + self.lag * moves
-            m = self.undone(reading - self._added(x, t), t)
-            moves = self._rate(m, rate - self.drift - self._added_rate(x, moves, t))
+            m = self.bend.undone(reading - self._added(x, t), t)
+            moves = self.bend.moves(m, rate - self._added_rate(x, moves, t))
         return m, moves
 
     def motion(self, t: Floats, reading: Floats, noise: float) -> tuple[Floats, float]:
@@ -67,11 +62,6 @@ class Reading:
         filled = np.interp(t, t[good], reading[good])
         m, _ = self.behind(filled, np.gradient(filled, t), t)
         return np.where(good, m, np.nan), noise / abs(self.gain)
-
-    def _rate(self, m: Floats, rate: Floats) -> Floats:
-        """Rate of m behind that of a reading without drift; where the curvature folds back, that of the edge."""
-        slope = self.gain + 2 * self.curvature * m
-        return np.asarray(rate / np.where(np.abs(slope) < 0.01 * self.gain, 0.01 * self.gain, slope))
 
     def _added(self, x: Floats, t: Floats) -> Floats:
         """What curves add, (n,)."""
@@ -116,7 +106,7 @@ def reading_of(model: Model, force_channel: bool) -> Reading:
     if any(one.variable == "x2" for one in curves) or any(X2 in one.states for one in formulas):
         words = "a curve of the reading in x2 cannot be undone where x1 alone is recorded; one in x1 or t can"
         raise InputError(words, key="learned_x1_x2")
-    return Reading(gain, curvature, drift, lag, (*curves, *formulas))
+    return Reading(X1Sensor(gain, curvature, drift), lag, (*curves, *formulas))
 
 
 def formula_adds(one: FormulaReading, x: Floats, t: Floats) -> Floats:

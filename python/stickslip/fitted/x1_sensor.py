@@ -1,0 +1,48 @@
+"""What the sensor of x1 makes of what it sees: its gain, its curvature and its drift; forward, back, and their rates.
+
+The one place of this formula: the readings of a fit, those of a block slip by slip, and their rates stand on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class X1Sensor:
+    """Reading = gain m + curvature m^2 + drift t of what is seen, m: x1, with crosstalk, or lagged."""
+
+    gain: float = 1.0
+    curvature: float = 0.0
+    drift: float = 0.0
+
+    def of(self, m: Floats, t: Floats) -> Floats:
+        """Readings of m at times t."""
+        return np.asarray(self.gain * m + self.curvature * m**2 + self.drift * t)
+
+    def slope(self, m: Floats) -> Floats:
+        """Derivative of the readings by m."""
+        return np.asarray(self.gain + 2 * self.curvature * m)
+
+    def rate(self, m: Floats, moves: Floats) -> Floats:
+        """Rates of the readings of m that moves."""
+        return np.asarray(moves * self.slope(m) + self.drift)
+
+    def undone(self, reading: Floats, t: Floats) -> Floats:
+        """What is behind readings, on the branch through 0; at the fold where the reading lies beyond it."""
+        return unbent((reading - self.drift * t) / self.gain, self.curvature / self.gain)
+
+    def moves(self, m: Floats, rate: Floats) -> Floats:
+        """Rate of m behind that of its reading; where the curvature folds back, that of the edge."""
+        slope, least = self.slope(m), 0.01 * self.gain
+        return np.asarray((rate - self.drift) / np.where(np.abs(slope) < least, least, slope))
+
+
+def unbent(reading: Floats, q: float) -> Floats:
+    """m of m + q m^2 = reading, on the branch through 0; at the fold where the reading lies beyond it."""
+    return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
