@@ -110,10 +110,10 @@ drive = {{ column = "u", unit = "V", scale = {GAIN} }}
 """
 
 
-def write_case(folder: Path, *, seconds: float = 29.0, **physics) -> Path:
-    """A case of one record, positions in mm; returns rig.toml."""
+def write_case(folder: Path, *, seconds: float = 29.0, train: float = 17.4, **physics) -> Path:
+    """A case of one record, positions in mm, of which the first `train` seconds train; returns rig.toml."""
     t, x, u = record(seconds, **physics)
     rows = np.column_stack([t, 1e3 * x, u])
     np.savetxt(folder / "run.csv", rows, fmt="%.10g", delimiter=",", header="t,x,u", comments="")
-    (folder / "rig.toml").write_text(RIG)
+    (folder / "rig.toml").write_text(RIG.replace("17.4", str(train)))
     return folder / "rig.toml"

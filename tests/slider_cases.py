@@ -29,6 +29,7 @@ def case_of(
     sign: float = 1.0,
     law: CoulombFriction = LAW,
     length: float = 8.0,
+    step: float = 1e-3,
 ) -> Case:
     """Three runs simulated by the core, at 10, 20 and 30 mm/s times `sign`; `said` is what the case says instead."""
     rng = np.random.default_rng(3)
@@ -38,7 +39,7 @@ def case_of(
         f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}\nc = {rig.damping}',
         f"[friction]\n{declared}" if declared != "none" else "",
     ]
-    t = np.arange(0, length, 1e-3)
+    t = np.arange(0, length, step)
     for mm, role, speed in zip(
         (10, 20, 30), ("train", "train", "validate"), said or ("10 mm/s", "20 mm/s", "30 mm/s"), strict=True
     ):

@@ -249,7 +249,7 @@ def fitted(runs: Sequence[Rows], least: Noise, start: Noise | None = None) -> No
         if start
         else min(_starts(runs, least), key=lambda one: _deviance(one, runs))
     )
-    z = np.array([np.log(one.reading), np.log(one.force), np.arctanh(one.pole)])
+    z = np.clip([np.log(one.reading), np.log(one.force), np.arctanh(one.pole)], *np.transpose(bounds))
     simplex = z + np.vstack([np.zeros(3), (0.3 if start else 0.7) * np.eye(3)])
     found = scipy.optimize.minimize(
         deviance, z, method="Nelder-Mead", bounds=bounds,
