@@ -112,7 +112,7 @@ def _gain(n: int, width: int, dt: float, inertia: float, stiffness: float) -> Ar
 
 
 def _bridged(t: Array, readings: Array) -> Array:
-    """Missing readings interpolated: one-sample glitches were taken out before."""
+    """Missing readings interpolated: glitches were taken out before."""
     out = readings.copy()
     for x in out.T:
         bad = ~np.isfinite(x)

@@ -26,7 +26,7 @@ class FindingKind(Enum):
     IRREGULAR = "the time base is irregular"
     CLIPPED = "a channel is clipped"
     QUANTISED = "a channel is coarsely quantised"
-    GLITCHES = "a channel has one-sample glitches"
+    GLITCHES = "a channel has glitches of one sample or two"
     CONSTANT = "a channel never changes"
     BELT = "the belt is far from its set-point"
     SIZE = "readings are of a size the rig can hardly reach"
@@ -110,7 +110,8 @@ def channel_findings(
         glitches = find_glitches(x, noise=noise).indices
         glitches = glitches[~np.isin(glitches, jumps[:, None] + np.arange(-BESIDE, BESIDE + 1))]
         if glitches.size:
-            words = f"{name}: {glitches.size} one-sample glitch(es), the first at sample {glitches[0]}"
+            many = np.count_nonzero(np.diff(glitches, prepend=-2) > 1)
+            words = f"{name}: {many} glitch(es) of one sample or two, the first at sample {glitches[0]}"
             found.append(Finding(FindingKind.GLITCHES, name, words, tuple(int(i) for i in glitches)))
     return found
 
