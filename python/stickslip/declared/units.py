@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
 
+from stickslip.declared.formula.dimension import dimensions, registry
 from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, number
 from stickslip.objects import Displayed
-
-if TYPE_CHECKING:
-    from pint import UnitRegistry
 
 # what each channel measures, in SI; a spring force is read as the deflection x1 it stands for
 DIMENSIONS: dict[str, tuple[str, str]] = {
@@ -100,14 +96,6 @@ def refuse_sensor(name: str, channel: Channel, rig: AnyRig) -> None:
         if getattr(channel, key) and not isinstance(rig, GeneralRig):
             words = "is for rigs of bodies or matrices; leave it out, and put an offset into the file"
             raise InputError(words, key=f"{name}.{key}", value=getattr(channel, key))
-
-
-@lru_cache(maxsize=1)
-def registry() -> UnitRegistry[float]:
-    """Return the registry of units, made at first use: it takes longer than the rest of the package."""
-    from pint import UnitRegistry
-
-    return UnitRegistry()
 
 
 def in_si(unit: str, si: str, *, what: str) -> float:
@@ -236,13 +224,8 @@ def _of_coordinate(channel: str, unit: str, rig: GeneralRig) -> float:
 
 
 def is_angle(unit: str) -> bool:
-    """Say whether `unit` measures an angle, which pint counts as a pure number."""
-    import pint
-
-    try:
-        return str(registry().Quantity(1.0, unit).to_root_units().units) == "radian"
-    except (pint.errors.PintError, ValueError, AssertionError, TypeError):
-        return False
+    """Say whether `unit` measures an angle."""
+    return is_unit(unit) and dimensions(unit) == dimensions("rad")
 
 
 def is_electric(unit: str) -> bool:

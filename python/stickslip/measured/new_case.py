@@ -21,19 +21,7 @@ from stickslip.measured.lacking import LackingError
 from stickslip.measured.recording import Recording, load_recording
 from stickslip.measured.stick_speed import ridden_speed
 
-UNITS = {  # of a rig's constants in SI
-    "m": "kg",
-    "J": "kg m^2",
-    "r": "m",
-    "k": "N/m",
-    "k1": "N/m",
-    "k2": "N/m",
-    "k3": "N/m",
-    "c": "N s/m",
-    "c1": "N s/m",
-    "c2": "N s/m",
-    "length": "m",
-}
+UNITS = {name: what.unit for name, what in {**BlockOnBelt.dimensions, **Rig.dimensions}.items()}  # in SI
 CONSTANTS = {
     "two_degree": ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length"),
     "block_on_belt": ("m", "k"),

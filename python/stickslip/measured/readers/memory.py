@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.declared.units import in_si, registry
+from stickslip.declared.formula.dimension import registry
+from stickslip.declared.units import in_si
 from stickslip.errors import InputError, Place
 
 Floats = NDArray[np.float64]

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stickslip.declared.contact_laws import ContactLaws
+from stickslip.declared.dimensions import INERTIA, LENGTH, MASS, RATE, STIFFNESS
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.formula_laws.tabulated import TabulatedFriction
@@ -26,8 +27,8 @@ from stickslip.shown.plot.curves import GREY, LIMIT, SIMULATED
 Row = tuple[Cell, ...]
 SI_HEADS = ("quantity", "value", "in SI", "unit")
 POINTS = 200  # of a curve
-PER = {"mass": "kg", "inertia": "kg m^2", "arm": "m"}  # of a part, in SI
-OF_RIG = {"length": "m", "omega": "1/s", "k2": "N/m", "r": "m"}
+PER = {"mass": MASS.unit, "inertia": INERTIA.unit, "arm": LENGTH.unit}  # of a part, in SI
+OF_RIG = {"length": LENGTH.unit, "omega": RATE.unit, "k2": STIFFNESS.unit, "r": LENGTH.unit}
 
 
 @describe.register
