@@ -20,51 +20,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 SIZE = (6.4, 3.2)  # inches
-ON_BELT: Mapping[str, Mapping[str, float]] = {  # of (2.1), so that a curve can be told from the grey one
-    "block_viscous_damping": {"c": 1.0},
-    "block_quadratic_damping": {"c": 6.0},
-    "spring_cubic_k1": {"k": 8.0},
-    "spring_cubic_k2": {"k": 40.0},
-    "spring_cubic_k3": {"k": 300.0},
-    "spring_gap_k3": {"k": 60.0, "d": 0.03},
-    "constant_load": {"f": 0.5},
-    "harmonic_forcing": {"a": 0.6, "w": 1.7, "phi": 0.3},
-    "pivot_dry_friction": {"f": 0.1, "v_c": 0.0},
-    "normal_force_feedback": {"beta2": 2.0, "eta2": 1.0},
-    "stribeck_peak": {"dT": 0.8, "v_s": 0.03},
-    "static_aging": {"dT": 1.0, "tau": 2.0},
-    "friction_memory": {"tau": 0.1},
-    "friction_drift": {"r": 0.004},
-    "belt_seam": {"a": 0.1, "L": 2.0, "phi": 0.1},
-    "contact_compliance": {"k": 200.0, "c": 0.5},
-    "belt_speed_ripple": {"a": 0.15, "w": 4.0, "phi": 0.2},
-    "belt_load_droop": {"k": 0.008, "tau": 0.5},
-    "sensor_lag": {"tau": 0.3},
-    "sensor_delay": {"delay": 0.4},
-    "sensor_crosstalk": {"c": 0.2},
-    "sensor_nonlinearity": {"q": 0.3},
-    "sensor_drift": {"r": 0.001},
-    "rig_mass": {"e": 0.3},
-    "rig_stiffness": {"e": 0.2},
-    "sensor_gain": {"e": 0.15},
-}
-ON_SLIDER: Mapping[str, Mapping[str, float]] = {  # in SI, of a carriage like that of EMPS
-    "viscous_asymmetry": {"c": -40.0},
-    "viscous_saturation": {"dT": 12.0, "v_s": 0.02},
-    "position_load": {"k": 60.0},
-    "position_friction": {"r": 1.5},
-    "load_drift": {"r": 0.8},
-    "position_ripple": {"a": 4.0, "L": 0.04, "phi": 0.0},
-    "position_ripple_2": {"a": 4.0, "L": 0.02, "phi": 0.0},
-    "position_ripple_3": {"a": 4.0, "L": 0.08, "phi": 0.0},
-    "friction_ripple": {"a": 0.15, "L": 0.04, "phi": 0.0},
-    "drive_ripple": {"a": 0.1, "L": 0.04, "phi": 0.0},
-    "drive_gain_drift": {"r": 0.02},
-    "drive_nonlinearity": {"q": 0.003},
-    "drive_lag": {"tau": 0.006},
-    "drive_delay": {"delay": 0.006},
-}
-NUMBERS = {**ON_BELT, **ON_SLIDER}
 SPEED, END, SHOWN = 0.1, 90.0, 45.0
 
 
@@ -74,7 +29,7 @@ def draw(kind: str, path: Path) -> None:
 
     figure = Figure(figsize=SIZE, layout="constrained")
     axis = figure.subplots()
-    if kind in ON_SLIDER:
+    if KINDS[kind].on_belt is None and kind not in CONSTANTS:
         _slider(axis, kind)
     elif kind in CONSTANTS:
         _block(axis, kind)
@@ -86,7 +41,7 @@ def draw(kind: str, path: Path) -> None:
 
 def numbers(kind: str) -> Mapping[str, float]:
     """Return the numbers that an effect is drawn with."""
-    return NUMBERS[kind]
+    return KINDS[kind].drawn
 
 
 def _pair(axis: Axes, before: tuple[Floats, Floats], after: tuple[Floats, Floats]) -> None:
@@ -112,11 +67,11 @@ def read(kind: str | None, t: Floats) -> tuple[Floats, Floats]:
 
     The formulas of the sensors are those of the catalogue, written here once more.
     """
-    effects = (ss.effect(kind, **ON_BELT[kind]),) if kind else ()
+    effects = (ss.effect(kind, **numbers(kind)),) if kind else ()
     rig = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
     model = ss.Model(rig, friction=ss.PaperFriction(), effects=effects)
     run = ss.simulate(model, belt_speed=SPEED, initial=(0.1, 0.1, 0, 0), t_end=END, t_eval=t)
-    x, y, p = run.state[:, 0], run.state[:, 2], ON_BELT.get(kind or "", {})
+    x, y, p = run.state[:, 0], run.state[:, 2], numbers(kind) if kind else {}
     if kind == "sensor_delay":
         return x, np.interp(t - p["delay"], t, y)
     if kind == "sensor_lag":
@@ -134,7 +89,7 @@ def _block(axis: Axes, kind: str) -> None:
     """A block on a belt: as declared, and as it reads with a constant that is off."""
     runs = []
     law = ss.CoulombFriction(static=1.0, kinetic=0.6)
-    for effects in ((), (ss.effect(kind, **ON_BELT[kind]),)):
+    for effects in ((), (ss.effect(kind, **numbers(kind)),)):
         run = ss.simulate(
             ss.Model(ss.BlockOnBelt(), friction=law, effects=effects),
             belt_speed=0.2,
@@ -143,7 +98,7 @@ def _block(axis: Axes, kind: str) -> None:
         )
         runs.append((run.t, run.state[:, 0]))
     if kind == "sensor_gain":
-        runs[1] = (runs[0][0], (1 + ON_BELT[kind]["e"]) * runs[0][1])
+        runs[1] = (runs[0][0], (1 + numbers(kind)["e"]) * runs[0][1])
     _pair(axis, runs[0], runs[1])
     axis.set_xlabel("$t$")
     axis.set_ylabel("$x_1$ reading" if kind == "sensor_gain" else "$x_1$")
@@ -157,7 +112,7 @@ def _slider(axis: Axes, kind: str) -> None:
     found = []
     law = ss.CoulombFriction(static=20.0, kinetic=20.0)
     mass = 95.0
-    for effects in ((), (ss.effect(kind, **ON_SLIDER[kind]),)):
+    for effects in ((), (ss.effect(kind, **numbers(kind)),)):
         model = ss.Model(ss.DrivenSlider(mass=mass, damping=200.0), friction=law, effects=effects)
         run = closed_loop(model, Loop(gain=35.0, kp=20.0, kv=120.0), t, goal)
         force = 35.0 * run.command - mass * run.acceleration

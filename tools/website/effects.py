@@ -10,7 +10,7 @@ from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.dimensions import NUMBER
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from website.docstring import escaped
-from website.effect_figures import NUMBERS, draw
+from website.effect_figures import draw, numbers
 
 PLACES: Mapping[str, tuple[str, str]] = {  # page: title, what is said first
     "block": ("On the block", "Forces on the block, in the bracket of (2.1)."),
@@ -80,7 +80,7 @@ def anchor(name: str) -> str:
 
 def section(kind: EffectKind) -> str:
     """Return the section of one effect."""
-    declared = ", ".join(f"{key}={value:g}" for key, value in NUMBERS[kind.name].items())
+    declared = ", ".join(f"{key}={value:g}" for key, value in numbers(kind.name).items())
     parts = [
         f"({kind.name})=",
         f"## {kind.name}",

@@ -10,7 +10,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.laws import ALL_LAWS
+from stickslip.declared.laws import ALL_LAWS, LAWS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 SIZE = (6.4, 3.6)  # inches
 BLUE, ORANGE, GREY = "#1f6fb4", "#d1661b", "#888888"
 EXAMPLES: Mapping[str, Mapping[str, Any]] = {
-    "paper": {"T_s_minus": 5.94, "T_s_plus": 3.63},
-    "coulomb": {"static": 3.0, "kinetic": 2.0},
-    "hyperbolic": {"scale": 2.0, "decay": 3.0, "constant": 1.0},
+    **{kind: law.drawn for kind, law in LAWS.items()},
     "stribeck": {"F_c": "1.2 N", "F_s": "2 N", "v_s": "10 mm/s", "c": "4 N s/m"},
     "tabulated": {"speeds": [0.0, 0.005, 0.02, 0.05], "forces": [1.8, 1.3, 1.1, 1.25], "static": 2.0},
     "lugre": {"sigma0": 1e5, "sigma1": 316.0, "sigma2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3},
@@ -31,7 +29,7 @@ TO_AND_FRO = {  # largest speed [m/s] and period [s]
     "lugre": (6e-3, 0.2),
     "dahl": (4e-3, 0.4),
 }
-SPAN = {"paper": 0.35, "coulomb": 1.0, "hyperbolic": 2.0, "stribeck": 0.06, "tabulated": 0.06}
+SPAN = {**{kind: law.drawn_to for kind, law in LAWS.items()}, "stribeck": 0.06, "tabulated": 0.06}
 
 
 def draw(kind: str, path: Path) -> None:
@@ -64,7 +62,7 @@ def _curve(law: FrictionLaw, span: float) -> Figure:
     minus, plus = law.static_limits
     axis.plot([0, 0], [-minus, plus], color=ORANGE, lw=2, label="at rest")
     axis.legend(frameon=False)
-    _head(axis, "" if law.kind in ("paper", "coulomb", "hyperbolic") else "SI")
+    _head(axis, "" if law.kind in LAWS else "SI")
     return figure
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from pathlib import Path
 
 from stickslip.declared.formula_law import LawByFormula
@@ -14,19 +13,6 @@ from website.law_figures import EXAMPLES, draw
 from website.tex import tex
 
 OPEN = ("formula",)  # whose equation is the reader's own
-# R(u) and the static limit, for v_w < 0 and v_w > 0, of laws in closed form; the tests evaluate them
-CLOSED: Mapping[str, tuple[tuple[str, str, str], ...]] = {
-    "paper": (
-        (
-            "R_minus",
-            "max(T_min_minus, T_s_minus - A1*exp(-(abs(v_w_min) - u)/t1) - A2*exp(-(abs(v_w_min) - u)/t2))",
-            "T_s_minus",
-        ),
-        ("R_plus", "max(T_min_plus, T_s_plus - u*(T_s_plus - T_min_plus)/v_w_max)", "T_s_plus"),
-    ),
-    "coulomb": (("R", "kinetic", "static"),),
-    "hyperbolic": (("R", "scale/(1 + decay*u) + constant + quadratic*u**2", "scale + constant"),),
-}
 
 
 def write(folder: Path) -> list[str]:
@@ -116,8 +102,7 @@ def _equations(law: type[FrictionLaw]) -> str:
 
 def equations(law: type[FrictionLaw]) -> list[tuple[str, str]]:
     """Return a law's equations: left sides in TeX, right sides as formulas in Python's syntax."""
-    if law.kind in CLOSED:
-        every = CLOSED[law.kind]
+    if law.kind in LAWS:
         marks = {
             "R": ("R(u)", r"T_\mathrm{static}"),
             "R_minus": ("R_-(u)", "R_-(0)"),
@@ -125,7 +110,7 @@ def equations(law: type[FrictionLaw]) -> list[tuple[str, str]]:
         }
         return [
             pair
-            for name, kinetic, static in every
+            for name, kinetic, static in law.equations
             for pair in ((marks[name][0], kinetic), (_rest(name), static))
         ]
     if not issubclass(law, LawByFormula) or law.kind == "tabulated":

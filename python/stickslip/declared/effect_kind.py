@@ -120,6 +120,8 @@ class EffectKind:
         Its formulas, and what else one may ask of it.
     anywhere
         How it acts on a rig of bodies or matrices, at any place of it.
+    drawn
+        Numbers at which the documents draw it: a motion with it can be told by the eye from one without.
     """
 
     name: str
@@ -140,6 +142,7 @@ class EffectKind:
     adds: Adds = field(default_factory=Adds)
     behaves: Behaves = field(default_factory=Behaves)
     anywhere: Acts = field(kw_only=True)
+    drawn: Mapping[str, float] = field(kw_only=True, hash=False)
 
     @property
     def physics(self) -> Physics:

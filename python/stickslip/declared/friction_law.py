@@ -42,7 +42,8 @@ class FrictionLaw(Drawn):
     `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those
     of one branch, `each_way` those that have a twin `..._plus` for v_w > 0, which is None where both are the same.
     `dimensions` has what every number measures, twins aside; `formula` and `at_rest` say R(u) and the static limits in
-    the table of laws.
+    the table of laws. `equations` are R(u) and the static limit in Python's syntax, of both branches or of each, with
+    its name; `drawn` are the numbers of the example in the documents, drawn up to the speed `drawn_to`.
     """
 
     kind: ClassVar[str]
@@ -52,6 +53,9 @@ class FrictionLaw(Drawn):
     dimensions: ClassVar[Mapping[str, Dimension]]
     formula: ClassVar[str]
     at_rest: ClassVar[str]
+    equations: ClassVar[tuple[tuple[str, str, str], ...]]
+    drawn: ClassVar[Mapping[str, float]]
+    drawn_to: ClassVar[float]
 
     @property
     def numbers(self) -> dict[str, float]:

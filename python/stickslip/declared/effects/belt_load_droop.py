@@ -26,6 +26,7 @@ EFFECT = EffectKind(
     on_belt=180,
     starts=({"k": 0.002, "tau": 0.3}, {"k": 0.002, "tau": 2.0}),
     behaves=Behaves(hidden_start=hidden_start),
+    drawn={"k": 0.008, "tau": 0.5},
     anywhere=Acts(
         refused="a belt that gives way is a body: link it to the drive, and let the contact rub on it"
     ),

@@ -34,5 +34,6 @@ EFFECT = EffectKind(
     wave=Wave("L", along_belt=True, largest=0.5),
     adds=Adds(friction=share),
     behaves=Behaves(period=period),
+    drawn={"a": 0.1, "L": 2.0, "phi": 0.1},
     anywhere=Acts(factor="1 + a*sin(2*pi*travel/L + phi)"),
 )

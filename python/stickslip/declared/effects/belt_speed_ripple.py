@@ -39,5 +39,6 @@ EFFECT = EffectKind(
     wave=Wave("w", along_belt=False, largest=0.5),
     adds=Adds(belt_share=share, belt_rate=rate),
     behaves=Behaves(period=period),
+    drawn={"a": 0.15, "w": 4.0, "phi": 0.2},
     anywhere=Acts(factor="1 + a*sin(w*t + phi)", of_belt=True),
 )

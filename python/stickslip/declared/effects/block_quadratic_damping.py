@@ -36,5 +36,6 @@ EFFECT = EffectKind(
     on_slider=20,
     scored_at={"c": 0.0},
     adds=Adds(block=force, sides=Sides(sign, ends)),
+    drawn={"c": 6.0},
     anywhere=Acts(force="-c*deflection_rate*abs(deflection_rate)"),
 )

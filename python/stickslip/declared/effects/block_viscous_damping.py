@@ -21,5 +21,6 @@ EFFECT = EffectKind(
     on_belt=10,
     scored_at={"c": 0.0},
     adds=Adds(block=force),
+    drawn={"c": 1.0},
     anywhere=Acts(force="-c*deflection_rate"),
 )

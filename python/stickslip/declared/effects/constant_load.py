@@ -21,5 +21,6 @@ EFFECT = EffectKind(
     on_belt=70,
     both_ways=True,
     adds=Adds(block=force),
+    drawn={"f": 0.5},
     anywhere=Acts(force="f"),
 )

@@ -26,5 +26,6 @@ EFFECT = EffectKind(
     on_slider=40,
     starts=({"k": 350.0, "c": 0.5}, {"k": 1500.0, "c": 1.0}),
     behaves=Behaves(hidden_start=hidden_start),
+    drawn={"k": 200.0, "c": 0.5},
     anywhere=Acts(bristle="k*z + c*v", states={"z": ("v - k*u*z/R", "0")}),
 )

@@ -12,5 +12,6 @@ EFFECT = EffectKind(
     parameters=(free("delay", "delay, negative if early", TIME),),
     depends_on=("F",),
     on_slider=190,
+    drawn={"delay": 0.006},
     anywhere=NO_DRIVE_FORCE,
 )

@@ -20,5 +20,6 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_slider=160,
     adds=Adds(drive=share),
+    drawn={"r": 0.02},
     anywhere=NO_DRIVE_FORCE,
 )

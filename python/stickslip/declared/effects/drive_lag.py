@@ -12,5 +12,6 @@ EFFECT = EffectKind(
     depends_on=("F",),
     hidden=("f",),
     on_slider=180,
+    drawn={"tau": 0.006},
     anywhere=NO_DRIVE_FORCE,
 )

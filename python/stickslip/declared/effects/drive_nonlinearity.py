@@ -22,5 +22,6 @@ EFFECT = EffectKind(
     depends_on=("F",),
     on_slider=170,
     adds=Adds(drive=share),
+    drawn={"q": 0.003},
     anywhere=NO_DRIVE_FORCE,
 )

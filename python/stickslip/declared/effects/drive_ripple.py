@@ -17,5 +17,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=150,
     adds=Adds(drive=wave_of_position),
+    drawn={"a": 0.1, "L": 0.04, "phi": 0.0},
     anywhere=NO_DRIVE_FORCE,
 )

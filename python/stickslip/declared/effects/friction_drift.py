@@ -43,5 +43,6 @@ EFFECT = EffectKind(
     scored_at={"r": 0.0},
     adds=Adds(friction=share),
     behaves=Behaves(period=period, drives=drives),
+    drawn={"r": 0.004},
     anywhere=Acts(factor="1 + r*t"),
 )

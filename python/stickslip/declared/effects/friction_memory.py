@@ -33,5 +33,6 @@ EFFECT = EffectKind(
     on_belt=130,
     starts=({"tau": 0.03}, {"tau": 0.2}),
     behaves=Behaves(hidden_start=hidden_start, idle=idle),
+    drawn={"tau": 0.1},
     anywhere=Acts(refused="its speed starts anew at every stick; a law by a formula with a state acts there"),
 )

@@ -17,5 +17,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=130,
     adds=Adds(friction=wave_of_position),
+    drawn={"a": 0.15, "L": 0.04, "phi": 0.0},
     anywhere=Acts(factor="1 + a*sin(2*pi*position/L + phi)"),
 )

@@ -36,5 +36,6 @@ EFFECT = EffectKind(
     wave=Wave("w", along_belt=False, largest=3.0),
     adds=Adds(block=force),
     behaves=Behaves(period=period),
+    drawn={"a": 0.6, "w": 1.7, "phi": 0.3},
     anywhere=Acts(force="a*sin(w*t + phi)"),
 )

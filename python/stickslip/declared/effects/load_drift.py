@@ -20,5 +20,6 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_slider=90,
     adds=Adds(block=force),
+    drawn={"r": 0.8},
     anywhere=Acts(force="r*t"),
 )

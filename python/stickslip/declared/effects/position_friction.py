@@ -20,5 +20,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=70,
     adds=Adds(friction=share),
+    drawn={"r": 1.5},
     anywhere=Acts(factor="1 + r*position"),
 )

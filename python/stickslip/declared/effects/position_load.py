@@ -20,5 +20,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=60,
     adds=Adds(block=force),
+    drawn={"k": 60.0},
     anywhere=Acts(force="-k*deflection"),
 )

@@ -20,5 +20,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_slider=100,
     adds=Adds(block=wave_of_position),
+    drawn={"a": 4.0, "L": 0.04, "phi": 0.0},
     anywhere=Acts(force="a*sin(2*pi*deflection/L + phi)"),
 )

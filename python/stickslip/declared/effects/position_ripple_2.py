@@ -5,5 +5,9 @@ from dataclasses import replace
 from stickslip.declared.effects.position_ripple import EFFECT as FIRST
 
 EFFECT = replace(
-    FIRST, name="position_ripple_2", words="a second wave of the load along the track", on_slider=110
+    FIRST,
+    name="position_ripple_2",
+    words="a second wave of the load along the track",
+    on_slider=110,
+    drawn={"a": 4.0, "L": 0.02, "phi": 0.0},
 )

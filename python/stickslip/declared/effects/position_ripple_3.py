@@ -5,5 +5,9 @@ from dataclasses import replace
 from stickslip.declared.effects.position_ripple import EFFECT as FIRST
 
 EFFECT = replace(
-    FIRST, name="position_ripple_3", words="a third wave of the load along the track", on_slider=120
+    FIRST,
+    name="position_ripple_3",
+    words="a third wave of the load along the track",
+    on_slider=120,
+    drawn={"a": 4.0, "L": 0.08, "phi": 0.0},
 )

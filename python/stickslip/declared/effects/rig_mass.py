@@ -13,5 +13,6 @@ EFFECT = EffectKind(
     on_belt=240,
     on_slider=200,
     corrects="mass",
+    drawn={"e": 0.3},
     anywhere=NO_DECLARED_NUMBER,
 )

@@ -12,5 +12,6 @@ EFFECT = EffectKind(
     depends_on=(),
     on_belt=250,
     corrects="stiffness",
+    drawn={"e": 0.2},
     anywhere=NO_DECLARED_NUMBER,
 )

@@ -14,5 +14,6 @@ EFFECT = EffectKind(
     two_degree=True,
     on_belt=200,
     scored_at={"delay": 0.0},
+    drawn={"delay": 0.4},
     anywhere=Acts(refused="a reading of the past is no formula; sensor_lag acts there"),
 )

@@ -13,5 +13,6 @@ EFFECT = EffectKind(
     depends_on=("t",),
     on_belt=230,
     scored_at={"r": 0.0},
+    drawn={"r": 0.001},
     anywhere=Acts(reading="reading + r*t"),
 )

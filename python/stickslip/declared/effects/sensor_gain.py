@@ -12,5 +12,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_belt=260,
     corrects="reading",
+    drawn={"e": 0.15},
     anywhere=Acts(reading="(1 + e)*reading"),
 )

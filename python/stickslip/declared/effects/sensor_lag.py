@@ -21,5 +21,6 @@ EFFECT = EffectKind(
     on_belt=190,
     starts=({"tau": 0.05},),
     behaves=Behaves(hidden_start=hidden_start),
+    drawn={"tau": 0.3},
     anywhere=Acts(reading="m", states={"m": ("(reading - m)/tau", "reading")}),
 )

@@ -13,5 +13,6 @@ EFFECT = EffectKind(
     depends_on=("x1",),
     on_belt=220,
     scored_at={"q": 0.0},
+    drawn={"q": 0.3},
     anywhere=Acts(reading="reading + q*reading**2"),
 )

@@ -21,5 +21,6 @@ EFFECT = EffectKind(
     on_belt=30,
     scored_at={"k": 0.0},
     adds=Adds(block=force),
+    drawn={"k": 8.0},
     anywhere=Acts(force="-k*deflection**3"),
 )

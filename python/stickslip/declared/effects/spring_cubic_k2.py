@@ -22,5 +22,6 @@ EFFECT = EffectKind(
     on_belt=40,
     scored_at={"k": 0.0},
     adds=Adds(block=force, angle_body=force),
+    drawn={"k": 40.0},
     anywhere=Acts(force="-k*deflection**3"),
 )

@@ -22,5 +22,6 @@ EFFECT = EffectKind(
     on_belt=50,
     scored_at={"k": 0.0},
     adds=Adds(angle_body=force),
+    drawn={"k": 300.0},
     anywhere=Acts(force="-k*deflection**3"),
 )

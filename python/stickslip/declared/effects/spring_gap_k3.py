@@ -43,5 +43,6 @@ EFFECT = EffectKind(
     on_belt=60,
     starts=({"k": 3.0, "d": 0.3}, {"k": 3.0, "d": 0.6}),
     adds=Adds(angle_body=force, sides=Sides(touched, ends)),
+    drawn={"k": 60.0, "d": 0.03},
     anywhere=Acts(force="k*(max(0, -deflection - d) - max(0, deflection - d))"),
 )

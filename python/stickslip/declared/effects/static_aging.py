@@ -47,5 +47,6 @@ EFFECT = EffectKind(
     scored_at={"dT": 0.0, "tau": 1.5},
     adds=Adds(aging=growth),
     behaves=Behaves(idle=idle, drives=drives),
+    drawn={"dT": 1.0, "tau": 2.0},
     anywhere=Acts(aging="dT*(1 - exp(-dwell/tau))"),
 )

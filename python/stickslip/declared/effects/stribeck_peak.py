@@ -44,5 +44,6 @@ EFFECT = EffectKind(
     scored_at={"dT": 0.0, "v_s": 0.03},
     adds=Adds(peak=peak),
     behaves=Behaves(drives=drives),
+    drawn={"dT": 0.8, "v_s": 0.03},
     anywhere=Acts(peak="dT*exp(-(u/v_s)**2)"),
 )

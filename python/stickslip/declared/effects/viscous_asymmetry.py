@@ -22,5 +22,6 @@ EFFECT = EffectKind(
     depends_on=("x2",),
     on_slider=10,
     adds=Adds(block=force),
+    drawn={"c": -40.0},
     anywhere=Acts(force="-c*abs(deflection_rate)"),
 )

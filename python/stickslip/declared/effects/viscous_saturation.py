@@ -25,5 +25,6 @@ EFFECT = EffectKind(
     depends_on=("v_w",),
     on_slider=50,
     adds=Adds(peak=peak),
+    drawn={"dT": 12.0, "v_s": 0.02},
     anywhere=Acts(peak="dT*(1 - exp(-u/v_s))"),
 )

@@ -45,6 +45,9 @@ class CoulombFriction(FrictionLaw):
     rank: ClassVar[int] = 20
     formula: ClassVar[str] = "kinetic"
     at_rest: ClassVar[str] = "static"
+    equations: ClassVar[tuple[tuple[str, str, str], ...]] = (("R", "kinetic", "static"),)
+    drawn: ClassVar[Mapping[str, float]] = {"static": 3.0, "kinetic": 2.0}
+    drawn_to: ClassVar[float] = 1.0
     each_way: ClassVar[tuple[str, ...]] = ("static", "kinetic")
     dimensions: ClassVar[Mapping[str, Dimension]] = {"static": FORCE, "kinetic": FORCE}
 

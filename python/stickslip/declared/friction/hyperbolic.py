@@ -46,6 +46,11 @@ class HyperbolicFriction(FrictionLaw):
     rank: ClassVar[int] = 30
     formula: ClassVar[str] = "scale/(1 + decay u) + constant + quadratic u^2"
     at_rest: ClassVar[str] = "R(0) = scale + constant"
+    equations: ClassVar[tuple[tuple[str, str, str], ...]] = (
+        ("R", "scale/(1 + decay*u) + constant + quadratic*u**2", "scale + constant"),
+    )
+    drawn: ClassVar[Mapping[str, float]] = {"scale": 2.0, "decay": 3.0, "constant": 1.0}
+    drawn_to: ClassVar[float] = 2.0
     each_way: ClassVar[tuple[str, ...]] = ("scale", "decay", "constant", "quadratic")
     dimensions: ClassVar[Mapping[str, Dimension]] = {
         "scale": FORCE,

@@ -54,6 +54,16 @@ class PaperFriction(FrictionLaw):
     rank: ClassVar[int] = 10
     formula: ClassVar[str] = "(4.1) and (4.2) of the paper, see [model.md](model.md)"
     at_rest: ClassVar[str] = "T_s_minus, T_s_plus"
+    equations: ClassVar[tuple[tuple[str, str, str], ...]] = (
+        (
+            "R_minus",
+            "max(T_min_minus, T_s_minus - A1*exp(-(abs(v_w_min) - u)/t1) - A2*exp(-(abs(v_w_min) - u)/t2))",
+            "T_s_minus",
+        ),
+        ("R_plus", "max(T_min_plus, T_s_plus - u*(T_s_plus - T_min_plus)/v_w_max)", "T_s_plus"),
+    )
+    drawn: ClassVar[Mapping[str, float]] = {"T_s_minus": 5.94, "T_s_plus": 3.63}
+    drawn_to: ClassVar[float] = 0.35
     single: ClassVar[tuple[str, ...]] = (
         "T_s_minus",
         "A1",

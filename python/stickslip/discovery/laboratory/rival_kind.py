@@ -155,6 +155,7 @@ def rival(one: FormulaEffect, scales: Scales | None) -> RivalKind:
         one.formula,
         words="declared by the user",
         declared=in_scales(one, scales),
+        drawn=one.parameters,
         **facts,
     )
 
