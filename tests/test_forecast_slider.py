@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import stickslip as ss
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
-from stickslip.fitted.block_events.predict import Forecaster
+from stickslip.fitted.block_events.predict import BlockForecaster
 from stickslip.fitted.block_events.table import measure, prepare
 
 RIG = ss.BlockOnBelt(mass=1.0, stiffness=1.0, damping=0.02)
@@ -172,7 +172,7 @@ def test_what_comes_after_does_not_change_a_forecast() -> None:
     model = ss.Model(
         RIG, friction=ss.CoulombFriction(static=1.2, kinetic=0.72)
     )  # its level comes from the past
-    fresh, used = Forecaster(model, one), Forecaster(model, one)
+    fresh, used = BlockForecaster(model, one), BlockForecaster(model, one)
     used.forecast(1500, t[1500:])
     np.testing.assert_array_equal(
         used.forecast(900, t[900:1000]).reading, fresh.forecast(900, t[900:1000]).reading

@@ -25,7 +25,7 @@ from stickslip.fitted.block_events.cycle import (
     positions,
     slopes,
 )
-from stickslip.fitted.block_events.predict import Forecaster, scaled
+from stickslip.fitted.block_events.predict import BlockForecaster, scaled
 from stickslip.fitted.block_events.table import measure, natural_rate, prepare
 from stickslip.measured.case import Recording, load_recording
 from stickslip.simulated.simulate import simulate
@@ -135,7 +135,7 @@ def test_forecasts_start_at_the_level_of_the_last_events(tmp_path: Path) -> None
     stop = next(s for s in one.run.track.sticks if s.start > 3000)
     at = (stop.start + stop.stop) // 2
     future = one.run.t[at : at + 60]
-    out = Forecaster(Model(BlockOnBelt(), friction=law), one).forecast(at, future)
+    out = BlockForecaster(Model(BlockOnBelt(), friction=law), one).forecast(at, future)
     truth = np.nan_to_num(one.run.x[at : at + 60], nan=np.inf)
     early = slice(0, min(stop.stop - at, 60) - 5)
     good = np.isfinite(truth[early])

@@ -3,7 +3,7 @@
     python tools/census.py [FOLDER]     FOLDER holds the package `stickslip`; python/ of this checkout if not given
 
 Prints, for every room: files, lines, constants (numbers with a name at the top of a module), class names that another
-file uses too, and arrows that run back up; then the circles of files that import each other.
+file uses too, and arrows that run back up; then those class names, and the circles of files that import each other.
 """
 
 from __future__ import annotations
@@ -95,6 +95,8 @@ def main(folder: Path) -> None:
     console.print(table)
     for a, b in back:
         console.print(f"back up: {a} -> {b}")
+    twice = sorted(name for name, times in classes.items() if times > 1)
+    console.print(f"{len(twice)} class names used twice: {', '.join(twice)}")
     found = circles(modules, arrows)
     console.print(f"{len(found)} circles of files that import each other")
     for group in found:

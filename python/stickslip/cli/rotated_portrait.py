@@ -53,20 +53,20 @@ class Told:
 
 
 @dataclass(frozen=True)
-class _Run:
+class _StoryRun:
     speed: float
     role: str
     phase: float
 
 
 RUNS = (
-    _Run(0.06, "train", 0.4),
-    _Run(0.1, "train", 1.9),
-    _Run(0.16, "train", 5.1),
-    _Run(-0.07, "train", 1.3),
-    _Run(-0.13, "train", 3.6),
-    _Run(0.09, "validate", 0.9),
-    _Run(-0.1, "validate", 4.4),
+    _StoryRun(0.06, "train", 0.4),
+    _StoryRun(0.1, "train", 1.9),
+    _StoryRun(0.16, "train", 5.1),
+    _StoryRun(-0.07, "train", 1.3),
+    _StoryRun(-0.13, "train", 3.6),
+    _StoryRun(0.09, "validate", 0.9),
+    _StoryRun(-0.1, "validate", 4.4),
 )
 
 
@@ -128,7 +128,7 @@ def write_case(place: Path) -> Path:
     return place / "rig.toml"
 
 
-def _readings(model: Model, run: _Run) -> Array:
+def _readings(model: Model, run: _StoryRun) -> Array:
     """t, x1 and y1 as the sensors read them, noise-free; (n, 3) in model units."""
     t, start = STEP * np.arange(SAMPLES), (0.1, 0.1, 0.0, 0.0)
     own = model.replace({f"{e.name}.phi": run.phase for e in model.effects if "phi" in e.parameters})

@@ -25,7 +25,7 @@ from stickslip.simulated.sweep.sweep import sweep as run_sweep
 INTERRUPTED = 130  # what a shell reports of a program that Ctrl-C ended
 
 
-class Axis(BaseModel):
+class SweptAxis(BaseModel):
     """What a name runs through: `values`, or `start`, `stop` and `count` equal steps; `dim` to share a dimension."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -60,7 +60,7 @@ def _axes(given: object) -> object:
         raise ValueError("must be a table [over] of names and values")
     out: dict[str, object] = {}
     for name, axis in given.items():
-        dotted = isinstance(axis, dict) and axis and not axis.keys() & Axis.model_fields.keys()
+        dotted = isinstance(axis, dict) and axis and not axis.keys() & SweptAxis.model_fields.keys()
         for whole, one in ((f"{name}.{rest}", axis[rest]) for rest in axis) if dotted else ((name, axis),):
             if whole in out:
                 raise ValueError(f"'{whole}' is given twice; leave one out")
@@ -96,7 +96,7 @@ class SweepFile(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
     model: str | None = None
     sweep: Settings
-    over: Annotated[dict[str, Axis], BeforeValidator(_axes)]
+    over: Annotated[dict[str, SweptAxis], BeforeValidator(_axes)]
     rig: dict[str, object] | None = None
     friction: dict[str, object] = {}
     effect: list[dict[str, object]] = []
@@ -198,7 +198,7 @@ def _model(document: Document, asked: SweepFile) -> Model:
         return Model(rig, friction=law, effects=tuple(effects))
 
 
-def _values(document: Document, name: str, axis: Axis) -> object:
+def _values(document: Document, name: str, axis: SweptAxis) -> object:
     given = axis.values is not None, axis.start is not None, axis.stop is not None, axis.count is not None
     if given == (True, False, False, False):
         values: object = axis.values

@@ -77,7 +77,7 @@ def hyperbolic(
     return profiled(speed, coulomb, fitted, tell)
 
 
-class Fitted(Protocol):
+class FittedDecay(Protocol):
     """All slips under one decay, started from fits under decays near it."""
 
     def __call__(self, decay: float, near: Sequence[Shot] = ()) -> Shot:
@@ -85,7 +85,7 @@ class Fitted(Protocol):
 
 
 def profiled(
-    speed: float, coulomb: Shot, fitted: Fitted, tell: Callable[[str, float], None]
+    speed: float, coulomb: Shot, fitted: FittedDecay, tell: Callable[[str, float], None]
 ) -> tuple[Shot, float, Profile]:
     """The decay that slips `fitted` under it say most of, and its profile.
 

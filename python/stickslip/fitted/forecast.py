@@ -109,7 +109,7 @@ def _interval(t: NDArray[np.float64]) -> float:
 
 def _slider(model: Model, recording: Recording, dt: float, steps: int) -> Expected:
     """A block on a belt: the model in the belt's direction and the run's time, its state from the last stick."""
-    from stickslip.fitted.block_events.predict import Forecaster as Slider
+    from stickslip.fitted.block_events.predict import BlockForecaster as Slider
     from stickslip.fitted.block_events.predict import bare
     from stickslip.fitted.block_events.sensor import reading_of
 

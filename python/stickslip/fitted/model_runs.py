@@ -92,7 +92,7 @@ def _rig(run: Measured, model: Model, recording: Recording) -> Both:
 
 def _block(run: Measured, model: Model, recording: Recording) -> Both:
     """States from the sticks before, friction at the level of the last events where that foretells better."""
-    from stickslip.fitted.block_events.predict import Forecaster as Slider
+    from stickslip.fitted.block_events.predict import BlockForecaster as Slider
 
     one = Slider.of(model, recording, at_rest=True)
     one.settle(len(one.measured.run.t))  # phases are the run's own: the forecasts begin with them

@@ -31,7 +31,7 @@ KINDS: Mapping[type[object], Kind] = {kind: name for name, kind in MAKE.items()}
 
 
 @dataclass(frozen=True)
-class Numbers:
+class ScatterNumbers:
     """Numbers of the law in the declared units: (p,) values, (p, p) covariance, (p,) shares of the prior in them."""
 
     names: tuple[str, ...]
@@ -66,7 +66,7 @@ def way(material: Material) -> Branch:
     return "minus" if material.runs[0].belt_speed > 0 else "plus"
 
 
-def _numbers(fit: Fit, size: Callable[[str], float]) -> Numbers:
+def _numbers(fit: Fit, size: Callable[[str], float]) -> ScatterNumbers:
     """The law's numbers, their covariance that of correlated events, a few more uncertain by Student's t."""
     assert fit.solution is not None
     numbers = fit.windows.numbers
@@ -80,7 +80,7 @@ def _numbers(fit: Fit, size: Callable[[str], float]) -> Numbers:
     share = np.diag(fit.solution.covariance)[at] * np.diag(prior)[at]
     wide = covariance(fit)[np.ix_(at, at)] * few(len(fit.own)) ** 2
     scale = slope * units
-    return Numbers(names, values * units, wide * np.outer(scale, scale), np.minimum(share, 1.0))
+    return ScatterNumbers(names, values * units, wide * np.outer(scale, scale), np.minimum(share, 1.0))
 
 
 def _general(
@@ -88,7 +88,7 @@ def _general(
     declared: Declared,
     fit: Fit,
     model: Model,
-    found: Numbers,
+    found: ScatterNumbers,
     units: Scaled | None,
 ) -> Identified:
     """What was identified, every number of the law under its own name."""

@@ -37,7 +37,7 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
-class _Run(_Strict):
+class _RunTable(_Strict):
     """A [[run]] of a case."""
 
     file: str
@@ -60,7 +60,7 @@ class _Case(_Strict):
     noise: dict[str, object] = {}
     uncertainty: dict[str, object] = {}
     candidate: list[dict[str, object]] = []
-    run: Annotated[list[_Run], Field(min_length=1)]
+    run: Annotated[list[_RunTable], Field(min_length=1)]
     channels: dict[str, dict[str, object]]
 
 
@@ -275,7 +275,7 @@ def _case_file(path: Path) -> Path:
     return path / "rig.toml"
 
 
-def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:
+def _check_runs(document: Document, runs: list[_RunTable], allowed: Path) -> None:
     """Refuse names and windows that collide, and files that are not there or lie elsewhere."""
     folder = document.path.parent
     for i, run in enumerate(runs):
@@ -305,7 +305,7 @@ def _check_runs(document: Document, runs: list[_Run], allowed: Path) -> None:
             raise document.error(which, "run", i, "file", value=run.file)
 
 
-def _overlap(a: _Run, b: _Run) -> bool:
+def _overlap(a: _RunTable, b: _RunTable) -> bool:
     low = max(-float("inf") if one.start is None else one.start for one in (a, b))
     high = min(float("inf") if one.end is None else one.end for one in (a, b))
     return low < high
@@ -314,7 +314,7 @@ def _overlap(a: _Run, b: _Run) -> bool:
 def _read_run(
     document: Document,
     i: int,
-    run: _Run,
+    run: _RunTable,
     declared: _Case,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
@@ -353,7 +353,7 @@ def _read_run(
 def _read_general(
     document: Document,
     i: int,
-    run: _Run,
+    run: _RunTable,
     rig: GeneralRig,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
@@ -377,7 +377,7 @@ def _read_general(
     )
 
 
-def _name_of(run: _Run) -> str:
+def _name_of(run: _RunTable) -> str:
     """Its own, or that of its file and its window."""
     if run.name is not None:
         return run.name
@@ -386,7 +386,7 @@ def _name_of(run: _Run) -> str:
     return name + ("" if run.end is None else f"_to_{run.end:g}")
 
 
-def _belt_speed(document: Document, i: int, run: _Run, rig: AnyRig) -> float | str:
+def _belt_speed(document: Document, i: int, run: _RunTable, rig: AnyRig) -> float | str:
     """The set-point of a run; a driven slider has none."""
     if isinstance(rig, DrivenSlider):
         if run.belt_speed is not None:

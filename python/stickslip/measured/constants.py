@@ -60,7 +60,7 @@ def _next(starts: Floats, ends: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownConstant:
     """What the runs show of a block on a belt over what is declared: k/m, and k where a force or a law tells."""
 
     rate: float  # omega^2
@@ -93,7 +93,7 @@ def block_constants(case: Case) -> None:
     raise InputError(f"{head}: {'; or '.join(told)}")
 
 
-def _shown(case: Case) -> Shown | None:
+def _shown(case: Case) -> ShownConstant | None:
     """Medians over the train runs; None where their frequency is not seen."""
     rates, forces = [], []
     for run in case.train:
@@ -106,7 +106,7 @@ def _shown(case: Case) -> Shown | None:
             forces.append(force)
     if not rates:
         return None
-    return Shown(float(np.median(rates)), float(np.median(forces)) if forces else None)
+    return ShownConstant(float(np.median(rates)), float(np.median(forces)) if forces else None)
 
 
 def _by_force(run: Recording, rate: float) -> float | None:

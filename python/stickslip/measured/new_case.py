@@ -44,7 +44,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class Run:
+class NewRun:
     """A [[run]] to write."""
 
     file: str
@@ -137,7 +137,7 @@ def _rig(kind: str, table: Mapping[str, Any]) -> AnyRig:
     return DrivenSlider(**long) if kind == "driven_slider" else BlockOnBelt(**long)
 
 
-def _runs(names: Sequence[str], recordings: Sequence[Recording], given: Given) -> list[Run]:
+def _runs(names: Sequence[str], recordings: Sequence[Recording], given: Given) -> list[NewRun]:
     """The runs: the last one validates if nothing else is said, and the end of a single one."""
     validated = [_one_of(name, names, "--validate") for name in given.validate]
     speeds = {(one and _one_of(one, names, "--belt-speed")): text for one, text in given.belt_speeds.items()}
@@ -145,14 +145,14 @@ def _runs(names: Sequence[str], recordings: Sequence[Recording], given: Given) -
     for name, recording in zip(names, recordings, strict=True):
         role = "validate" if name in (validated or names[1:][-1:]) else "train"
         speed_, doubt = _belt_speed(name, recording, speeds)
-        runs.append(Run(name, role, speed_, doubt))
+        runs.append(NewRun(name, role, speed_, doubt))
     if len(runs) == 1 and not validated:
         t = recordings[0].raw["t"] * recordings[0].channels["t"].scale
         at = float(f"{t[0] + TRAINED * (t[-1] - t[0]):.3g}")
         one = runs[0]
         return [
-            Run(one.file, "train", one.belt_speed, one.doubt, end=at),
-            Run(one.file, "validate", one.belt_speed, one.doubt, start=at),
+            NewRun(one.file, "train", one.belt_speed, one.doubt, end=at),
+            NewRun(one.file, "validate", one.belt_speed, one.doubt, start=at),
         ]
     return runs
 
@@ -201,7 +201,7 @@ def _text(
     kind: str,
     table: Mapping[str, float],
     roles: Roles,
-    runs: Sequence[Run],
+    runs: Sequence[NewRun],
     first: Recording,
     found: Sequence[Inspection],
 ) -> str:
@@ -232,7 +232,7 @@ def _text(
     return "\n".join(lines) + "\n"
 
 
-def _friction(first: Recording, run: Run) -> list[str]:
+def _friction(first: Recording, run: NewRun) -> list[str]:
     """A law to start from. Of a block on a belt in N: where its slips begin, and the middle of its swing."""
     if isinstance(first.rig, DrivenSlider):
         return ["", "[friction]", 'kind = "coulomb"']

@@ -13,7 +13,7 @@ from stickslip.discovery.residual import LIMIT, persistence
 from stickslip.discovery.result import ErrorBlock, Part, Residual, RunError
 from stickslip.discovery.slider.held import Held, constants_of, held
 from stickslip.errors import StickslipError
-from stickslip.fitted.block_events.predict import Forecaster, Prediction, cycle_of, instants
+from stickslip.fitted.block_events.predict import BlockForecaster, BlockPrediction, cycle_of, instants
 from stickslip.fitted.block_events.table import Measured
 from stickslip.measured.case import Case
 from stickslip.measured.findings import FINE
@@ -35,7 +35,7 @@ class Ahead:
     """Forecasts of one cycle from the past alone: samples, predictions, and their errors."""
 
     samples: NDArray[np.int64]
-    predictions: tuple[Prediction, ...]
+    predictions: tuple[BlockPrediction, ...]
     nrmse: float
     timing: float
 
@@ -43,7 +43,7 @@ class Ahead:
 def ahead(model: Model, measured: Measured) -> Ahead:
     """Forecast one cycle from the middle of up to 60 sticks."""
     cycle = cycle_of(measured)
-    forecaster, run = Forecaster(model, measured), measured.run
+    forecaster, run = BlockForecaster(model, measured), measured.run
     dt = float(np.median(np.diff(run.t)))
     samples, predictions, errors, timing = [], [], [], []
     for stop in instants(measured, cycle, FORECASTS):
@@ -69,7 +69,7 @@ def ahead(model: Model, measured: Measured) -> Ahead:
     )
 
 
-def _release_error(one: Prediction, measured: Measured, start: float, cycle: float) -> float:
+def _release_error(one: BlockPrediction, measured: Measured, start: float, cycle: float) -> float:
     """Error of the next breakaway's time, half a cycle where it does not come within the forecast."""
     coming = measured.events.t[measured.events.t > start]
     slid = np.flatnonzero(one.mode != 0)

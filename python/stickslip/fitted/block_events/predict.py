@@ -29,7 +29,7 @@ PERIODS = 2  # natural ones, of a past without sticks that its state is taken fr
 
 
 @dataclass(frozen=True)
-class Prediction:
+class BlockPrediction:
     """Readings x, deflections and velocities, and modes at times t, (n,), as `Run` has them."""
 
     t: Floats
@@ -54,7 +54,7 @@ class Step:
 
 
 @dataclass
-class Forecaster:
+class BlockForecaster:
     """Forecasts one run with one model.
 
     Parameters
@@ -81,7 +81,7 @@ class Forecaster:
         self.sticks = run.track.clear_sticks
 
     @classmethod
-    def of(cls, model: Model, recording: Recording, *, at_rest: bool = False) -> Forecaster:
+    def of(cls, model: Model, recording: Recording, *, at_rest: bool = False) -> BlockForecaster:
         """Forecast a recording, its events found behind the sensor; only the lag is left to the forecast.
 
         Raises
@@ -93,7 +93,7 @@ class Forecaster:
         measured = measure(prepare(bare(recording, sensor), at_rest=at_rest))
         return cls(model, measured, Reading(lag=sensor.lag), sensor)
 
-    def free(self, at: int) -> Prediction:
+    def free(self, at: int) -> BlockPrediction:
         """The model from sample `at` to the end, its phases from the whole run, its state from the readings there.
 
         Raises
@@ -114,13 +114,13 @@ class Forecaster:
             start = start if leg is None else leg.start
         return self._predicted(self.model, start, run.t[at:])
 
-    def _predicted(self, model: Model, start: Start, t: Floats) -> Prediction:
+    def _predicted(self, model: Model, start: Start, t: Floats) -> BlockPrediction:
         out = self.past.simulated(model, start, t)
         sign, sensor = self.measured.run.sign, self.sensor or self.chain
         read = sensor.read(out.state[:, 0], out.hidden.get("m"), t)
-        return Prediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
+        return BlockPrediction(t, sign * read, sign * out.state, np.asarray(sign * out.mode, dtype=np.int8))
 
-    def forecast(self, stop: int, future: Floats) -> Prediction:
+    def forecast(self, stop: int, future: Floats) -> BlockPrediction:
         """Readings at `future` times from samples before `stop`.
 
         Raises

@@ -46,7 +46,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Events:
+class SlipEvents:
     """The slips of one run, fitted one by one, in time order; (k,) arrays but for `p` (k, 6).
 
     `dwell` is the time at rest before each; `travel` the belt's travel at the breakaway; `slip` the distance slid;
@@ -84,7 +84,7 @@ class Measured:
     """A run with its events."""
 
     run: Run
-    events: Events
+    events: SlipEvents
     sticks: Sticks
 
 
@@ -157,12 +157,14 @@ def sticks(run: Run) -> Sticks:
     return Sticks(found.t, found.x, found.speed / run.belt_speed, found.std / run.belt_speed)
 
 
-def events(run: Run) -> Events:
+def events(run: Run) -> SlipEvents:
     """Slips with a stick on both sides, each fitted by itself."""
     bounds, starts = _windows(run)
     if not bounds:
         none = np.zeros(0)
-        return Events(np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=())
+        return SlipEvents(
+            np.zeros((0, 6)), np.zeros((0, 6)), *(none,) * 7, residual=np.zeros((0, 0)), window=()
+        )
     windows = cut(run, bounds)
     start = np.array(starts)
     size = np.maximum(start[:, S] - start[:, K], 5 * run.noise)
@@ -225,7 +227,7 @@ def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
     return Windows(run.t[at], np.where(bad, 0.0, x), np.where(bad, 0.0, 1 / run.noise))
 
 
-def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> Events:
+def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEvents:
     p = found.p
     std = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
     slid, ends = lost(p), arrest(p)
@@ -234,7 +236,7 @@ def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> Events
     release = p[:, RELEASE]
     dwell, previous = _rests(run, release)
     chosen = [one for one, kept in zip(bounds, good, strict=True) if kept]
-    return Events(
+    return SlipEvents(
         p[good],
         std[good],
         found.rms[good],

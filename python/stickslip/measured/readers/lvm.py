@@ -32,7 +32,7 @@ Header = dict[str, list[str]]
 
 
 @dataclass(frozen=True)
-class Segment:
+class LvmSegment:
     """One header and the rows below it."""
 
     layout: Layout
@@ -92,7 +92,7 @@ def _is_x(name: str) -> bool:
 class Joined:
     """Segments one after the other, as one table has lines."""
 
-    segments: Sequence[Segment]
+    segments: Sequence[LvmSegment]
 
     def line(self, row: int) -> int | None:
         """Return the line of a row, counted from 0 over all segments."""
@@ -114,7 +114,7 @@ class Lvm:
     file: Path
 
     @cached_property
-    def segments(self) -> list[Segment]:
+    def segments(self) -> list[LvmSegment]:
         """Its segments, in order."""
         return _segments(self.file)
 
@@ -163,14 +163,14 @@ class Lvm:
                     words, place=Place(str(self.file), self.segments[i - 1].layout.first, column=X)
                 )
 
-    def _doubts(self, chosen: Sequence[Segment], count: int) -> tuple[str, ...]:
+    def _doubts(self, chosen: Sequence[LvmSegment], count: int) -> tuple[str, ...]:
         told = [number_in(cell, ",") or 0 for one in chosen for cell in one.header.get("Samples", [])[1:2]]
         if count >= sum(told):
             return ()
         return (f"{count} samples where the header tells of {sum(told):g}; was the file cut off?",)
 
 
-def _segments(file: Path) -> list[Segment]:
+def _segments(file: Path) -> list[LvmSegment]:
     """Go through the lines once: file header, then headers, names and rows in turn."""
     encoding, mark = encoding_of(file)
     declared: Header = {}
@@ -222,7 +222,7 @@ def _unique(cells: list[str]) -> list[str]:
 
 def _segment(
     file: Path, style: tuple[str, int, str, Header], header: Header, line: int, names: list[str], last: int
-) -> Segment:
+) -> LvmSegment:
     encoding, mark, separator, declared = style
     sign = _second(declared, "Decimal_Separator")
     decimals = sign if sign in (".", ",") else signs(separator)
@@ -238,7 +238,7 @@ def _segment(
         spare=1 if names and names[-1] == "Comment" else 0,
         last=last,
     )
-    return Segment(layout, header, times=_second(declared, "X_Columns") != "No")
+    return LvmSegment(layout, header, times=_second(declared, "X_Columns") != "No")
 
 
 def _second(header: Mapping[str, Sequence[str]], key: str) -> str:

@@ -73,7 +73,7 @@ def _powers(s: Floats, derivative: int) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class PieceLayout:
     """Where the record sticks and slips.
 
     Stick j lasts from ``capture[j]`` to ``onset[j]`` (both the same: the slip changes direction without
@@ -108,7 +108,7 @@ class Layout:
         return np.arange(len(self.intervals)) + (not self.open_start)
 
 
-class System:
+class SplineSystem:
     """Unknowns, rows and solution for one layout.
 
     Parameters
@@ -118,7 +118,7 @@ class System:
         Standard deviation of the speed of a stick against the belt; 0: none, sticks are constants.
     """
 
-    def __init__(self, layout: Layout, creep: float) -> None:
+    def __init__(self, layout: PieceLayout, creep: float) -> None:
         self.layout, self.creep = layout, creep
         self.slips = layout.slips
         self.spacing = (self.slips[:, 1] - self.slips[:, 0]) / layout.intervals

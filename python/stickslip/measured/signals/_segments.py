@@ -8,8 +8,8 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.measured.signals._input import Booleans, Floats
-from stickslip.measured.signals._pieces import Integers, Layout, System
-from stickslip.measured.signals._solve import Solution, solve
+from stickslip.measured.signals._pieces import Integers, PieceLayout, SplineSystem
+from stickslip.measured.signals._solve import SplineSolution, solve
 
 _LEVEL = 4.0  # standard deviations a window may be off the belt and still count as stick
 _SAMPLES_PER_KNOT = 2.5
@@ -95,13 +95,13 @@ def knots(t: Floats, slips: Floats) -> Integers:
     return np.maximum(2, np.rint(inside / _SAMPLES_PER_KNOT)).astype(np.intp)
 
 
-def make_layout(t: Floats, capture: Floats, onset: Floats) -> Layout:
+def make_layout(t: Floats, capture: Floats, onset: Floats) -> PieceLayout:
     """Layout with knots to suit the samples."""
-    draft = Layout(float(t[0]), float(t[-1]), capture, onset, np.zeros(0, dtype=np.intp))
+    draft = PieceLayout(float(t[0]), float(t[-1]), capture, onset, np.zeros(0, dtype=np.intp))
     return replace(draft, intervals=knots(t, draft.slips))
 
 
-def first_layout(record: Record) -> Layout:
+def first_layout(record: Record) -> PieceLayout:
     """Layout from the stick test alone."""
     sticks = merge(record, runs(stick_windows(record)))
     t = record.t
@@ -118,12 +118,12 @@ def first_layout(record: Record) -> Layout:
     return make_layout(t, capture, onset)
 
 
-def fit(record: Record, layout: Layout, jerk: float) -> Solution:
+def fit(record: Record, layout: PieceLayout, jerk: float) -> SplineSolution:
     """Solve one layout."""
-    return solve(System(layout, record.creep), record.t, record.x, record.sigma, jerk)
+    return solve(SplineSystem(layout, record.creep), record.t, record.x, record.sigma, jerk)
 
 
-def best_jerk(record: Record, layout: Layout, start: float | None = None) -> float:
+def best_jerk(record: Record, layout: PieceLayout, start: float | None = None) -> float:
     """Density of the third derivative with the greatest evidence."""
     top = np.log(record.sigma**2 / record.dt**5)
     bounds = (top - 40.0, top + 5.0) if start is None else (np.log(start) - 3.0, np.log(start) + 3.0)
@@ -139,7 +139,7 @@ def best_jerk(record: Record, layout: Layout, start: float | None = None) -> flo
 Move = Literal["onset", "capture", "both"]
 
 
-def shifted(layout: Layout, move: Move, by: Floats, room: float) -> Layout:
+def shifted(layout: PieceLayout, move: Move, by: Floats, room: float) -> PieceLayout:
     """Layout with instants moved, none past its neighbours; what the record cuts stays."""
     capture, onset = layout.capture.copy(), layout.onset.copy()
     if move in ("capture", "both"):
@@ -159,7 +159,7 @@ def shifted(layout: Layout, move: Move, by: Floats, room: float) -> Layout:
     return replace(layout, capture=capture, onset=onset)
 
 
-def cost_of_moves(layout: Layout, solution: Solution, move: Move) -> Floats:
+def cost_of_moves(layout: PieceLayout, solution: SplineSolution, move: Move) -> Floats:
     """Part of the evidence that the instants of each stick bear on."""
     cost = np.concatenate([[0.0], solution.by_slip, [0.0]])
     after = np.arange(layout.capture.size) + layout.open_start + 1  # slip that begins at each onset
@@ -170,7 +170,7 @@ def cost_of_moves(layout: Layout, solution: Solution, move: Move) -> Floats:
     return np.asarray(cost[after - 1] + cost[np.minimum(after, cost.size - 1)])
 
 
-def refine(record: Record, layout: Layout, jerk: float, *, coarse: float, fine: float) -> Layout:
+def refine(record: Record, layout: PieceLayout, jerk: float, *, coarse: float, fine: float) -> PieceLayout:
     """Move every instant by ever smaller steps to where the evidence is greatest."""
     if layout.capture.size == 0:
         return layout
@@ -189,8 +189,8 @@ def refine(record: Record, layout: Layout, jerk: float, *, coarse: float, fine: 
 
 
 def _try(
-    record: Record, layout: Layout, best: Solution, move: Move, by: float, jerk: float
-) -> tuple[Layout, Solution]:
+    record: Record, layout: PieceLayout, best: SplineSolution, move: Move, by: float, jerk: float
+) -> tuple[PieceLayout, SplineSolution]:
     """Move all instants of one kind at once and keep the moves that pay."""
     room = 1.5 * record.dt
     trial = shifted(layout, move, np.full(layout.capture.size, by), room)
@@ -204,7 +204,7 @@ def _try(
     return (trial, tried) if tried.evidence < best.evidence else (layout, best)
 
 
-def prune(record: Record, layout: Layout, jerk: float) -> Layout:
+def prune(record: Record, layout: PieceLayout, jerk: float) -> PieceLayout:
     """Drop brief sticks and brief slips that the evidence does not call for."""
     best = fit(record, layout, jerk)
     brief = 2.0 * record.window * record.dt
@@ -228,7 +228,7 @@ def prune(record: Record, layout: Layout, jerk: float) -> Layout:
     return layout
 
 
-def instant_std(record: Record, layout: Layout, jerk: float, move: Move) -> Floats:
+def instant_std(record: Record, layout: PieceLayout, jerk: float, move: Move) -> Floats:
     """Estimate the standard deviation of each capture or onset, from the curvature of the evidence."""
     if layout.capture.size == 0:
         return np.zeros(0)

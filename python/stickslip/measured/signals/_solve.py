@@ -10,11 +10,11 @@ import numpy as np
 import scipy
 
 from stickslip.measured.signals._input import Floats
-from stickslip.measured.signals._pieces import TERMS, Integers, System
+from stickslip.measured.signals._pieces import TERMS, Integers, SplineSystem
 
 
 @dataclass(frozen=True, eq=False)
-class _Samples:
+class _SplineSamples:
     """Samples sorted into slips (interval, six values) and sticks (which, time from its middle)."""
 
     count: int
@@ -26,14 +26,14 @@ class _Samples:
     offset: Floats
 
     @classmethod
-    def sort(cls, system: System, t: Floats) -> "_Samples":
+    def sort(cls, system: SplineSystem, t: Floats) -> "_SplineSamples":
         place = system.place(t)
         in_slip, in_stick = np.flatnonzero(place >= 0), np.flatnonzero(place < 0)
         interval, value = system.basis(t[in_slip], place[in_slip])
         stick = -1 - place[in_stick]
         return cls(t.size, in_slip, interval, value, in_stick, stick, t[in_stick] - system.middle[stick])
 
-    def fitted(self, system: System, curve: Floats, unknowns: Floats) -> Floats:
+    def fitted(self, system: SplineSystem, curve: Floats, unknowns: Floats) -> Floats:
         """Belt-frame displacement at every sample; `curve`: six coefficients of every interval."""
         out = np.empty(self.count)
         out[self.in_slip] = np.einsum("nb,nb->n", self.value, curve[self.interval])
@@ -68,7 +68,9 @@ def _by_interval(interval: Integers, values: Floats, count: int) -> Floats:
     return out
 
 
-def _slip_part(system: System, block: Floats, pull: Floats) -> tuple[list[tuple[Integers, Floats]], Floats]:
+def _slip_part(
+    system: SplineSystem, block: Floats, pull: Floats
+) -> tuple[list[tuple[Integers, Floats]], Floats]:
     """Carry blocks and right sides from the coefficients of every interval to the unknowns."""
     index, weight = system.through(system.local, np.ones(pull.shape))
     width = system.unknown.shape[1]
@@ -83,7 +85,9 @@ def _slip_part(system: System, block: Floats, pull: Floats) -> tuple[list[tuple[
     return [(index[~sloped, ::2], block[~sloped]), (index[sloped], wide)], right
 
 
-def _stick_part(system: System, samples: _Samples, x: Floats) -> tuple[tuple[Integers, Floats], Floats]:
+def _stick_part(
+    system: SplineSystem, samples: _SplineSamples, x: Floats
+) -> tuple[tuple[Integers, Floats], Floats]:
     """Blocks and right sides of the sticks' levels and slopes, for noise 1."""
     width = system.unknown.shape[1]
     at = system.level[:, None] + np.arange(width)
@@ -130,10 +134,10 @@ def variances(index: Integers, weight: Floats, inverse: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class SplineSolution:
     """Unknowns, factor, and minus twice the log evidence, in all and slip by slip."""
 
-    system: System
+    system: SplineSystem
     unknowns: Floats
     factor: Floats
     evidence: float
@@ -145,12 +149,12 @@ class Solution:
         return np.asarray(np.einsum("ij,ij->i", weight, self.unknowns[index]))
 
 
-def solve(system: System, t: Floats, x: Floats, sigma: float, jerk: float) -> Solution:
+def solve(system: SplineSystem, t: Floats, x: Floats, sigma: float, jerk: float) -> SplineSolution:
     """Most probable unknowns given belt-frame samples (t, x) with noise `sigma`."""
     level = float(np.mean(x))
     target = (x - level) / sigma
     prior = system.prior() * (sigma**2 / jerk)  # everything in units of the noise
-    samples = _Samples.sort(system, t)
+    samples = _SplineSamples.sort(system, t)
     outer = samples.value[:, :, None] * samples.value[:, None, :]
     count = system.slip.size
     block = prior + _by_interval(samples.interval, outer, count)
@@ -176,7 +180,7 @@ def solve(system: System, t: Floats, x: Floats, sigma: float, jerk: float) -> So
     slope_at = system.level + 1 if system.creep > 0.0 else system.level[:0]
     offset = np.full(system.size, level)
     offset[slope_at] = 0.0
-    return Solution(system, unknowns * sigma + offset, factor / sigma, float(by_slip.sum()), by_slip)
+    return SplineSolution(system, unknowns * sigma + offset, factor / sigma, float(by_slip.sum()), by_slip)
 
 
 def _factor(matrix: Floats) -> Floats:
@@ -188,7 +192,7 @@ def _factor(matrix: Floats) -> Floats:
         return np.asarray(scipy.linalg.cholesky_banded(matrix, lower=True, check_finite=False))
 
 
-def _nearest_slip(system: System, t: Floats) -> Integers:
+def _nearest_slip(system: SplineSystem, t: Floats) -> Integers:
     """Slip each sample is counted with: sticks are halved between their neighbours."""
     passed = np.searchsorted(system.middle, t, side="right")
     slip = passed - (not system.layout.open_start)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.measured.signals._input import Floats, finite, finite_vector, positive
-from stickslip.measured.signals._pieces import Layout
+from stickslip.measured.signals._pieces import PieceLayout
 from stickslip.measured.signals._segments import (
     Record,
     best_jerk,
@@ -23,7 +23,7 @@ from stickslip.measured.signals._segments import (
     refine,
     window_length,
 )
-from stickslip.measured.signals._solve import Solution, selected_inverse, variances
+from stickslip.measured.signals._solve import SplineSolution, selected_inverse, variances
 from stickslip.measured.signals.quality import noise_std, quantisation
 
 
@@ -92,7 +92,7 @@ class Smoothed:
     noise: float
     jerk: float
     min_dwell: float
-    _solution: Solution = field(repr=False)
+    _solution: SplineSolution = field(repr=False)
     _belt: _Belt = field(repr=False)
 
     def evaluate(self, t: ArrayLike) -> tuple[Floats, Floats, Floats]:
@@ -260,7 +260,7 @@ def _belt(
     return _Belt(kept[0], finite(belt_speed, "belt_speed")), True
 
 
-def _segment(record: Record, has_belt: bool) -> tuple[Layout, float]:
+def _segment(record: Record, has_belt: bool) -> tuple[PieceLayout, float]:
     nothing = np.zeros(0)
     if not has_belt:
         layout = make_layout(record.t, nothing, nothing)
@@ -280,7 +280,7 @@ def _segment(record: Record, has_belt: bool) -> tuple[Layout, float]:
     return layout, best_jerk(record, layout, jerk)
 
 
-def _turns(record: Record, solution: Solution) -> Floats:
+def _turns(record: Record, solution: SplineSolution) -> Floats:
     """Instants within slips at which the speed against the belt changes sign beyond doubt."""
     index, weight = solution.system.rows(record.t, 1)
     v = solution.at(record.t, 1)
@@ -296,7 +296,7 @@ def _turns(record: Record, solution: Solution) -> Floats:
     return np.asarray(record.t[before] + share * (record.t[after] - record.t[before]))
 
 
-def _reversals(record: Record, layout: Layout, jerk: float) -> Layout:
+def _reversals(record: Record, layout: PieceLayout, jerk: float) -> PieceLayout:
     """Let the acceleration jump wherever a slip turns over: the friction may."""
     when = _turns(record, fit(record, layout, jerk))
     capture, onset = np.append(layout.capture, when), np.append(layout.onset, when)
@@ -304,7 +304,7 @@ def _reversals(record: Record, layout: Layout, jerk: float) -> Layout:
     return make_layout(record.t, capture[order], onset[order])
 
 
-def _slips(record: Record, solution: Solution) -> tuple[Floats, NDArray[np.int8], NDArray[np.int8]]:
+def _slips(record: Record, solution: SplineSolution) -> tuple[Floats, NDArray[np.int8], NDArray[np.int8]]:
     """Slips cut where they turn over, their directions, and the mode at every sample."""
     slips, turns = solution.system.slips, _turns(record, solution)
     begin, end = np.sort(np.append(slips[:, 0], turns)), np.sort(np.append(slips[:, 1], turns))
@@ -316,7 +316,7 @@ def _slips(record: Record, solution: Solution) -> tuple[Floats, NDArray[np.int8]
 
 
 def _blur(
-    record: Record, solution: Solution, instants: Floats, std: Floats, side: float, spread: list[Floats]
+    record: Record, solution: SplineSolution, instants: Floats, std: Floats, side: float, spread: list[Floats]
 ) -> None:
     """Add what not knowing an instant exactly does to velocity and acceleration near it."""
     if instants.size == 0:
@@ -332,7 +332,7 @@ def _blur(
         spread[1][near] = np.hypot(spread[1][near], np.abs(change) * doubt * np.exp(-0.25 * off**2))
 
 
-def _result(record: Record, solution: Solution, motion: _Belt, jerk: float, has_belt: bool) -> Smoothed:
+def _result(record: Record, solution: SplineSolution, motion: _Belt, jerk: float, has_belt: bool) -> Smoothed:
     layout = solution.system.layout
     inverse = selected_inverse(solution.factor)
     moved, speed, change = motion.at(record.t)

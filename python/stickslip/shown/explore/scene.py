@@ -29,7 +29,7 @@ LAW = 200  # points of the friction law on either side
 
 
 @dataclass(frozen=True)
-class Place:
+class ScenePlace:
     """Where a model is looked at: a coordinate and its velocity among the states, and the contact that rubs there.
 
     `direction` turns velocities of the coordinates into that of the contact; `drift` says whether a drive carries the
@@ -46,7 +46,7 @@ class Place:
     drift: bool = False
 
 
-def place(model: Model) -> Place:
+def place(model: Model) -> ScenePlace:
     """The block, or the first coordinate that a contact of a rig of bodies or matrices rubs on.
 
     Raises
@@ -55,7 +55,7 @@ def place(model: Model) -> Place:
         Of a rig that neither a belt nor a drive moves.
     """
     if not isinstance(model.rig, GeneralRig):
-        return Place("x1", 0, 1)
+        return ScenePlace("x1", 0, 1)
     own = model.rig.equations
     n = len(own.names)
     if not own.contacts or not (own.on_belt or own.driven):
@@ -66,7 +66,7 @@ def place(model: Model) -> Place:
     at = int(np.argmax(np.abs(direction)))
     moved_by: Literal["belt", "drive"] = "belt" if own.on_belt else "drive"
     on_belt = own.contacts[j].against == "belt"
-    return Place(own.names[at], at, at + n, j, direction, moved_by, on_belt, own.driven)
+    return ScenePlace(own.names[at], at, at + n, j, direction, moved_by, on_belt, own.driven)
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ Cell = str | bool | int | float | Span | None
 
 
 @dataclass(frozen=True)
-class Samples:
+class ShownSamples:
     """Columns (n,) over the first of them, and the unit of each; "" is not known, "1" a pure number."""
 
     columns: Mapping[str, np.ndarray]
@@ -75,7 +75,7 @@ class Description:
     heads: Sequence[str] = ("quantity", "value", "unit")
     rows: Sequence[Sequence[Cell]] = ()
     notes: Sequence[str] = ()
-    samples: Samples | None = None
+    samples: ShownSamples | None = None
     draw: Callable[[Axes], None] | None = None
     large: Callable[[], Figure] | None = None
 

@@ -9,7 +9,7 @@ from stickslip.declared.scale import scales
 from stickslip.declared.units import Channel
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
-from stickslip.shown.objects.description import Cell, Description, Samples, describe
+from stickslip.shown.objects.description import Cell, Description, ShownSamples, describe
 from stickslip.shown.plot.curves import DOTS, MEASURED, label
 
 Row = tuple[Cell, ...]
@@ -35,7 +35,7 @@ def _recording(one: Recording) -> Description:
         )
         for name, channel in one.channels.items()
     ]
-    samples = Samples(
+    samples = ShownSamples(
         {name: one.raw[name] for name in ("t", *(key for key in one.channels if key != "t"))},
         {name: channel.unit for name, channel in one.channels.items()},
     )

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from stickslip.shown.objects.description import Cell, Description, Samples, Span, describe
+from stickslip.shown.objects.description import Cell, Description, ShownSamples, Span, describe
 from stickslip.shown.objects.runs import read_in
 from stickslip.shown.plot.branch import plot_branch
 from stickslip.shown.plot.curves import GREY, MEASURED, SIMULATED, label
@@ -91,7 +91,7 @@ def _branch(one: Branch) -> Description:
         title=f"Branch of cycles over {one.parameter}: {len(one)} points, {kept} stable; ends: {', '.join(one.ends)}",
         heads=("bifurcation", one.parameter, "period", "cycle"),
         rows=rows,
-        samples=Samples({**columns, **states}, {}),
+        samples=ShownSamples({**columns, **states}, {}),
         draw=lambda ax: _small(ax, one),
         large=lambda: plot_branch(one),
     )
@@ -135,6 +135,6 @@ def _exponents(one: LyapunovSpectrum) -> Description:
         title=f"Lyapunov exponents, {chaos}; dimension {one.dimension:.4g}",
         heads=("quantity", "value", "95 % interval"),
         rows=rows,
-        samples=Samples({"t": one.t, **history}, {}),
+        samples=ShownSamples({"t": one.t, **history}, {}),
         draw=draw,
     )

@@ -13,7 +13,7 @@ from stickslip.declared.rig import Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Scale, scales
 from stickslip.declared.speeds import Speed
-from stickslip.shown.objects.description import Cell, Description, Samples, describe
+from stickslip.shown.objects.description import Cell, Description, ShownSamples, describe
 from stickslip.shown.plot import bodies, curves
 from stickslip.shown.plot.curves import DOTS, GREY, SIMULATED, label
 from stickslip.simulated.trajectory import MODE_NAMES, Modes, Trajectory, Transitions
@@ -61,7 +61,9 @@ def _trajectory(one: Trajectory) -> Description:
         heads=("state", "least", "greatest", "unit"),
         rows=rows,
         notes=[] if one.status.ok else [str(one.status)],
-        samples=Samples({"t": one.t, **states, **one.modes, **names}, _units(one.model, one.state_names)),
+        samples=ShownSamples(
+            {"t": one.t, **states, **one.modes, **names}, _units(one.model, one.state_names)
+        ),
         draw=lambda ax: _portrait(ax, one),
         large=lambda: _large(one),
     )

@@ -40,7 +40,7 @@ class Shown:
     live: Interactive | None
 
 
-class Contents:
+class PageContents:
     """The headings of a page in their order, collected while its body is rendered."""
 
     def __init__(self) -> None:
@@ -83,7 +83,7 @@ def render(package: str, template: str, given: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= FILTERS
-    contents = Contents()
+    contents = PageContents()
     module = environment.get_template(template).make_module({**given, "contents": contents})
     live = any(one.live is not None for one in given["figures"].values())
     here = files("stickslip.shown.pages")

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from stickslip.discovery.result import Found, FoundEffect, RunView, Verdict
 from stickslip.shown.plot.curves import GREY, LIMIT, MEASURED, SIMULATED, STYLE, label
 from stickslip.shown.plot.drawing import Drawing
-from stickslip.shown.report.motion import Measured, broken, measured
+from stickslip.shown.report.motion import MeasuredMotion, broken, measured
 from stickslip.shown.report.units import Axes
 from stickslip.shown.report.words import guessed, joined
 
@@ -99,7 +99,7 @@ def portrait(found: Found, axes: Axes) -> Figure:
     return figure
 
 
-def _portrait(ax: Plot, run: RunView, smooth: Measured | None, which: str, axes: Axes) -> None:
+def _portrait(ax: Plot, run: RunView, smooth: MeasuredMotion | None, which: str, axes: Axes) -> None:
     xs, vs = axes.x1.size, axes.x2.size
     half = run.t[-1] / 2
     if smooth is not None:

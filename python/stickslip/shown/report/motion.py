@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredMotion:
     """The readings of a run smoothed: t, x1, x2, friction force and v_w, all (n,), in model units.
 
     `sure` marks samples whose force is not blurred by a transition near by.
@@ -34,7 +34,7 @@ class Measured:
     sure: NDArray[np.bool_]
 
 
-def measured(model: Model, run: RunView) -> Measured | None:
+def measured(model: Model, run: RunView) -> MeasuredMotion | None:
     """Velocity and friction force from a run's readings by smoothing splines and (2.1) solved for T.
 
     Returns None where a channel cannot be smoothed, or where a run misses readings.
@@ -51,10 +51,10 @@ def measured(model: Model, run: RunView) -> Measured | None:
     force = friction_force(model.rig, (x.x, x.v, x.a), (y.x, y.v))
     v_w = x.v - run.belt_speed
     rough = np.abs(np.gradient(x.a, x.t))
-    return Measured(x.t, x.x, x.v, force, v_w, rough <= 3 * np.median(rough))
+    return MeasuredMotion(x.t, x.x, x.v, force, v_w, rough <= 3 * np.median(rough))
 
 
-def _one_degree(model: Model, run: RunView) -> Measured:
+def _one_degree(model: Model, run: RunView) -> MeasuredMotion:
     """A block on a belt: local cubics over an eighth of a natural period, since real contacts jerk."""
     assert isinstance(model.rig, BlockOnBelt)
     good = np.isfinite(run.measured["x1"])
@@ -65,7 +65,7 @@ def _one_degree(model: Model, run: RunView) -> Measured:
     smooth, v, a = (scipy.signal.savgol_filter(x, width, 3, deriv=k, delta=dt) for k in range(3))
     rough = np.abs(np.gradient(a, run.t))
     force = friction_force(model.rig, (smooth, v, a))
-    return Measured(run.t, smooth, v, force, v - run.belt_speed, rough <= 3 * np.median(rough))
+    return MeasuredMotion(run.t, smooth, v, force, v - run.belt_speed, rough <= 3 * np.median(rough))
 
 
 def broken(t: Floats, state: Floats, *columns: Floats) -> tuple[Floats, ...]:

@@ -39,7 +39,7 @@ class Slots(Protocol):
 
 
 @dataclass(frozen=True)
-class Column:
+class GridColumn:
     """One varied name: its values along its dimension, the slots of the core they go to, and by what they are
     multiplied there. `name` is as it was given, `full_name` what it stands for.
     """
@@ -56,7 +56,7 @@ class Column:
 class Grid:
     """The members of a sweep, numbered in C order over the dimensions; never held all at once."""
 
-    columns: tuple[Column, ...]
+    columns: tuple[GridColumn, ...]
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -131,7 +131,7 @@ def _varied(
     model: Model,
     lowered: Slots,
     taken: frozenset[str],
-) -> Column:
+) -> GridColumn:
     must_be("over", name, str, "the names of what varies are strings")
     if name == "initial":
         first = model.rig.state_names[0]
@@ -148,7 +148,9 @@ def _varied(
     if dim in taken:
         raise InputError(f"cannot be a dimension's name, a result has it; it varies {name}", key=dim)
     full = model.full_name(name)
-    return Column(name, full, dim, values, _slots(name, full, model, lowered), lowered.factors.get(full, 1.0))
+    return GridColumn(
+        name, full, dim, values, _slots(name, full, model, lowered), lowered.factors.get(full, 1.0)
+    )
 
 
 def _column(name: str, given: object) -> tuple[str, Floats]:
@@ -202,8 +204,8 @@ def _slots(given: str, name: str, model: Model, lowered: Slots) -> tuple[int, ..
     return tuple(int(slot) for slot in np.flatnonzero(lowered.seeds([name])[0]))
 
 
-def _consistent(columns: list[Column]) -> None:
-    first: dict[str, Column] = {}
+def _consistent(columns: list[GridColumn]) -> None:
+    first: dict[str, GridColumn] = {}
     owner: dict[int, str] = {}
     for column in columns:
         other = first.setdefault(column.dim, column)
