@@ -120,6 +120,48 @@ class TestGlitches:
         x[at + 1] += second * size
         assert find_glitches(x).indices.tolist() == sorted([*at, *(at + 1)])
 
+    @pytest.mark.parametrize(
+        ("x", "second", "share"),
+        [
+            (TRUTH.x, -1.0, 0.70),
+            (TRUTH.x, 1.0, 0.75),
+            (np.sin(np.arange(4000) * 2 * np.pi / 100), -1.0, 0.20),
+        ],
+        ids=["sticks and slips, of opposite sign", "of one sign", "a fast sine, of opposite sign"],
+    )
+    def test_two_of_fifteen_sigma_side_by_side_are_found_anywhere(self, x, second, share):
+        sigma, random = 1e-3, np.random.default_rng(1)
+        x = x + sigma * random.normal(size=x.size)
+        assert not find_glitches(x, noise=sigma).mask.any()
+        at = np.arange(20, 3980, 24)[:160]
+        size = random.choice([-15.0, 15.0], at.size) * sigma
+        x[at] += size
+        x[at + 1] += second * size
+        found = find_glitches(x, noise=sigma).mask
+        assert np.mean(found[at] & found[at + 1]) > share
+        if second < 0:
+            assert not found[np.setdiff1d(np.arange(x.size), [*at, *(at + 1)])].any()
+
+    @pytest.mark.parametrize("second", [1.0, -1.0])
+    def test_two_with_a_good_one_between_are_found_and_that_is_kept(self, second):
+        sigma, random = 1e-3, np.random.default_rng(1)
+        x = TRUTH.x + sigma * random.normal(size=TRUTH.x.size)
+        at = np.arange(20, 3980, 24)[:160]
+        size = random.choice([-30.0, 30.0], at.size) * sigma
+        x[at] += size
+        x[at + 2] += second * size
+        assert find_glitches(x, noise=sigma).indices.tolist() == sorted([*at, *(at + 2)])
+
+    @pytest.mark.parametrize("size", [5.0, 10.0, 20.0])
+    def test_a_jump_or_a_bend_is_no_two_glitches(self, size):
+        sigma, random, t = 1e-3, np.random.default_rng(3), np.arange(4000)
+        for places in range(2, 9):
+            bends = np.abs(t % (24 + places) - 12.0 - places / 2)
+            jumps = t // (20 + places) % 2
+            for motion in (bends, jumps):
+                found = find_glitches(sigma * (size * motion + random.normal(size=t.size)), noise=sigma).mask
+                assert not (found[1:] & found[:-1]).any()
+
     def test_silent_channel_and_short_ones(self):
         x = np.zeros(200)
         assert not find_glitches(x).mask.any()

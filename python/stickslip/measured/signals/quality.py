@@ -13,8 +13,10 @@ from stickslip.measured.signals._input import Booleans, Floats, finite_vector, p
 
 _CUBIC = (-1.0 / 6.0, 4.0 / 6.0, 0.0, 4.0 / 6.0, -1.0 / 6.0)  # the middle of five by its four neighbours
 _CUBIC_STD = math.sqrt(1.0 + sum(w * w for w in _CUBIC))  # of x - prediction, for unit white noise
-_FLANKS = (-0.4, 0.9, 0.9, -0.4)  # the same by the second and third neighbours on both sides
-_FLANKS_STD = math.sqrt(1.0 + sum(w * w for w in _FLANKS))
+_PAIRS = {  # the first of two, so many places apart, by the two neighbours on either side of both
+    1: (-0.3, 1.0, 0.5, -0.2),
+    2: (-0.4, 1.2, 0.4, -0.2),
+}
 _AT_ONCE = 1 << 14  # samples whose differences are weighted at once: each takes some 500 bytes
 _WINDOW = 101  # samples over which the local scale of `find_glitches` is taken
 
@@ -139,10 +141,10 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
     normal quantile of `false_alarms` times its standard deviation, ``1.394 noise``, and stand out from
     the deviations beside it (a glitch g leaves -2g/3 there). Where the signal itself is rough (deviations
     over a hundred samples half as large again as usual) the local scale is used, after Hampel. The
-    strongest are taken out first and the rest looked at again. Two side by side hide each other from such a
-    comparison: before it, samples are compared with the cubic through their second and third neighbours,
-    where these differ, beyond the usual motion from sample to sample, by less than half of what is beyond the
-    same quantile.
+    strongest are taken out first and the rest looked at again. Two side by side, or with one
+    between them, hide each other from such a comparison: before it, both are compared with the cubic through the
+    two neighbours on either side of them, and both must be beyond the same quantile by more than the slopes that
+    these neighbours show differ: a bend or a jump of the motion is no glitch.
 
     Parameters
     ----------
@@ -185,9 +187,10 @@ def find_glitches(x: ArrayLike, *, false_alarms: float = 1e-6, noise: float | No
         return Glitches(mask, np.zeros_like(values), np.full_like(values, np.inf))
     first = _deviation(values)
     threshold = _threshold(values, first, false_alarms, noise)
-    mask |= _beside_quiet(values, threshold)
-    if mask.any():
-        values[mask] = np.interp(np.flatnonzero(mask), np.flatnonzero(~mask), values[~mask])
+    for apart in _PAIRS:
+        pairs = _pairs(values, threshold, apart)
+        mask |= pairs != 0.0
+        values -= pairs
     deviation = _deviation(values)
     for _ in range(10):
         size = np.abs(deviation)
@@ -209,17 +212,29 @@ def _deviation(x: Floats) -> Floats:
     return out
 
 
-def _beside_quiet(x: Floats, threshold: Floats) -> Booleans:
-    """Samples, singly or in twos, far from the cubic through the second and third neighbours.
+def _pairs(x: Floats, threshold: Floats, apart: int) -> Floats:
+    """What two samples are off by, (n,), where both are glitches and one between them is none; 0 elsewhere.
 
-    These may differ by the usual motion, and else by less than half of what is beyond the threshold.
+    Of a jump they are off by less than the slopes around them differ (neighbours: by 0.3 of it, where those do by
+    1/3), of a bend too (by 0.25 of the change of slope, where those differ by 0.5).
     """
-    moves = scipy.ndimage.median_filter(np.diff(x), size=min(_WINDOW, x.size - 1), mode="nearest")
-    flanks = np.stack([x[:-6], x[1:-5], x[5:-1], x[6:]])
-    deviation = np.abs(x[3:-3] - np.array(_FLANKS) @ flanks)
-    spread = np.ptp(flanks - np.array([[-3.0], [-2.0], [2.0], [3.0]]) * moves[3:-2], axis=0)
-    out = np.zeros(x.shape, dtype=np.bool_)
-    out[3:-3] = deviation > _FLANKS_STD / _CUBIC_STD * threshold[3:-3] + 2.0 * spread
+    near = np.lib.stride_tricks.sliding_window_view(x, apart + 5)
+    around, weights = near[:, [0, 1, -2, -1]].T, np.array(_PAIRS[apart])
+    first, second = near[:, 2] - weights @ around, near[:, 2 + apart] - weights[::-1] @ around
+    between = near[:, 3] - (around[1] + around[2]) / 2 if apart > 1 else np.zeros_like(first)
+    before, across, after = (
+        around[1] - around[0],
+        (around[2] - around[1]) / (apart + 2),
+        around[3] - around[2],
+    )
+    bend = np.maximum(np.abs(before - across), np.abs(after - across))
+    least = math.sqrt(1.0 + float(weights @ weights)) / _CUBIC_STD * threshold[2 : 2 + first.size] + bend
+    least = np.maximum(least, 2.0 * np.abs(between))  # a hump of three is motion
+    both = np.minimum(np.abs(first), np.abs(second)) > least
+    both[apart:] &= ~both[:-apart]
+    out = np.zeros_like(x)
+    out[2 : 2 + first.size] += np.where(both, first, 0.0)
+    out[2 + apart : 2 + apart + first.size] += np.where(both, second, 0.0)
     return out
 
 
