@@ -96,8 +96,8 @@ def test_other_commands_take_the_models(hummed: Path, tmp_path: Path) -> None:
 
 def test_where_nothing_acts_nothing_is_named() -> None:
     case = CASES["drill"]()
-    runs = [recording(case, *recorded(case, seed, level=0.02, static=0.02, lasts=12.0)) for seed in (60, 61)]
-    runs += [recording(case, *recorded(case, 62, level=0.02, static=0.02, lasts=8.0), role="validate")]
+    runs = [recording(case, *recorded(case, seed, level=0.02, static=0.02, lasts=8.0)) for seed in (60, 61)]
+    runs += [recording(case, *recorded(case, 62, level=0.02, static=0.02, lasts=6.0), role="validate")]
     found = ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
     assert isinstance(found, GeneralFound)
     assert found.verdict is Verdict.no_effect

@@ -20,8 +20,15 @@ from stickslip.likelihoods.fit_state import begin
 SCATTER, OFF = 0.02, 0.008
 
 
-def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
-    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, OFF, 1)), threads=1)
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ss.Found]:
+    """A case in which only friction scatters, and what one thread finds in it."""
+    path = case(tmp_path_factory.mktemp("plain"), (), SCATTER, OFF, 1, few=True)
+    return path, ss.discover(ss.load_case(path), threads=1)
+
+
+def test_nothing_is_named_where_only_friction_scatters(plain: tuple[Path, ss.Found]) -> None:
+    _, found = plain
     assert found.verdict.value == "no_effect"
     assert found.scatter["kinetic"].value == pytest.approx(SCATTER, rel=0.35)
     one = found.constants["alpha2"]
@@ -31,9 +38,22 @@ def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
     assert any("differs from event to event" in words for words in found.messages)
 
 
+def test_an_effect_of_one_s_own_that_does_not_act_changes_nothing(plain: tuple[Path, ss.Found]) -> None:
+    """On another number of threads."""
+    path, without = plain
+    force = "-c*deflection**2*deflection_rate"
+    mine = ss.candidate("mine", where="angle_body", force=force, ranges={"c": [0, 60]})
+    found = ss.discover(ss.load_case(path), candidates=[mine], threads=2)
+    assert found.verdict is without.verdict
+    assert any(one.names == ("mine",) for one in found.ranking)
+    assert found.law.keys() == without.law.keys()
+    for name, one in without.law.items():
+        assert found.law[name].value == pytest.approx(one.value, rel=1e-2)
+
+
 def test_an_effect_is_named_through_the_scatter(tmp_path: Path) -> None:
     effect = ss.effect("block_viscous_damping", c=1.0)
-    found = ss.discover(ss.load_case(case(tmp_path, (effect,), SCATTER, OFF, 2)), threads=1)
+    found = ss.discover(ss.load_case(case(tmp_path, (effect,), SCATTER, OFF, 2, few=True)), threads=1)
     assert [one.name for one in found.effects] == ["block_viscous_damping"]
     number = found.effects[0].parameters["c"]
     assert number.low is not None
@@ -44,7 +64,7 @@ def test_an_effect_is_named_through_the_scatter(tmp_path: Path) -> None:
 
 
 def test_a_constant_beyond_three_of_its_uncertainties_is_named_and_mended(tmp_path: Path) -> None:
-    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.1, 3)), threads=1)
+    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.1, 3, few=True)), threads=1)
     assert found.verdict.value == "effect_found"
     (effect,) = found.effects
     assert (effect.name, effect.where, effect.of_rig) == ("rig_alpha2", "angle_body", True)
@@ -68,13 +88,13 @@ def test_a_constant_of_a_rig_in_si_is_named_by_its_own_name(tmp_path: Path) -> N
 
 
 def test_a_constant_within_three_of_its_uncertainties_is_no_finding(tmp_path: Path) -> None:
-    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.03, 4)), threads=1)
+    found = ss.discover(ss.load_case(case(tmp_path, (), SCATTER, 0.03, 4, few=True)), threads=1)
     assert found.verdict.value == "no_effect"
     assert found.after.parameters["alpha2"] == pytest.approx(8.0, rel=0.02)
 
 
 def test_where_every_event_repeats_scatter_is_none(tmp_path: Path) -> None:
-    found = ss.discover(ss.load_case(case(tmp_path, (), 0.0, 0.0, 3)), threads=1)
+    found = ss.discover(ss.load_case(case(tmp_path, (), 0.0, 0.0, 3, few=True)), threads=1)
     assert found.verdict.value == "no_effect"
     assert found.scatter == {}
     assert found.residual_after.clean

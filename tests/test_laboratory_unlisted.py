@@ -1,6 +1,7 @@
 """What passes the gate beside the names found is unlisted: a name must leave what scatter and noise leave."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import stickslip as ss
 from scattering import case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, loop, search
-from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.fitted.data import prepare
@@ -28,34 +29,58 @@ def fit_of(bench: Bench, terms: tuple[Term, ...]) -> Trial:
     return Trial(terms, fitted(begin(bench.windows(terms)), bench.policy))
 
 
-@pytest.mark.parametrize(("acts", "left"), [(PULL, True), (CUBIC, False)])
-def test_a_name_that_only_stands_in_leaves_a_curve(
-    tmp_path: Path, acts: Effect | Tabulated, left: bool
-) -> None:
-    read = ss.load_case(case(tmp_path, (acts,), 0.015, 0.005, 7))
-    bench = loop.bench_of(read, prepare(read.train))
-    named = fit_of(bench, (Term(CUBIC),))
-    found = loop._left_over(bench, Searched(fit_of(bench, ()), named), 0)
-    assert (found is not None) == left
-    if found is not None:
-        assert (found.where, found.variable) == ("block", "x1")
-        assert loop.Verdicts(bench, Searched(named, named), found, beside=True).told is named
+@dataclass(frozen=True)
+class Left:
+    """A search that named a cubic spring where `acts` acts, and the curve that this leaves."""
+
+    bench: Bench
+    null: Trial
+    named: Trial
+
+    @property
+    def searched(self) -> Searched:
+        return Searched(self.null, self.named)
+
+    @cached_property
+    def curve(self) -> Learned | None:
+        return loop._left_over(self.bench, self.searched, 0)
 
 
-def test_what_names_leave_is_told_from_a_share_of_what_they_explain(tmp_path: Path) -> None:
-    read = ss.load_case(case(tmp_path, (PULL,), 0.015, 0.005, 7))
+def left_by(folder: Path, acts: Effect | Tabulated) -> Left:
+    read = ss.load_case(case(folder, (acts,), 0.015, 0.005, 7, few=True))
     bench = loop.bench_of(read, prepare(read.train))
-    found = Searched(fit_of(bench, ()), fit_of(bench, (Term(CUBIC),)))
-    left = loop._left_over(bench, found, 0)
-    assert left is not None
-    share = np.sqrt(left.gain / (found.null.fit.deviance - found.chosen.fit.deviance))
+    return Left(bench, fit_of(bench, ()), fit_of(bench, (Term(CUBIC),)))
+
+
+@pytest.fixture(scope="module")
+def pulled(tmp_path_factory: pytest.TempPathFactory) -> Left:
+    return left_by(tmp_path_factory.mktemp("pulled"), PULL)
+
+
+@pytest.fixture(scope="module")
+def bent(tmp_path_factory: pytest.TempPathFactory) -> Left:
+    return left_by(tmp_path_factory.mktemp("bent"), CUBIC)
+
+
+def test_a_name_that_only_stands_in_leaves_a_curve(pulled: Left, bent: Left) -> None:
+    assert bent.curve is None
+    assert pulled.curve is not None
+    assert (pulled.curve.where, pulled.curve.variable) == ("block", "x1")
+    verdicts = loop.Verdicts(pulled.bench, Searched(pulled.named, pulled.named), pulled.curve, beside=True)
+    assert verdicts.told is pulled.named
+
+
+def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left) -> None:
+    assert pulled.curve is not None
+    found, bench = pulled.searched, pulled.bench
+    share = np.sqrt(pulled.curve.gain / (found.null.fit.deviance - found.chosen.fit.deviance))
     for size, told in ((0.9 * share, True), (1.1 * share, False)):
         strict = replace(bench, policy=replace(bench.policy, stands_in=size))
         assert (loop._left_over(strict, found, 0) is not None) == told
 
 
 def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> None:
-    read = ss.load_case(case(tmp_path, (), 0.015, 0.005, 7))
+    read = ss.load_case(case(tmp_path, (), 0.015, 0.005, 7, few=True))
     fit = fit_of(loop.bench_of(read, prepare(read.train)), ()).fit
     weight = np.ones(len(fit.own))
     for share, gone in ((0.1, False), (0.3, True)):
@@ -63,11 +88,9 @@ def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> No
         assert lost(replace(fit, linear=replace(fit.linear, weight=weight))) == gone
 
 
-def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> None:
+def test_a_curve_is_held_against_all_that_a_wave_explains(bent: Left) -> None:
     """What scatter may have of a wave's gain was taken off before a curve was held against it, and the curve won."""
-    read = ss.load_case(case(tmp_path, (CUBIC,), 0.015, 0.005, 7))
-    bench = loop.bench_of(read, prepare(read.train))
-    null, named = fit_of(bench, ()), fit_of(bench, (Term(CUBIC),))
+    bench, null, named = bent.bench, bent.null, bent.named
     gain = null.fit.deviance - named.fit.deviance
     assert loop._curve(bench, Searched(null, null), 0) is not None
     assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
@@ -76,7 +99,7 @@ def test_a_curve_is_held_against_all_that_a_wave_explains(tmp_path: Path) -> Non
 def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_it(tmp_path: Path) -> None:
     """The sign of a pivot's speed may be rounded: from 0 no slope shows it, and what it left was called unlisted."""
     rounded = ss.effect("pivot_dry_friction", f=0.1, v_c=0.01)
-    read = ss.load_case(case(tmp_path, (rounded,), 0.015, 0.005, 7))
+    read = ss.load_case(case(tmp_path, (rounded,), 0.015, 0.005, 7, few=True))
     bench = loop.bench_of(read, prepare(read.train))
     sharp = fit_of(bench, (Term(ss.effect("pivot_dry_friction", f=0.1)),))
     (found,) = search.leader_anew(bench, Trial((), sharp.fit), [sharp])
