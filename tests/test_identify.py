@@ -308,7 +308,7 @@ def test_cases_without_an_effect_give_their_true_branches(name):
 def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default(
     tmp_path, friction, plus, words
 ):
-    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction, length=4.0))
+    found = ss.identify(case_of(rig_of(0.01), tmp_path, friction=friction, length=3.0))
     law = found.law
     assert (law.static, law.kinetic) == pytest.approx((STATIC, KINETIC), rel=1e-3)
     assert (law.static_plus, law.kinetic_plus) == (plus or (law.static, law.kinetic))
@@ -318,7 +318,7 @@ def test_the_direction_never_visited_is_declared_or_repeated_and_never_a_default
 
 def test_a_backward_belt_repeats_its_own_direction_where_the_other_is_not_declared(tmp_path):
     said = ("-10 mm/s", "-20 mm/s", "-30 mm/s")
-    case = case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0, length=4.0)
+    case = case_of(rig_of(0.01), tmp_path, said=said, friction='kind = "coulomb"', sign=-1.0, length=3.0)
     found = ss.identify(case)
     assert (found.law.static_plus, found.law.kinetic_plus) == pytest.approx((STATIC, KINETIC), rel=1e-3)
     assert (found.law.static, found.law.kinetic) == (found.law.static_plus, found.law.kinetic_plus)
@@ -330,7 +330,7 @@ def test_two_directions_are_identified_one_by_one_and_joined_as_the_page_says(tm
     cases = []
     for sign, said in ((1.0, ()), (-1.0, ("-10 mm/s", "-20 mm/s", "-30 mm/s"))):
         (tmp_path / f"{sign}").mkdir()
-        cases.append(case_of(rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth))
+        cases.append(case_of(rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth, length=4.0))
     with pytest.raises(ss.InputError, match=r"each direction separately and join the laws: .*static_plus"):
         ss.identify([*cases[0].train, *cases[1].train], rig=cases[0].rig)
     ahead, back = (ss.identify(case) for case in cases)

@@ -69,12 +69,27 @@ def test_where_nothing_scatters_the_law_alone_is_fitted(tmp_path: Path) -> None:
         assert abs(one.value - alone.estimates[name].value) < 0.5 * (one.high - one.low)
 
 
+@pytest.fixture(scope="module")
+def block(tmp_path_factory: pytest.TempPathFactory) -> tuple[ss.Identified, Fit]:
+    """A block whose friction differs from slip to slip, identified; and the fit that its covariance is of."""
+    fits: list[Fit] = []
+    case = ss.load_case(block_case(tmp_path_factory.mktemp("block"), seed=3, scatter=0.02))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "stickslip.likelihoods.scatter_report.covariance",
+            lambda fit: fits.append(fit) or correlated.covariance(fit),
+        )
+        return ss.identify(case), fits[0]
+
+
 @pytest.mark.parametrize("exact", [False, True])
-def test_a_block_whose_friction_differs_from_slip_to_slip(tmp_path: Path, exact: bool) -> None:
-    path = block_case(tmp_path, seed=3, scatter=0.02)
+def test_a_block_whose_friction_differs_from_slip_to_slip(
+    tmp_path: Path, block: tuple[ss.Identified, Fit], exact: bool
+) -> None:
+    found, _ = block
     if exact:
-        path.write_text(path.read_text() + "[uncertainty]\nm = 0\nk = 0\nspring_force = 0\n")
-    found = ss.identify(ss.load_case(path))
+        said = "[uncertainty]\nm = 0\nk = 0\nspring_force = 0\n"
+        found = ss.identify(ss.load_case(block_case(tmp_path, seed=3, scatter=0.02, more=said)))
     assert isinstance(found.law, ss.CoulombFriction)
     for name, value in (("static", STATIC), ("kinetic", KINETIC)):
         assert abs(found.estimates[name].value - value) < 3 * found.estimates[name].std
@@ -97,21 +112,16 @@ def _saved(found: ss.Identified, folder: Path) -> Path:
 
 @pytest.mark.parametrize("memories", [(0.0, 0.0), (0.9, 0.9), (0.95, 0.1)])
 def test_events_that_are_alike_make_a_covariance_and_a_wider_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]
+    block: tuple[ss.Identified, Fit], monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]
 ) -> None:
-    fits: list[Fit] = []
-    monkeypatch.setattr(
-        "stickslip.likelihoods.scatter_report.covariance",
-        lambda fit: fits.append(fit) or correlated.covariance(fit),
-    )
-    ss.identify(ss.load_case(block_case(tmp_path, seed=3, scatter=0.02)))
-    alone = fits[0].solution.covariance
+    _, fit = block
+    alone = fit.solution.covariance
     monkeypatch.setattr(correlated, "memory", lambda _fit, which: (memories[which], 0.0))
     monkeypatch.setattr(correlated.np, "clip", lambda _found, _low, high: high)  # as alike as they can be
-    wide = correlated.covariance(fits[0])
+    wide = correlated.covariance(fit)
     assert wide == pytest.approx(wide.T, rel=1e-6, abs=1e-18)
     assert (np.linalg.eigvalsh(wide) > 0).all()
-    levels = [i for i, one in enumerate(fits[0].windows.numbers) if one.name == "kinetic"]
+    levels = [i for i, one in enumerate(fit.windows.numbers) if one.name == "kinetic"]
     assert (np.diag(wide)[levels] > 1.5 * np.diag(alone)[levels]).all() == (memories[1] > 0.5)
 
 

@@ -30,16 +30,31 @@ from stickslip.shown.report.write import NAMES, fill, write_report
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
 
 
+@dataclasses.dataclass(frozen=True)
+class Written:
+    """A result, its case, and what `write_report` said that it wrote into the folder."""
+
+    found: Found
+    case: ss.Case
+    out: Path
+    said: list[Path]
+
+
 @pytest.fixture(scope="module")
-def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Found, Path]]:
-    """A report of every verdict, written once: the result and the folder."""
+def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Written]:
+    """A report of every verdict, written once, by this process alone."""
     out = {}
     for verdict in VERDICTS:
         place = tmp_path_factory.mktemp(verdict)
         found, case = made(place, verdict=verdict)
-        write_report(found, case, place / "out")
-        out[verdict] = (found, place / "out")
+        out[verdict] = Written(found, case, place / "out", list(write_report(found, case, place / "out")))
     return out
+
+
+@pytest.fixture(scope="module")
+def reports(written: dict[str, Written]) -> dict[str, tuple[Found, Path]]:
+    """The results and the folders."""
+    return {verdict: (one.found, one.out) for verdict, one in written.items()}
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -192,14 +207,11 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
     assert figures / "mine.png" not in said
 
 
-def test_what_is_said_to_be_written_is_all_that_is_written(tmp_path: Path) -> None:
-    found, case = made(tmp_path)
-    said = write_report(found, case, tmp_path / "out")
-    assert said[0].name == "report.html"
-    assert sorted(said) == sorted(
-        p for p in (tmp_path / "out").rglob("*") if p.is_file() and p.name != RECORD
-    )
-    assert any(p.suffix == ".png" for p in said)
+def test_what_is_said_to_be_written_is_all_that_is_written(written: dict[str, Written]) -> None:
+    one = written["effect_found"]
+    assert one.said[0].name == "report.html"
+    assert sorted(one.said) == sorted(p for p in one.out.rglob("*") if p.is_file() and p.name != RECORD)
+    assert any(p.suffix == ".png" for p in one.said)
 
 
 def test_out_that_is_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
@@ -226,14 +238,14 @@ def test_an_interrupt_while_drawing_ends_the_processes_and_leaves_nothing(
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_same_result_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found, case = made(tmp_path)
-    for name, processes in (("a", 2), ("b", 1)):
-        monkeypatch.setattr(Workers, "at_hand", lambda: Workers(processes))  # noqa: B023
-        (tmp_path / name).mkdir()
-        fill(tmp_path / name, found, case)
+def test_same_result_same_files(
+    written: dict[str, Written], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = written["effect_found"]
+    monkeypatch.setattr(Workers, "at_hand", lambda: Workers(2))
+    fill(tmp_path, one.found, one.case)
     for name in ("report.html", "report.json", "figures/portrait.svg"):
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (one.out / name).read_bytes()
 
 
 @pytest.mark.parametrize(

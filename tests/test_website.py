@@ -127,15 +127,16 @@ def test_the_gallery_runs(path: Path) -> None:
     assert shown.figure.axes
 
 
+LONG = ("stickslip discover", "stickslip forecast found", "import stickslip as ss")  # the studies below
+
+
 @pytest.mark.parametrize("page", ["tutorial"])
 def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "examples/paper_slider/k168Nm_v1100.mat", tmp_path)
     reader = Reader()
     for step in steps(DOCS / f"{page}.md"):
-        if not step.text.startswith(
-            ("stickslip discover", "stickslip forecast found")
-        ):  # minutes: the study below
+        if not step.text.startswith(LONG):
             reader.follow(step)
 
 
@@ -157,6 +158,14 @@ def test_the_search_of_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     for step in steps(DOCS / "tutorial.md"):
         if step.text.startswith(wanted):
             Reader().follow(step)
+
+
+@pytest.mark.study
+def test_the_program_of_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It identifies what the command identified."""
+    monkeypatch.chdir(tmp_path)
+    (program,) = (step for step in steps(DOCS / "tutorial.md") if step.language == "python")
+    Reader().follow(program)
 
 
 def test_a_reader_needs_no_network_and_finds_a_word(tmp_path: Path) -> None:
