@@ -12,6 +12,7 @@ import found_by_hand
 import stickslip as ss
 from found_by_hand import RIG_SI, SCHEMA, made
 from slider_cases import KINETIC, MASS, STATIC, STIFFNESS, case_of, rig_of
+from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.friction_law import given_numbers
 from stickslip.discovery.result import Interval
 from stickslip.shown.report.contents import contents
@@ -55,6 +56,17 @@ def test_numbers_of_both_directions_are_given_for_both() -> None:
     assert given_numbers(ss.CoulombFriction(static=2, kinetic_plus=0.4), ("kinetic",)) == {
         "static": 2.0, "static_plus": 2.0, "kinetic_plus": 0.4
     }  # fmt: skip
+
+
+def test_numbers_of_several_laws_are_given_by_the_name_of_the_law() -> None:
+    laws = ContactLaws(
+        (("wet", ss.CoulombFriction(static=2)), ("dry", ss.StribeckFriction(F_c=1, F_s=2, v_s=0.1)))
+    )
+    given = given_numbers(laws)
+    assert given["wet.static"] == 2.0
+    assert given["dry.v_s"] == 0.1
+    curve = ss.TabulatedFriction(speeds=[0.0, 1.0], forces=[2.0, 1.0], static=2.5)
+    assert given_numbers(curve)["static"] == 2.5
 
 
 def test_the_report_has_constants_gains_and_law_as_the_file_has_them(tmp_path: Path) -> None:

@@ -120,6 +120,10 @@ def given_numbers(law: FrictionLaw, silent: Collection[str] = ()) -> dict[str, f
         Its numbers that nobody gave.
     """
     own = {one.name: getattr(law, one.name) for one in fields(law) if one.name not in silent}
+    if any(not isinstance(value, int | float) for value in own.values() if value is not None):
+        return dict(
+            law.numbers
+        )  # several laws, a curve or a formula: none of its numbers goes without saying
     given = {name: float(value) for name, value in own.items() if value is not None}
     twins = {f"{name}_plus": given[name] for name in law.each_way if name in given}
     return {**{name: one for name, one in twins.items() if getattr(law, name) is None}, **given}
