@@ -22,10 +22,10 @@ from scipy.sparse import block_diag, csr_matrix, hstack, vstack
 
 import stickslip as ss
 from stickslip.declared.units import Channel
-from stickslip.discovery.rivals import hypothesis
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.solve import Fit, fit
+from stickslip.fitted.unknowns import Hypothesis, law_unknowns
 from stickslip.fitted.window import moved
 from stickslip.fitted.windows import cut
 from stickslip.measured.case import Recording
@@ -92,7 +92,8 @@ def main() -> int:
     parser.add_argument("--threads", type=int, default=2)
     told = parser.parse_args()
     data = prepare(recordings())
-    h = hypothesis(ss.Model(RIG, friction=ss.PaperFriction()), [])
+    start = ss.Model(RIG, friction=ss.PaperFriction())
+    h = Hypothesis(start, law_unknowns(start, start), {})
 
     def ours() -> Fit:
         found = fit(Engine(data, h, told.threads), h.start(len(data)), cut(data, h.model, 1.0))

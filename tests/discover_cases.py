@@ -11,6 +11,10 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.units import Channel
+from stickslip.discovery.laboratory.left import Left, left
+from stickslip.discovery.laboratory.two_degree import bench_of
+from stickslip.fitted.data import Data, prepare
+from stickslip.likelihoods.fit import null
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording, Role
 from stickslip.simulated.simulate import simulate
@@ -68,3 +72,9 @@ def recording(
     factors = dict.fromkeys(raw, 1.0)
     given = {"x1": noise, "y1": noise}
     return Recording(name, role, RIG, speed, t, x1, y1, None, raw, channels, factors, given, Path("made.csv"))
+
+
+def left_by_law(case: Case, data: list[Data] | None = None) -> Left:
+    """What the declared law alone, fitted to the train runs, leaves."""
+    bench = bench_of(case, prepare(case.train) if data is None else data)
+    return left(bench, null(bench.windows(), bench.policy))

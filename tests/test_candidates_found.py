@@ -11,10 +11,11 @@ import pytest
 
 import stickslip as ss
 from scattering import block_case, case
-from stickslip.discovery.laboratory import block, loop
+from stickslip.discovery.laboratory import block
 from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.screen import columns, screened
+from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import begin
@@ -133,7 +134,7 @@ def test_what_is_proportional_to_no_number_is_scored_as_a_whole(tmp_path: Path) 
         force="-max(0, abs(deflection) - d)*sign(deflection)*k**1.5",
         ranges={"k": [0.5, 10], "d": [0.02, 0.3]},
     )
-    bench = loop.bench_of(ss.load_case(path), prepare(read.train))
+    bench = bench_of(ss.load_case(path), prepare(read.train))
     kind = rival(own, None)
     assert kind.sizes == ("strength",)
     bench = replace(bench, rivals=(kind,))

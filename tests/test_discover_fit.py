@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from discover_cases import LAW, RIG, make_case
+from hypotheses import Start, hypothesis
 from stickslip.declared.effect import effect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
-from stickslip.discovery.intervals import intervals
-from stickslip.discovery.periodic import periodic_starts
-from stickslip.discovery.ripple import freed_of_sensor, ripple_starts
-from stickslip.discovery.rivals import Start, hypothesis
+from stickslip.discovery.laboratory import outcome
+from stickslip.discovery.laboratory.left import left
+from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.readings import Learned, no_slopes, read
@@ -20,6 +20,7 @@ from stickslip.fitted.relax import sought
 from stickslip.fitted.solve import fit
 from stickslip.fitted.window import moved
 from stickslip.fitted.windows import cut, start_window
+from stickslip.likelihoods.fit import null
 
 
 @pytest.fixture(scope="module")
@@ -34,19 +35,13 @@ def fitted(case, starts=(), cycles=1.0):
 
 
 def test_the_declared_law_is_recovered_to_the_noise(clean):
-    found = fitted(clean)
-    assert abs(found.per_reading - 1) < 5 * np.sqrt(2 / found.readings)
-    for name, interval in intervals(found).items():
-        if interval.low is None:
-            continue
-        half = 0.5 * (interval.high - interval.low)
-        assert abs(interval.value - getattr(LAW, name)) < 2.5 * half, name
-
-
-def test_long_windows_and_short_ones_agree(clean):
-    short, long = fitted(clean), fitted(clean, cycles=3.0)
-    a, b = intervals(short)["T_s_minus"], intervals(long)["T_s_minus"]
-    assert abs(a.value - b.value) < a.high - a.low
+    bench = bench_of(clean, prepare(clean.train))
+    found = null(bench.windows(), bench.policy)
+    assert left(bench, found).per_reading == pytest.approx(1.0, abs=0.05)
+    told = {name: one for name, one in outcome.law(found).items() if one.low is not None}
+    assert {"T_s_minus", "T_s_plus", "A1"} <= told.keys()
+    for name, one in told.items():
+        assert abs(one.value - getattr(LAW, name)) < 2.5 * 0.5 * (one.high - one.low), name
 
 
 def test_irregular_sampling_is_exact():
@@ -148,30 +143,6 @@ def test_a_learned_curve_interpolates_and_holds_outside():
     values = np.array([0.0, 1.0, 0.5])
     at = curve.basis(np.array([0.0, 0.5, 1.0, 2.0])) @ values
     np.testing.assert_allclose(at, [0.0, 1.0, 0.5, 0.5], atol=1e-12)
-
-
-def test_a_forcing_is_found_by_its_line():
-    case = make_case((effect("harmonic_forcing", a=0.4, w=2.3, phi=0.0),))
-    starts = periodic_starts(fitted(case), ["harmonic_forcing"], peaks=1)
-    assert starts["harmonic_forcing"][0].term.parameters["w"] == pytest.approx(2.3, abs=0.05)
-
-
-def test_a_ripple_is_read_off_the_sticks():
-    case = make_case((effect("belt_speed_ripple", a=0.15, w=6.0, phi=0.0),))
-    (start, *_) = ripple_starts(prepare(case.train))
-    assert start.term.parameters["w"] == pytest.approx(6.0, abs=0.05)
-    assert start.term.parameters["a"] == pytest.approx(0.15, rel=0.4)
-
-
-def test_a_ripple_is_read_off_the_sticks_of_a_sensor_that_hears_the_angle_too():
-    """The crosstalk of the slow angle is curved within a stick, and far larger than the ripple."""
-    case = make_case((effect("belt_speed_ripple", a=0.15, w=6.0, phi=0.0),), crosstalk=1.0)
-    (raw, *_) = ripple_starts(prepare(case.train))
-    assert abs(raw.term.parameters["w"] - 6.0) > 0.5
-    found = fitted(case, [Start(effect("sensor_crosstalk", c=0.8))])
-    (start, *_) = ripple_starts(freed_of_sensor(found))
-    assert start.term.parameters["w"] == pytest.approx(6.0, abs=0.05)
-    assert start.term.parameters["a"] == pytest.approx(0.15, rel=0.1)
 
 
 def test_glitches_do_not_reach_the_fit():

@@ -11,13 +11,10 @@ from scipy.optimize import lsq_linear
 from scipy.signal import savgol_filter
 
 from discover_cases import LAW, RIG, make_case
+from hypotheses import Start, hypothesis
 from stickslip.declared.effect import effect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
-from stickslip.discovery import unlisted
-from stickslip.discovery.rivals import Start, hypothesis
-from stickslip.discovery.search import CLEAN, SHORT, Search
-from stickslip.discovery.trace import beside
 from stickslip.fitted import windows as of_windows
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
@@ -159,26 +156,3 @@ def test_a_window_no_rig_would_need_so_many_steps_in_is_given_up():
     start = h.start(len(data))
     assert Engine(data, h, 2).residual(start, window) is not None
     assert Engine(data, h, 2, most_steps=5).residual(start, window) is None
-
-
-def test_a_stuck_name_is_fitted_from_where_a_curve_has_the_windows():
-    cause = effect("block_viscous_damping", c=1.2)
-    data = prepare(make_case((cause,), seed=4).train)
-    search = Search(data, Model(RIG, friction=PaperFriction()), 2, lambda _: None, 60.0)
-    null = search.run(hypothesis(search.model, []), cycles=SHORT)
-    assert null is not None
-    term = next(one for one in unlisted.terms(null) if (one.where, one.variable) == ("block", "x2"))
-    curve = unlisted.with_term(search, null, term, iterations=30)
-    assert curve is not None
-    assert curve.excess < CLEAN
-    name = Start(effect("block_viscous_damping", c=0.0))
-    stuck = search.run(hypothesis(search.model, [name]), cycles=SHORT, iterations=1, rounds=0)
-    assert stuck is not None
-    assert stuck.excess > 10 * CLEAN
-    run, lent = search.run, []
-    search.run = lambda *given, **named: lent.append(named["windows_of"]) or run(*given, **named)
-    best = beside(search, [stuck, null], curve)
-    assert lent == [curve]
-    assert [one.names for one in best] == [("block_viscous_damping",), ()]
-    assert best[0].excess < CLEAN
-    assert search.tried[best[0].names] is best[0]

@@ -10,7 +10,6 @@ import pytest
 import driven_truth as truth
 import stickslip as ss
 from slider_cases import case_of, rig_of
-from stickslip.discovery.trace import _idle
 
 
 @pytest.fixture(params=["block_on_belt", "driven_slider"])
@@ -18,11 +17,6 @@ def case(request: pytest.FixtureRequest, tmp_path: Path) -> ss.Case:
     if request.param == "block_on_belt":
         return case_of(rig_of(0.02), tmp_path)
     return ss.load_case(truth.write_case(tmp_path))
-
-
-def test_a_budget_that_would_limit_nothing_is_refused(case: ss.Case) -> None:
-    with pytest.raises(ss.InputError, match="budget = 60: is for the rig of"):
-        ss.discover(case, budget=60)
 
 
 def test_threads_are_a_number_of_cores_for_every_rig(case: ss.Case) -> None:
@@ -38,12 +32,3 @@ def test_a_run_of_a_driven_slider_with_a_mass_of_its_own_is_refused(tmp_path: Pa
     runs[at] = replace(runs[at], rig=ss.DrivenSlider(mass=2 * truth.MASS))
     with pytest.raises(ss.InputError, match="has another rig than the case"):
         ss.discover(replace(case, runs=tuple(runs)))
-
-
-def test_what_could_do_nothing_is_no_rival() -> None:
-    coulomb, paper = ss.CoulombFriction(static=1.0, kinetic=0.5), ss.PaperFriction()
-    assert _idle(coulomb, ()) == {"friction_memory"}
-    assert _idle(coulomb, ("stribeck_peak",)) == {"friction_memory"}  # which it would be alone
-    assert _idle(paper, ()) == set()
-    assert _idle(paper, ("contact_compliance",)) == {"static_aging"}
-    assert _idle(paper, ("static_aging",)) == {"contact_compliance"}

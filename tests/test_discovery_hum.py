@@ -8,14 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from discover_cases import NOISE, RIG, make_case
+from discover_cases import LAW, NOISE, RIG, left_by_law, make_case
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
-from stickslip.discovery.hum import humming
-from stickslip.discovery.place import place_of
-from stickslip.discovery.recurring import learn_hum
-from stickslip.discovery.search import CLEAN, Search
-from stickslip.discovery.trace import declared
+from stickslip.discovery.laboratory.hum import humming
 from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.data import prepare
 from stickslip.fitted.predict import Forecaster
@@ -34,63 +30,25 @@ def hummed(channel: str, w: float, size: float, *, jitter: float = 0.0) -> Case:
     return replace(case, runs=tuple(runs))
 
 
-def searched(case: Case) -> tuple[Search, object]:
-    search = Search(prepare(case.train), Model(RIG, friction=PaperFriction()), 1, lambda _: None, 60.0)
-    return search, declared(search)
+@pytest.mark.parametrize(("channel", "w", "jitter"), [("x1", 41.7, 0.0), ("y1", 9.3, 0.0), ("y1", 33.3, 0.4)])
+def test_a_hum_is_found_with_its_frequency_and_size(channel, w, jitter):
+    found = humming(left_by_law(hummed(channel, w, 3 * NOISE, jitter=jitter)))
+    assert found is not None
+    assert (found.where, found.variable) == (f"{channel} channel", "t")
+    assert 2 * np.pi / found.period == pytest.approx(w, abs=0.05)
+    assert 0.5 * np.ptp(found.value) == pytest.approx(3 * NOISE, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    ("channel", "w", "jitter"), [("x1", 3.1, 0.0), ("x1", 41.7, 0.0), ("y1", 9.3, 0.0), ("y1", 33.3, 0.4)]
-)
-def test_a_hum_is_found_with_its_frequency_size_and_phases(channel, w, jitter):
-    search, null = searched(hummed(channel, w, 3 * NOISE, jitter=jitter))
-    assert null.excess > 10 * CLEAN
-    where, line = humming(null)
-    off = np.arctan2(line.amplitudes[:, 1], line.amplitudes[:, 0]) - PHASES[: len(line.amplitudes)]
-    assert np.abs(np.exp(1j * off) - 1).max() < 0.6
-    assert line.w == pytest.approx(w, abs=0.05)
-    assert where == f"{channel} channel"
-    (term, best), *_ = learn_hum(search, null)
-    assert (term.where, term.variable, term.recurs) == (where, "t", True)
-    assert best.excess < CLEAN
-    model = best.model
-    assert model.parameters[f"learned_{channel}_t.w"] == pytest.approx(w, rel=1e-3)
-    curve = model.effects[-1].curve(np.linspace(0, 2 * np.pi / w, 200))
-    assert 0.5 * np.ptp(curve) == pytest.approx(3 * NOISE, rel=0.1)
-    found = np.exp(1j * np.array(best.hypothesis.phases[f"learned_{channel}_t.phi"]))
-    turned = found / np.exp(
-        1j * np.array(PHASES[: len(found)])
-    )  # the same for all runs: where a turn begins is free
-    assert np.abs(turned - turned[0]).max() < 0.3
+def test_it_is_the_verdict():
+    found = ss.discover(hummed("y1", 33.3, 3 * NOISE), threads=1)
+    (one,) = found.effects
+    assert (found.verdict.value, one.where, one.depends_on) == ("unlisted_effect", "y1 channel", ("t",))
 
 
 def test_noise_and_a_force_are_no_hum():
-    _, null = searched(make_case((), length=60.0))
-    assert humming(null) is None
+    assert humming(left_by_law(make_case((), length=60.0))) is None
     forced = ss.effect("harmonic_forcing", a=0.05, w=2.3, phi=0.0)
-    search, null = searched(make_case((forced,), length=60.0))
-    assert null.excess > CLEAN
-    assert not learn_hum(search, null) or learn_hum(search, null)[0][0].where == "block"
-
-
-def test_where_nothing_else_fits_the_reading_that_hums_is_the_place():
-    search, null = searched(hummed("x1", 41.7, 3 * NOISE))
-    assert place_of(search, null, null) == ("x1 channel", ("t",))
-
-
-def test_much_that_no_motion_is_like_is_in_a_reading():
-    """Bursts in y1, each with a frequency of its own: no line, no curve, and yet not nothing."""
-    rng, case = np.random.default_rng(4), make_case((), length=60.0)
-    runs = []
-    for run in case.runs:
-        y1 = run.y1.copy()
-        for at in range(0, len(y1) - 20, 20):
-            part = np.arange(at, at + 20)
-            y1[part] += 2.5 * NOISE * np.sin(rng.uniform(0.6, 2.8) * part + rng.uniform(0, 6))
-        runs.append(replace(run, y1=y1))
-    search, null = searched(replace(case, runs=tuple(runs)))
-    assert null.chi2 > 1.5
-    assert place_of(search, null, null) == ("y1 channel", ("t",))
+    assert humming(left_by_law(make_case((forced,), length=60.0))) is None
 
 
 CURVE = Learned("x1", "t", tuple(np.linspace(0, 1, 9).tolist()), recurs=True)
@@ -133,14 +91,13 @@ def test_its_derivatives_are_differences(name):
 def test_a_forecast_finds_the_hum_s_phase_from_the_past():
     case = hummed("x1", 7.3, 6 * NOISE)
     run = prepare(case.runs)[-1]
-    _, null = searched(make_case((), length=60.0))
     period = 2 * np.pi / 7.3
     turns = np.linspace(0, 1, 17)
     sine = 6 * NOISE * np.sin(2 * np.pi * turns)
     sine[-1] = sine[0]
     knots = (*(period * turns[:-1]), period)
     hum = ss.tabulated("x1 channel", "t", knots, sine, period=period)
-    known = null.model
+    known = Model(RIG, friction=LAW)
     stop = len(run.t) - 100
 
     def off(model: Model) -> float:

@@ -177,7 +177,7 @@ def test_a_belt_channel_that_the_block_contradicts_is_left_out() -> None:
 
 def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
     case = make_case(length=40.0)
-    found = discover(replace(case, runs=(case.runs[0], case.runs[-1])), budget=10)
+    found = discover(replace(case, runs=(case.runs[0], case.runs[-1])))
     assert found.verdict is Verdict.no_effect
     assert any("one train run only" in one for one in found.messages)
     assert any("no train run slips both ways" in one for one in found.messages)
@@ -185,7 +185,7 @@ def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
 
 def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:
     case = make_case(length=40.0, speeds=(0.1, 0.1, 0.1), crosstalk=0.15)
-    found = discover(case, budget=15)
+    found = discover(case)
     assert [one.name for one in found.effects] == ["sensor_crosstalk"]
     assert any("all train runs have one belt speed: ties are wide" in one for one in found.messages)
 
@@ -195,11 +195,11 @@ def test_a_noise_declared_wrong_is_said_and_put_right(times: float) -> None:
     case = make_case(length=40.0)
     wrong = {"x1": times * NOISE, "y1": times * NOISE}
     runs = tuple(replace(run, noise=wrong) for run in case.runs)
-    found = discover(replace(case, runs=runs, noise=wrong), budget=10)
+    found = discover(replace(case, runs=runs, noise=wrong))
     assert found.verdict is Verdict.no_effect
     assert abs(found.residual_after.chi2 - 1) < 0.1
     assert sum("[noise] declares" in one for one in found.messages) == 2
-    assert found.runs[0].noise["x1"] == pytest.approx(NOISE, rel=0.05)
+    assert found.runs[0].noise["x1"] == pytest.approx(NOISE, rel=0.06)
 
 
 def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
@@ -208,14 +208,14 @@ def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
     for run in case.runs:
         top, step = np.quantile(np.abs(run.x1), 0.85), 0.02 * np.ptp(run.y1)
         runs.append(replace(run, x1=np.clip(run.x1, -top, top), y1=step * np.round(run.y1 / step)))
-    found = discover(replace(case, runs=tuple(runs)), budget=10)
+    found = discover(replace(case, runs=tuple(runs)))
     assert found.verdict is Verdict.no_effect
 
 
 def test_a_short_validate_run_is_forecast_all_the_same() -> None:
     case = make_case(length=40.0)
     runs = (*case.runs[:-1], case.runs[-1].window(0.0, 6.0))
-    found = discover(replace(case, runs=runs), budget=10)
+    found = discover(replace(case, runs=runs))
     assert found.error.after < 3 * found.error.floor
     assert any("cycles only: its second half is forecast from its first" in one for one in found.messages)
 
@@ -238,6 +238,6 @@ def test_no_process_is_started_for_a_case_that_is_refused(
     def started(_: int) -> None:
         raise AssertionError("processes were started")
 
-    monkeypatch.setattr("stickslip.discovery.loop.Workers", started)
+    monkeypatch.setattr("stickslip.discovery.discover.Workers", started)
     with pytest.raises(InputError, match=r"it would be right"):
         discover(declared(folder, "x1", "m"), threads=2)

@@ -6,8 +6,8 @@ import pytest
 import stickslip as ss
 from scattering import case
 from stickslip.declared.effect import Effect
-from stickslip.discovery.laboratory import loop
 from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin
@@ -19,7 +19,7 @@ DAMPING = ss.effect("block_viscous_damping", c=1.0)
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     read = ss.load_case(case(tmp_path_factory.mktemp("held"), (DAMPING,), 0.015, 0.005, 11))
-    return loop.bench_of(read, prepare(read.train))
+    return bench_of(read, prepare(read.train))
 
 
 def fit_of(bench: Bench, *effects: Effect) -> Fit:

@@ -10,10 +10,11 @@ import pytest
 import stickslip as ss
 from scattering import case
 from stickslip.declared.effect import Effect, Tabulated
-from stickslip.discovery.laboratory import curves, loop, search
+from stickslip.discovery.laboratory import curves, search, verdicts
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import begin
@@ -43,12 +44,12 @@ class Left:
 
     @cached_property
     def curve(self) -> Learned | None:
-        return loop._left_over(self.bench, self.searched, 0)
+        return verdicts._left_over(self.bench, self.searched, 0)
 
 
 def left_by(folder: Path, acts: Effect | Tabulated) -> Left:
     read = ss.load_case(case(folder, (acts,), 0.015, 0.005, 7, few=True))
-    bench = loop.bench_of(read, prepare(read.train))
+    bench = bench_of(read, prepare(read.train))
     return Left(bench, fit_of(bench, ()), fit_of(bench, (Term(CUBIC),)))
 
 
@@ -66,8 +67,8 @@ def test_a_name_that_only_stands_in_leaves_a_curve(pulled: Left, bent: Left) -> 
     assert bent.curve is None
     assert pulled.curve is not None
     assert (pulled.curve.where, pulled.curve.variable) == ("block", "x1")
-    verdicts = loop.Verdicts(pulled.bench, Searched(pulled.named, pulled.named), pulled.curve, beside=True)
-    assert verdicts.told is pulled.named
+    told = verdicts.Verdicts(pulled.bench, Searched(pulled.named, pulled.named), pulled.curve, beside=True)
+    assert told.told is pulled.named
 
 
 def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left) -> None:
@@ -76,12 +77,12 @@ def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left
     share = np.sqrt(pulled.curve.gain / (found.null.fit.deviance - found.chosen.fit.deviance))
     for size, told in ((0.9 * share, True), (1.1 * share, False)):
         strict = replace(bench, policy=replace(bench.policy, stands_in=size))
-        assert (loop._left_over(strict, found, 0) is not None) == told
+        assert (verdicts._left_over(strict, found, 0) is not None) == told
 
 
 def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> None:
     read = ss.load_case(case(tmp_path, (), 0.015, 0.005, 7, few=True))
-    fit = fit_of(loop.bench_of(read, prepare(read.train)), ()).fit
+    fit = fit_of(bench_of(read, prepare(read.train)), ()).fit
     weight = np.ones(len(fit.own))
     for share, gone in ((0.1, False), (0.3, True)):
         weight[: int(share * len(weight))] = 0.01
@@ -92,15 +93,15 @@ def test_a_curve_is_held_against_all_that_a_wave_explains(bent: Left) -> None:
     """What scatter may have of a wave's gain was taken off before a curve was held against it, and the curve won."""
     bench, null, named = bent.bench, bent.null, bent.named
     gain = null.fit.deviance - named.fit.deviance
-    assert loop._curve(bench, Searched(null, null), 0) is not None
-    assert loop._curve(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
+    assert verdicts._curve(bench, Searched(null, null), 0) is not None
+    assert verdicts._curve(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
 
 
 def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_it(tmp_path: Path) -> None:
     """The sign of a pivot's speed may be rounded: from 0 no slope shows it, and what it left was called unlisted."""
     rounded = ss.effect("pivot_dry_friction", f=0.1, v_c=0.01)
     read = ss.load_case(case(tmp_path, (rounded,), 0.015, 0.005, 7, few=True))
-    bench = loop.bench_of(read, prepare(read.train))
+    bench = bench_of(read, prepare(read.train))
     sharp = fit_of(bench, (Term(ss.effect("pivot_dry_friction", f=0.1)),))
     (found,) = search.leader_anew(bench, Trial((), sharp.fit), [sharp])
     assert found.numbers() == sharp.numbers() + 1
@@ -113,7 +114,7 @@ def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_
 def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
     """An offset of the x1 reading is the law's own level: a score may step along it, a fit gains nothing."""
     read = ss.load_case(case(tmp_path, (PULL,), 0.015, 0.005, 7))
-    bench = loop.bench_of(read, prepare(read.train))
+    bench = bench_of(read, prepare(read.train))
     null = fit_of(bench, ())
     real = max(bench.curves(null.fit), key=lambda one: one.worth(len(bench.stretches)))
     assert (real.where, real.variable) == ("block", "x1")
@@ -128,7 +129,7 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
 def test_the_gate_of_curves_is_drawn_for_curves(tmp_path: Path) -> None:
     """Events that remember make curves in t: what is told must pass a gate that such records set."""
     read = ss.load_case(case(tmp_path, (), 0.02, 0.005, 9))
-    bench = loop.bench_of(read, prepare(read.train))
+    bench = bench_of(read, prepare(read.train))
     null = fit_of(bench, ())
     best = curves.leading(bench, null.fit, null.fit, 0)
     assert 0.0 < best.threshold < 60.0

@@ -20,7 +20,8 @@ import click
 from threadpoolctl import threadpool_limits
 
 import stickslip as ss
-from stickslip.discovery.laboratory import loop
+from stickslip.discovery.laboratory.two_degree import bench_of
+from stickslip.discovery.laboratory.verdicts import searched
 from stickslip.errors import StickslipError
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -60,13 +61,11 @@ def verdict(case: ss.Case, policy: Policy) -> Verdict:
     """Search a case under a policy."""
     began = time.process_time()
     data = prepare(case.train)
-    bench = replace(loop.bench_of(case, data), policy=policy, stretches=stretches(data, policy))
+    bench = replace(bench_of(case, data), policy=policy, stretches=stretches(data, policy))
     try:
-        found = loop.searched(bench, case.uncertainty, lambda _: None, 0)
-    except StickslipError:
-        found = None
-    if found is None:
-        return Verdict(("(handed over)",), 0.0, time.process_time() - began)
+        found = searched(bench, case.uncertainty, lambda _: None, 0)
+    except (StickslipError, FloatingPointError):
+        return Verdict(("(no model)",), 0.0, time.process_time() - began)
     names = ("unlisted",) if found.curve is not None else found.searched.chosen.names
     if found.searched.chosen.freed is not None and found.curve is None:
         names = (*names, f"rig_{found.searched.chosen.freed.name}")

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.scale import plainly
-from stickslip.discovery.residual import by_run
+from stickslip.discovery.residual import Fitted, by_run
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data, refined, rounding, without_outliers
-from stickslip.fitted.solve import Fit
 
 Floats = NDArray[np.float64]
 LOW, HIGH = 3, 5  # orders of difference from which the noise is read
@@ -22,18 +21,16 @@ OFF = 0.2  # in the logarithm, from which a declared noise is not believed
 
 
 def cleaned(
-    data: Sequence[Data], first: Fit | None, declared: Mapping[str, float]
+    data: Sequence[Data], first: Fitted, declared: Mapping[str, float]
 ) -> tuple[list[Data], tuple[str, ...]]:
     """The runs with single outliers masked and their noise corrected, and what was corrected in words.
 
     Parameters
     ----------
     data : all runs, those of the fit first.
-    first : the declared law's fit; None: nothing is known.
+    first : the declared law's fit.
     declared : noise by channel that the case gives. It is corrected only where the readings contradict it clearly.
     """
-    if first is None:
-        return list(data), ()
     fitted = first.engine.data
     channels = fitted[0].channels
     residuals = by_run(first)

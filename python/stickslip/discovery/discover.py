@@ -1,6 +1,182 @@
-"""Discovery: identify the declared law, find what it leaves, name the cause, add it, and report the error."""
+"""What the declared model of a case lacks: what was asked for is checked, and searched as its rig is."""
 
-from stickslip.discovery.loop import discover
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+
+from stickslip import arguments
+from stickslip.declared.effect import FormulaEffect
+from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.units import Channel
+from stickslip.discovery.driven_slider import loop as driven
+from stickslip.discovery.general_rig import loop as general_rig
+from stickslip.discovery.laboratory import block, two_degree
 from stickslip.discovery.result import Found, Verdict
+from stickslip.discovery.slider import loop as slider
+from stickslip.discovery.workers import Workers
+from stickslip.errors import InputError
+from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
+from stickslip.fitted.plausible import plausible
+from stickslip.measured.case import Case
+from stickslip.measured.memory_case import Columns, case_in_memory, with_candidates
+from stickslip.measured.recording import Recording
+from stickslip.measured.thinning import sentences, thinned_case
 
 __all__ = ["Found", "Verdict", "discover"]
+
+MOST_SAMPLES = 40_000  # of the train runs, and of the others: 44 000 took 141 s and 0.9 GB
+MOST_CORES = 8  # what a search can keep busy
+
+
+@arguments.explained
+def discover(
+    case: Case | Recording | Sequence[Recording] | Columns,
+    *,
+    rig: AnyRig | None = None,
+    channels: Mapping[str, Channel] | None = None,
+    belt_speed: float | str | None = None,
+    noise: Mapping[str, float] | None = None,
+    friction: FrictionLaw | None = None,
+    candidates: Iterable[FormulaEffect] = (),
+    progress: Callable[[str], None] | None = None,
+    threads: int | None = None,
+    seed: int = 0,
+) -> Found:
+    """Find what the declared model of a case lacks.
+
+    Parameters
+    ----------
+    case
+        From `stickslip.load_case`, with train and validate runs; or recordings, or the columns of one in memory, as a
+        data frame has them. Of recordings none of which is to validate, the last third of each is.
+    rig, channels, belt_speed, noise
+        Of columns in memory, as `load_recording` takes them.
+    friction
+        The declared law of recordings or columns; nothing is declared if absent.
+    candidates
+        Effects of one's own, from `stickslip.candidate`, held against the catalogue; beside those of a case.
+    progress
+        Told what is being tried, a sentence at a time.
+    threads
+        Cores to use at most, all (but at most 8) if not given: the forecasts of a rig of (2.1) are made side by side
+        in as many processes. The result does not depend on it.
+    seed
+        Of the bootstrap and of the forecasts.
+
+    Returns
+    -------
+    Found
+
+    Raises
+    ------
+    InputError
+        The case is not one that a verdict can be reached on, with the reason.
+    StickslipError
+        The declared model cannot be simulated.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import stickslip as ss
+    >>> true = ss.Model(ss.BlockOnBelt(mass=1.0), friction=ss.CoulombFriction(static=0.4, kinetic=0.25))
+    >>> t = np.arange(0, 100, 0.1)
+    >>> x1 = ss.simulate(true, belt_speed=0.1, initial=(0, 0.1), t_end=100, t_eval=t).x1
+    >>> x1 = x1 + 1e-3 * np.random.default_rng(0).standard_normal(t.size)
+    >>> declared = ss.BlockOnBelt(mass=0.8)
+    >>> found = ss.discover(
+    ...     {"t": t, "x1": x1}, rig=declared, friction=true.friction, belt_speed=0.1, noise={"x1": 1e-3}
+    ... )
+    >>> print(found.verdict.value)
+    effect_found
+    >>> print(f"error of forecasts: {found.error.before:.2f} before, {found.error.after:.2f} after")
+    error of forecasts: 0.11 before, 0.01 after
+    """
+    if isinstance(case, Case):
+        given = {
+            "rig": rig,
+            "channels": channels,
+            "belt_speed": belt_speed,
+            "noise": noise,
+            "friction": friction,
+        }
+        if wrong := [name for name, one in given.items() if one is not None]:
+            raise InputError("is for recordings and columns in memory; a case has its own", key=wrong[0])
+        case = with_candidates(case, candidates)
+    else:
+        if not hasattr(case, "keys") and not isinstance(case, Recording | list | tuple):
+            arguments.must_be("case", case, Case, "load_case(path) gives one")
+        case = case_in_memory(
+            case,
+            rig,
+            channels=channels,
+            belt_speed=belt_speed,
+            noise=noise,
+            friction=friction,
+            candidates=candidates,
+        )
+    return _discover_case(case, progress, threads, seed)
+
+
+def _discover_case(
+    case: Case,
+    progress: Callable[[str], None] | None,
+    threads: int | None,
+    seed: int,
+) -> Found:
+    """Check what was asked for, and search."""
+    if case.candidates and not isinstance(case.rig, (Rig, BlockOnBelt)):
+        words = f"are not sought on a {type(case.rig).__name__}; leave them out"
+        raise InputError(words, key="candidates")
+    seed = arguments.whole_number("seed", seed, least=0)
+    threads = None if threads is None else arguments.whole_number("threads", threads)
+    if progress is not None and not callable(progress):
+        raise InputError("must be a function of one sentence", key="progress")
+    tell = progress or (lambda _: None)
+    runs = (*case.train, *case.validate)  # a case without them is refused before anything is said
+    tell("looking at the readings")
+    copied = copied_words(runs) if isinstance(case.rig, Rig) else ()
+    thin, less = thinned_case(case, MOST_SAMPLES)
+    found = _searched(thin, copied, tell, threads, seed)
+    return replace(found, case=case, thinned=less, messages=(*sentences(less), *found.messages))
+
+
+def _searched(
+    case: Case, copied: tuple[str, ...], tell: Callable[[str], None], threads: int | None, seed: int
+) -> Found:
+    """What is found by the search for the case's rig."""
+    # products of many small matrices: threads that wait for each other cost far more
+    with threadpool_limits(1):
+        if isinstance(case.rig, DrivenSlider):
+            return driven.discover(case, tell=tell, seed=seed)
+        if isinstance(case.rig, BlockOnBelt):
+            found = block.discover(case, tell, seed)
+            if found is not None:
+                return found
+            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+            return replace(found, messages=(*found.messages, *block.untold(case)))
+        if isinstance(case.rig, GeneralRig):
+            return general_rig.discover(case, tell, seed)
+        data, notes = _checked(case, copied)
+        count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
+        workers = Workers(count, __name__)  # not for a case that is refused
+        try:
+            return two_degree.discover(case, data, notes, tell, workers, seed)
+        except BaseException:
+            workers.stop()
+            raise
+
+
+def _checked(case: Case, copied: tuple[str, ...]) -> tuple[list[Data], tuple[str, ...]]:
+    """The runs with what was found amiss in them, said; or a refusal."""
+    recordings = (*case.train, *case.validate)
+    one_rig(case.rig, recordings)
+    data = prepare(recordings)
+    found = (*copied, *held_words(data))
+    data, notes = plausible(case, data)
+    return data, (*found, *notes)

@@ -8,9 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.residual import by_run
-from stickslip.discovery.search import Search, Trial
-from stickslip.discovery.trace import declared
+from stickslip.discovery.residual import Fitted, by_run
 from stickslip.fitted.data import Data, read_again, refined
 from stickslip.measured.case import Case
 
@@ -25,36 +23,21 @@ PEAKED = 3.5  # kurtosis beyond which a residual is the burst of a misfit; noise
 MOST = 1.1  # of the noise's variance, that a channel of white noise may leave
 
 
-def thinned_if_filtered(
-    case: Case, data: list[Data], as_read: list[Data], search: Search, trials: Sequence[Trial]
-) -> tuple[list[Data], list[Data], tuple[str, ...], Trial | None]:
-    """The runs, and as they were read, thinned where a trial leaves a filter's noise alone; and its law's fit."""
-    known = search.tried.get(()) or next(iter(trials), None)
-    for trial in trials:
-        if found := filtered(trial, data):
-            data, as_read = (thinned(one, *found) for one in (data, as_read))
-            known = declared(search.afresh(data[: len(search.data)]))
-            return data, as_read, (told(case, data, found[0]),), known
-    return data, as_read, (), known
-
-
-def filtered(trial: Trial, data: Sequence[Data]) -> tuple[int, Floats] | None:
-    """How many samples apart the noise of what a trial leaves is independent, and its size over what `data` has it as
+def filtered(fit: Fitted, data: Sequence[Data]) -> tuple[int, Floats] | None:
+    """How many samples apart the noise of what a fit leaves is independent, and its size over what `data` has it as
     by channel (c,); None where it is white, or what is left is not noise.
 
     A misfit lasts as long as the motion that it is of, a fraction of a period; a line does not end; and at transitions
     it comes in bursts. What has none of this, and yet correlates from sample to sample, is noise.
     """
-    fitted = trial.fit.engine.data
-    residuals = [
-        r * one.noise / run.noise for r, one, run in zip(by_run(trial.fit), fitted, data, strict=False)
-    ]
+    fitted = fit.engine.data
+    residuals = [r * one.noise / run.noise for r, one, run in zip(by_run(fit), fitted, data, strict=False)]
     dt = float(np.median([np.median(np.diff(run.t)) for run in data]))
     soon, later = round(SOON / dt), round(LATER / dt)
     if soon < FEWEST:
         return None
     step, size = 1, np.ones(residuals[0].shape[1])
-    share = trial.fit.readings / max(trial.fit.readings - trial.fit.dof, 1)  # the rest was fitted away
+    share = fit.readings / max(fit.readings - fit.dof, 1)  # the rest was fitted away
     for c in range(2):
         series = [r[:, c] for r in residuals]
         every = np.concatenate(series)

@@ -6,9 +6,11 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from stickslip.declared.rig import Rig
-from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Residual
-from stickslip.discovery.search import Trial
+from stickslip.declared.rig import AnyRig, Rig
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.left import Left
+from stickslip.discovery.residual import describe
+from stickslip.discovery.result import ErrorBlock, Found, FoundEffect
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data
 from stickslip.fitted.plausible import body_ratio
@@ -18,11 +20,13 @@ WORSE = 1.02  # error after over error before, on runs never fitted, that is sai
 UNSURE = 5.0  # sampling errors below 1 of a chi-squared that says an estimated noise was too large
 LOOSE = 0.93  # and the chi-squared below which it is said
 FAR = 2.0  # error after over its floor, the same
+FEW = 3  # samples of a slip that noise makes
 ABSURD = 0.5  # of a reading's own spread left over in windows of one cycle: the declared rig is not this one
 
 
-def absurd(trial: Trial, data: Sequence[Data]) -> None:
-    """Refuse a case of which a model explains next to nothing even in windows of one cycle.
+def absurd(fit: Left, rig: AnyRig) -> None:
+    """
+    Refuse a case of which a model explains next to nothing even in windows of one cycle.
 
     A strong effect defeats the declared law alone in this way, so that it is asked of the best that was found.
 
@@ -31,8 +35,9 @@ def absurd(trial: Trial, data: Sequence[Data]) -> None:
     InputError
         With what may be wrong with it.
     """
+    data = fit.engine.data
     off, spread, noise = np.zeros(2), np.zeros(2), np.zeros(2)
-    for w, b in zip(trial.fit.windows, trial.fit.blocks, strict=True):
+    for w, b in zip(fit.windows, fit.blocks, strict=True):
         run = data[w.run]
         r = b.r.reshape(-1, len(run.channels))[:, :2] * run.noise[:2]
         x = run.readings[w.start : w.stop, :2]
@@ -41,17 +46,16 @@ def absurd(trial: Trial, data: Sequence[Data]) -> None:
         noise += len(r) * run.noise[:2] ** 2
     if not np.any((off > ABSURD**2 * spread) & (off > 100 * noise)):
         return
+    assert isinstance(rig, Rig)
     share = 100 * float(np.max(np.sqrt(off / spread)))
     raise InputError(
         f"the declared model leaves {share:.0f} % of the readings unexplained even over single cycles, more than any "
-        f"effect does; {_where(trial, data)}"
+        f"effect does; {_where(data, rig)}"
     )
 
 
-def _where(null: Trial, data: Sequence[Data]) -> str:
+def _where(data: Sequence[Data], rig: Rig) -> str:
     """Which part of a declared rig to doubt."""
-    rig = null.hypothesis.model.rig
-    assert isinstance(rig, Rig)
     if body_ratio(data, rig).right:
         return (
             "x1, y1 and t agree with each other by the angle body's equation in (2.1): check alpha1 (m, k1, k2), the "
@@ -64,24 +68,31 @@ def _where(null: Trial, data: Sequence[Data]) -> str:
 
 
 def remarks(
-    data: Sequence[Data],
-    null: Trial,
+    bench: BeltBench,
     effects: Sequence[FoundEffect],
-    after: Residual,
+    left: Left,
     error: ErrorBlock,
     validate: Sequence[Data],
     declared: Collection[str],
 ) -> tuple[str, ...]:
-    """What to know about this case's data and verdict; `declared` are the channels whose noise the case gives."""
-    out = []
+    """
+    Return what to know about a case's data and verdict.
+
+    Parameters
+    ----------
+    bench, validate : the train runs and the others
+    effects, left, error : what was found, what it leaves, and what it is worth on runs never fitted
+    declared : the channels whose noise the case gives
+    """
+    out, data, rig, after = list[str](), bench.data, bench.model.rig, describe(left)
     speeds = {round(run.belt_speed, 12) for run in data}
     if len(data) == 1:
         out.append("one train run only: rivals that differ in their dependence on speed are not told apart")
     elif len(speeds) == 1:
         out.append("all train runs have one belt speed: ties are wide; add slower, faster and reversed runs")
-    elif len({np.sign(s) for s in speeds}) == 1:
+    elif bench.one_way:
         out.append("no train run reverses the belt: what depends on direction is not seen")
-    if _one_way(null):
+    if _one_way(left):
         out.append(
             "no train run slips both ways: a constant load on the block is absorbed whole by the friction law (the "
             "levels of each direction that was seen shift by it), so that none is claimed or excluded"
@@ -91,12 +102,11 @@ def remarks(
             "a constant load on the block is absorbed whole by the friction law (its levels shift by it, up in one "
             "direction and down in the other), so that none is claimed or excluded"
         )
-    out += [_gain(null, one) for one in effects if abs(_gain_like(null, one)) < LARGEST_GAIN]
+    out += [_gain(rig, one) for one in effects if abs(_gain_like(rig, one)) < LARGEST_GAIN]
     for one in effects:
         tied = [a.name for a in one.alternatives if a.tied]
         if tied:
-            what = "the learned curve" if one.curve is not None else one.name
-            out.append(f"these runs do not tell {what} from {', '.join(tied)}")
+            out.append(f"these runs do not tell {one.name} from {', '.join(tied)}")
     if after.chi2 < min(1 - UNSURE * after.error, LOOSE) and not {"x1", "y1"} <= set(declared):
         out.append(
             f"the noise was estimated from the readings, and too large: chi-squared per reading is {after.chi2:.3g} "
@@ -109,7 +119,12 @@ def remarks(
         for run in validate
         if run.t[-1] < 2 * run.cycle
     ]
-    out += _of_forecasts(error, after.clean)
+    if after.clean and error.after > FAR * error.floor:
+        out.append(
+            f"nothing is left over on the train runs, yet the runs never fitted are forecast with an error of "
+            f"{error.after:.3g} where noise and scatter leave {error.floor:.3g}: the train runs do not tell all "
+            "that these need (another speed or direction?), or these show something new; train on runs like them too"
+        )
     return tuple(out)
 
 
@@ -127,47 +142,28 @@ def unseen(found: Found) -> tuple[str, ...]:
     )
 
 
-def _gain_like(null: Trial, one: FoundEffect) -> float:
+def _gain_like(rig: AnyRig, one: FoundEffect) -> float:
     """The gain error e of y1 that block damping c = eta1 e/(1 + e) is like; infinite of anything else."""
-    rig = null.hypothesis.model.rig
     c = one.parameters["c"].value if one.name == "block_viscous_damping" else None
     if c is None or not isinstance(rig, Rig) or c == rig.eta1:
         return np.inf
     return float(c / (rig.eta1 - c))
 
 
-def _gain(null: Trial, one: FoundEffect) -> str:
+def _gain(rig: AnyRig, one: FoundEffect) -> str:
     """The tie in words: with y scaled, all of (2.1) but c1 x1' is met by other J, k2, k3, c1 and c2."""
-    percent = 100 * _gain_like(null, one)
+    percent = 100 * _gain_like(rig, one)
     return (
         f"if J, k2, k3, c1 and c2 were measured with this y1 sensor, a gain error of {percent:.2g} % in it is, by "
         "algebra, this very damping of the block: only a calibration of y1 tells them apart"
     )
 
 
-def _of_forecasts(error: ErrorBlock, clean: bool) -> list[str]:
-    """What the runs never fitted say against the model that was chosen on the others."""
-    out = []
-    if error.after > WORSE * error.before:
-        out.append(
-            f"with what was found the runs never fitted are forecast WORSE ({error.after:.3g}) than by the declared "
-            f"model alone ({error.before:.3g}): do not trust it beyond the train runs"
-        )
-    if clean and error.after > FAR * error.floor:
-        out.append(
-            f"nothing is left over on the train runs, yet the runs never fitted are forecast with an error of "
-            f"{error.after:.3g} where noise alone leaves {error.floor:.3g}: the train runs do not tell all "
-            "that these need (another speed or direction?), or these show something new; train on runs like them too"
-        )
-    return out
-
-
-def _one_way(null: Trial) -> bool:
+def _one_way(left: Left) -> bool:
     """Does each run slip in one direction only?"""
     seen: dict[int, set[int]] = {}
-    for w, b in zip(null.fit.windows, null.fit.blocks, strict=True):
+    for w, b in zip(left.windows, left.blocks, strict=True):
         modes, counts = np.unique(b.mode, return_counts=True)
-        seen.setdefault(w.run, set()).update(
-            int(m) for m, n in zip(modes, counts, strict=True) if m and n > 3
-        )
+        signs = {int(m) for m, n in zip(modes, counts, strict=True) if m and n > FEW}
+        seen.setdefault(w.run, set()).update(signs)
     return all(len(signs) <= 1 for signs in seen.values())

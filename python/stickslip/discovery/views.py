@@ -11,8 +11,6 @@ from stickslip.declared.rig import Rig
 from stickslip.discovery.errors import Measured
 from stickslip.discovery.result import RunView
 from stickslip.fitted.data import Data
-from stickslip.fitted.readings import reading_rate
-from stickslip.fitted.solve import Fit
 from stickslip.simulated.states import BELT, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
@@ -28,11 +26,6 @@ class Made:
     mode: NDArray[np.int8]
 
 
-def train_view(run: Data, number: int, before: Fit, after: Fit) -> RunView:
-    """A run of the fit."""
-    return view(run, _fitted(before, number), _fitted(after, number), before.engine.hypothesis.model.rig)
-
-
 def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> RunView:
     """A run that was forecast; NaN before the first forecast."""
     seen = view(run, _forecast(run, before), _forecast(run, after), rig)
@@ -42,24 +35,6 @@ def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> 
     low[after.samples, :2], high[after.samples, :2] = after.band
     sides = [{c: side[:, i] for i, c in enumerate(run.channels[:2])} for side in (low, high)]
     return replace(seen, low=sides[0], high=sides[1])
-
-
-def _fitted(fit: Fit, number: int) -> Made:
-    """A run in the fit; NaN where no window is."""
-    run = fit.engine.data[number]
-    made = nothing(run)
-    p = fit.engine.parameters(fit.vector, number)[1]
-    for w, b in zip(fit.windows, fit.blocks, strict=True):
-        if w.run != number:
-            continue
-        done, rows = fit.engine.simulate(fit.vector, [w]), slice(w.start, w.stop)
-        if done.ok[0]:
-            made.state[rows] = done.state
-            made.rate[rows] = reading_rate(run.t[rows], done.state, p, fit.engine.learned)
-        made.mode[rows] = done.mode
-        noise = np.where(run.weight[rows] > 0, run.noise, np.nan)
-        made.readings[rows] = run.readings[rows] - b.r.reshape(w.stop - w.start, -1) * noise
-    return made
 
 
 def nothing(run: Data) -> Made:

@@ -1,23 +1,74 @@
-"""States that a window begins with and that follow from its numbers: the block sticks, what lags has settled."""
+"""States that a window begins with and that follow from its numbers and from the readings before it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
+import scipy.signal
 from numpy.typing import NDArray
 
-from stickslip.simulated.states import BELT, LAGGED, X1, X2, Y1, Y2
+from stickslip.simulated.states import BELT, LAGGED, X1, X2, Y1, Y2, Z
 
 Floats = NDArray[np.float64]
-DERIVED = (X2, BELT, LAGGED)
+
+
+@dataclass(frozen=True)
+class Past:
+    """
+    What the readings tell of the time before windows begin.
+
+    Parameters
+    ----------
+    read : (w, 2) x1 and y1 where the stick began that each window begins in
+    behind : (w, 2) what a lag makes of all readings up to there
+    since : (w,) for how long the block has stuck
+    """
+
+    read: Floats
+    behind: Floats
+    since: Floats
+
+
+DERIVED = (X2, BELT, LAGGED, Z)
+
+
+def lagged(t: Floats, x: Floats, tau: float) -> Floats:
+    """
+    Return what a first-order lag makes of readings that are straight in between, settled at the first.
+
+    Parameters
+    ----------
+    t, x : (n,), (n, c) times and readings
+    tau : time constant
+    """
+    step = float(np.median(np.diff(t)))
+    grid = np.arange(t[0], t[-1] + step, step)
+    a = math.exp(-step / tau)
+    share = tau / step * (1.0 - a)
+    out = np.empty_like(x)
+    for c in range(x.shape[1]):
+        even = np.interp(grid, t, x[:, c]) - x[0, c]
+        made, _ = scipy.signal.lfilter([1.0 - share, share - a], [1.0, -a], even, zi=np.zeros(1))
+        out[:, c] = x[0, c] + np.interp(t, grid, made)
+    return out
 
 
 def derived(
-    values: Mapping[str, float], begun: Floats, belt_speed: float, belt: Floats, at: Floats
+    values: Mapping[str, float],
+    begun: Floats,
+    belt_speed: float,
+    belt: Floats,
+    at: Floats,
+    past: Callable[[float], Past],
 ) -> Floats:
     """
-    Return the states of `DERIVED`, (w, 3): speed, droop, lagged reading.
+    Return the states of `DERIVED`, (w, 4): speed, droop, lagged reading, bristle.
+
+    A belt droops under the force that it has carried: since the block sticks that of the springs, and before what the
+    readings tell, inertia included. A bristle carries what bends it.
 
     Parameters
     ----------
@@ -26,8 +77,11 @@ def derived(
     belt_speed : of the run
     belt : (w,) relative speed of each window's own belt
     at : (w,) when the windows begin
+    past : of a lag with some time constant
     """
     x1, y1, y2 = begun[X1], begun[Y1], begun[Y2]
+    stiff = values.get("alpha1", values.get("stiffness", 0.0))
+    damping = values.get("eta1", values.get("damping", 0.0))
     speed = belt_speed * (1 + belt)
     if "belt_speed_ripple.a" in values:
         a, w, phi = (values[f"belt_speed_ripple.{k}"] for k in ("a", "w", "phi"))
@@ -35,10 +89,21 @@ def derived(
     droop = np.zeros(len(belt))
     if "belt_load_droop.k" in values:
         k, tau = values["belt_load_droop.k"], values["belt_load_droop.tau"]
-        stiff = values.get("alpha1", values.get("stiffness", 0.0))
-        force = stiff * x1 + values.get("eta1", values.get("damping", 0.0)) * (belt_speed + y2) + y1
-        droop = -k * (force - tau * stiff * belt_speed)
+        before = past(tau)
+        rate = (before.read - before.behind) / tau
+        slow = stiff * before.behind[:, 0] + damping * rate.sum(axis=1) + before.behind[:, 1]
+        slow += values.get("alpha1", values.get("mass", 0.0)) * (belt_speed - rate[:, 0]) / tau
+        ramp = damping * belt_speed - tau * stiff * belt_speed
+        settled = stiff * before.read[:, 0] + before.read[:, 1] + ramp
+        force = stiff * x1 + damping * y2 + y1 + ramp
+        droop = -k * (force + np.exp(-before.since / tau) * (slow - settled))
         speed = speed + droop
+    bristle = np.zeros(len(belt))
+    if "contact_compliance.k" in values:
+        k, c = values["contact_compliance.k"], values["contact_compliance.c"]
+        creep = -(stiff * speed + y2) / k
+        bristle = -(stiff * x1 + damping * (speed + y2) + y1 + c * creep) / k
+        speed = speed + creep
     tau, c = values.get("sensor_lag.tau", 0.0), values.get("sensor_crosstalk.c", 0.0)
-    lagged = x1 + c * y1 - tau * (speed + c * y2)
-    return np.stack([speed, droop, lagged], axis=1)
+    behind_x1 = x1 + c * y1 - tau * (speed + c * y2)
+    return np.stack([speed, droop, behind_x1, bristle], axis=1)

@@ -56,7 +56,9 @@ def hats(t: Floats, count: int) -> Floats:
     return out
 
 
-def ridden(t: Floats, speed: Floats, mode: NDArray[np.int8], belt_speed: float, shapes: Floats) -> Floats:
+def ridden(
+    t: Floats, speed: Floats, mode: NDArray[np.int8] | NDArray[np.bool_], belt_speed: float, shapes: Floats
+) -> Floats:
     """
     Return the derivatives of the block's place by the knots' relative speeds, (n, count).
 

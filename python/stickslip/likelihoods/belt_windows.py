@@ -5,7 +5,7 @@ What a rig records, and where a window of it begins, its sensors say: see `stick
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -18,9 +18,9 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
 from stickslip.fitted.readings import Chain, Slopes, no_slopes, through_formula
-from stickslip.fitted.window import STICK
+from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
-from stickslip.likelihoods.begun import DERIVED, derived
+from stickslip.likelihoods.begun import DERIVED, Past, derived, lagged
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -28,8 +28,9 @@ from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Samples, Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
+from stickslip.measured.sticks import rides
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
-from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X2
+from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X2, Z
 
 Floats = NDArray[np.float64]
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
@@ -42,7 +43,8 @@ class BeltWindows(EventWindows[Data, Stretch]):
 
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
     relative friction curve at `policy.knots` places of x1, the belt's relative speed at as many times less its mean,
-    and that mean.
+    and that mean. Where some begin in a slip, or a contact yields, the speed there is another state, as it is beyond
+    what follows from the others; `loose` has it so for all.
     """
 
     statics = (STATIC,)  # which random effects are a static limit's own
@@ -56,9 +58,16 @@ class BeltWindows(EventWindows[Data, Stretch]):
         declared: Declared,
         sensors: Sensors,
         policy: Policy = POLICY,
+        *,
+        loose: bool = False,
     ) -> None:
         super().__init__(model, data, stretches, numbers, declared, policy)
-        self.sensors, self.begins = sensors, len(sensors.begins)
+        self.sensors = sensors
+        named = {one.name for one in model.effects}
+        self.soft = "contact_compliance" in named  # it yields before it slips, so that it never sticks
+        self.loose = loose or not all(one.stuck for one in stretches)
+        self.beyond = (X2, Z) if self.soft else (X2,) if self.loose else ()
+        self.begins = len(sensors.begins) + len(self.beyond)
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
         self.own, self.kinetics = self.begins + self.effects, ([*range(1, 1 + policy.knots)],)
         self.knots = [knots(run, policy) for run in data]
@@ -66,8 +75,11 @@ class BeltWindows(EventWindows[Data, Stretch]):
             np.vstack([slipped(k, run), belt_waves.root(lasts(run, r, stretches), policy.knots, policy.slow)])
             for r, (k, run) in enumerate(zip(self.knots, data, strict=True))
         ]
-        aged = "static_aging" in {one.name for one in model.effects}
-        plain = () if aged else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
+        plain = (
+            ()
+            if named & {"static_aging", "contact_compliance"}
+            else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
+        )
         self.lowered = [
             lower(
                 Model(
@@ -82,7 +94,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.slots = self.lowered[0].slots
         term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
-        self.aging = (self.slots["static_aging.dT"][0], self.slots["static_aging.tau"][0])
+        self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
         self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
         self.formulas = formulas_of(model)
         read = {*sensors.kept(self.fixed, self.channels), *(k for one in self.formulas for k in one.states)}
@@ -102,7 +114,10 @@ class BeltWindows(EventWindows[Data, Stretch]):
             for one in reversed(self.formulas):
                 k = AT[one.channel]
                 state[k] = one.behind(float(state[k]), float(run.t[w.start]), state)
-            row[: self.begins] = state[list(self.sensors.begins)]
+            n = len(self.sensors.begins)
+            row[:n] = state[list(self.sensors.begins)]
+            if not w.stuck:
+                row[n] = state[X2] - run.belt_speed
         return own
 
     def values(self, at: Floats, run: int) -> dict[str, float]:
@@ -168,6 +183,7 @@ class _Run:
         self.lengths = np.array([w.stop - w.start for w in self.places])
         self.offset = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
         self.samples = np.concatenate([np.arange(w.start, w.stop) for w in self.places])
+        self.slips = np.array([windows.soft or not w.stuck for w in self.places])
         self.begins = self.data.t[[w.start for w in self.places]] - self.data.half
 
     def active(self, j: int) -> bool:
@@ -184,6 +200,9 @@ class _Run:
             folded = np.zeros((len(self.samples), columns))
             np.add.at(folded.T, owner[owner >= 0], one.T[owner >= 0])
             self._chained(folded, one[:, owner < 0])
+            if self.local and self.of.beyond:  # what sticks has no speed of its own
+                beyond = slice(p + len(self.of.sensors.begins), p + self.of.begins)
+                folded[:, beyond] *= np.repeat(self.slips, self.lengths)[:, None]
             slopes[k] = folded
         names = tuple(self.of.numbers[j].name if self.active(j) else "" for j in self.shared) + ("",) * (
             columns - p
@@ -217,10 +236,18 @@ class _Run:
         return chain
 
     def _derived(self, values: dict[str, float], own: Floats) -> Floats:
-        """Return the states at the start that follow from the numbers, (w, 3): speed, droop, lagged reading."""
+        """Return the states at the start that follow from the numbers, (w, 4): see `derived`."""
         begun = np.zeros((COUNT, len(own)))
-        begun[list(self.of.sensors.begins)] = own[:, : self.of.begins].T
-        return derived(values, begun, self.data.belt_speed, own[:, -1], self.begins)
+        begun[list(self.of.sensors.begins)] = own[:, : len(self.of.sensors.begins)].T
+        return derived(values, begun, self.data.belt_speed, own[:, -1], self.begins, self._past)
+
+    def _past(self, tau: float) -> Past:
+        """Return what the readings tell of a lag before the windows begin."""
+        run, since = self.data, np.array([w.dwell for w in self.places])
+        rows = np.searchsorted(run.t, [run.t[w.start] - w.dwell for w in self.places])
+        read = np.zeros((len(run.t), 2))
+        read[:, : min(run.readings.shape[1], 2)] = run.readings[:, :2]
+        return Past(read[rows], lagged(run.t, read, tau)[rows], since)
 
     def _parameters(self) -> Floats:
         """Return the core's numbers, one set a window."""
@@ -231,7 +258,8 @@ class _Run:
                 rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
                     one.name, 1.0
                 )
-        rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
+        if of.aging is not None:
+            rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
         rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic] + self.added
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
         return rows
@@ -247,14 +275,16 @@ class _Run:
         """Run the core."""
         policy = self.of.policy
         initial = np.zeros((len(self.places), COUNT))
-        initial[:, self.of.sensors.begins] = self.own[:, : self.of.begins]
+        begins = self.of.sensors.begins
+        initial[:, begins] = self.own[:, : len(begins)]
         initial[:, DERIVED] = derived
+        initial[:, self.of.beyond] += self.own[:, len(begins) : self.of.begins] * self.slips[:, None]
         initial[:, DWELL] = [w.dwell for w in self.places]
         raw = self.lowered.windows(
             parameters=np.nan_to_num(self._parameters()),
             set=np.arange(len(self.places), dtype=np.int32),
             initial=np.nan_to_num(initial),
-            contact=np.full(len(self.places), STICK, dtype=np.int32),
+            contact=np.where(self.slips, AUTO, STICK).astype(np.int32),
             t=np.concatenate([instants(self.data, w.start, w.stop) for w in self.places]),
             offset=self.offset * (2 if self.data.half else 1),
             rtol=policy.tolerance,
@@ -282,15 +312,11 @@ class _Run:
                 rows.append(row)
                 owner.append(i)
         if self.local:
-            entries = [WIDTH + k for k in self.of.sensors.begins]
-            entries += [self.of.aging[0], *self.of.curve, SLOTS["belt_speed"]]
-            for k, entry in enumerate(entries):
+            for k, entry, size in self._entries():
                 row = np.zeros(WIDTH + COUNT)
-                row[entry] = 1.0 if k != self.of.begins else self._limit()
-                if entry == SLOTS["belt_speed"]:
-                    row[entry] = self.data.belt_speed
+                row[entry] = size
                 rows.append(row)
-                owner.append(len(self.shared) + (self.of.own - 1 if entry == SLOTS["belt_speed"] else k))
+                owner.append(len(self.shared) + k)
         if self.local or self.shared:
             for state in DERIVED:
                 row = np.zeros(WIDTH + COUNT)
@@ -300,6 +326,15 @@ class _Run:
         seeds = np.array(rows) if rows else np.zeros((0, WIDTH + COUNT))
         return seeds, np.array(owner, dtype=np.int64)
 
+    def _entries(self) -> Iterator[tuple[int, int, float]]:
+        """Own numbers that are numbers of the core: which, where, and how large one is there."""
+        of = self.of
+        yield from ((k, WIDTH + state, 1.0) for k, state in enumerate((*of.sensors.begins, *of.beyond)))
+        if of.aging is not None:
+            yield of.begins, of.aging[0], self._limit()
+        yield from ((of.begins + 1 + k, entry, 1.0) for k, entry in enumerate(of.curve))
+        yield of.own - 1, SLOTS["belt_speed"], self.data.belt_speed
+
     def _chained(self, folded: Floats, along: Floats) -> None:
         """Add what reaches a state through the derived states at the start."""
         for column, rate in self._rates.items():
@@ -307,7 +342,7 @@ class _Run:
 
     @cached_property
     def _rates(self) -> dict[int, Floats]:
-        """Derivatives of the derived states by column, (w, 3) each, where they are any."""
+        """Derivatives of the derived states by column, (w, 4) each, where they are any."""
         out, here = {}, self._derived(self.values, self.own)
         for i, j in enumerate(self.shared):
             name = self.of.numbers[j].name
@@ -317,7 +352,7 @@ class _Run:
             moved = self._derived({**self.values, name: self.values[name] + step}, self.own)
             if (moved != here).any():
                 out[i] = (moved - here) / step
-        for k in (*range(self.of.begins), self.of.own - 1) if self.local else ():
+        for k in (*range(len(self.of.sensors.begins)), self.of.own - 1) if self.local else ():
             nudge = np.zeros(self.of.own)
             nudge[k] = NEARBY
             moved = self._derived(self.values, self.own + nudge)
@@ -334,7 +369,8 @@ class _Run:
             shapes = belt_waves.hats(t, k)
             if not self.local:  # the line itself is all that is asked for
                 shapes, line = (shapes @ line)[:, None], np.ones(1)
-            shown = {0: belt_waves.ridden(t, state[a:b, X2], mode[a:b], v_b, shapes)}
+            rode = ~rides(state[a:b, X2], v_b) if self.of.soft else mode[a:b]
+            shown = {0: belt_waves.ridden(t, state[a:b, X2], rode, v_b, shapes)}
             if "alpha2" in self.values:
                 shown[1] = belt_waves.leg(shown[0], step, self.values)
             if chain.values.shape[1] == 3:
@@ -348,7 +384,7 @@ class _Run:
 
     def _stretched(self, chain: Chain) -> None:
         """Let a window's own static limit be what is there at its breakaway, however fast it grows."""
-        if not self.local:
+        if not self.local or self.of.aging is None:
             return
         tau = self.values.get("static_aging.tau", AT_ONCE)
         aged, rest = self._aged(tau), np.maximum([w.rest for w in self.places], AT_ONCE)

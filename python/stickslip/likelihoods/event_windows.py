@@ -132,3 +132,13 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
     @abstractmethod
     def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
         """Return each window as simulated; None where it fails."""
+
+
+def own_in(own: Floats, was: EventWindows[Any, Any], now: EventWindows[Any, Any]) -> Floats:
+    """Return windows' own numbers as another hypothesis has them: states that it begins with beyond others are 0."""
+    if was.begins == now.begins:
+        return own
+    out = np.zeros((len(own), now.own))
+    kept = min(was.begins, now.begins)
+    out[:, :kept], out[:, now.begins :] = own[:, :kept], own[:, was.begins :]
+    return out

@@ -178,8 +178,9 @@ class Members:
             out.state[k, part], out.mode[k, part] = motion.state[:last], motion.mode[:last]
         if again is None or one.start + again >= out.readings.shape[1]:
             return False
-        begins = self.windows.begins
-        own[k, :begins] = motion.state[again][list(self.windows.sensors.begins)]
+        begins, states = self.windows.begins, list(self.windows.sensors.begins)
+        own[k, :begins] = 0.0
+        own[k, : len(states)] = motion.state[again][states]
         own[k, begins:] = self.events.next(k, own[k, begins:], self.rng)
         return True
 
@@ -187,7 +188,14 @@ class Members:
 def with_windows(windows: BeltWindows, cut: Sequence[Stretch], run: Data) -> BeltWindows:
     """Return the same windows elsewhere, on one run."""
     return BeltWindows(
-        windows.model, [run], cut, windows.numbers, Declared(), windows.sensors, windows.policy
+        windows.model,
+        [run],
+        cut,
+        windows.numbers,
+        Declared(),
+        windows.sensors,
+        windows.policy,
+        loose=windows.loose,
     )
 
 

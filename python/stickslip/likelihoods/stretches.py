@@ -1,4 +1,4 @@
-"""Stretches of a run from mid-stick to mid-stick: each holds one breakaway and one slip whole."""
+"""Stretches of a run from mid-stick to mid-stick, one breakaway and one slip whole in each; else of a cycle."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
+COVERED = 0.2  # share of a run that stretches from stick to stick hold; below, it is one that hardly sticks
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -24,6 +25,7 @@ class Stretch:
     run, start, stop : where it is
     dwell : time that the block has stuck at its first sample
     rest : how long that stick lasts in all
+    stuck : whether it begins in a stick
     """
 
     run: int
@@ -31,6 +33,7 @@ class Stretch:
     stop: int
     dwell: float
     rest: float
+    stuck: bool = True
 
 
 @dataclass(frozen=True)
@@ -41,15 +44,26 @@ class _Cut:
 
 
 def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
-    """Return the stretches of all runs; a cycle without a clear stick ends none and begins none."""
-    out = []
+    """
+    Return the stretches of all runs.
+
+    A cycle without a clear stick ends none and begins none. A run that sticks hardly ever is cut at its fastest slips.
+    """
+    out = list[Stretch]()
     for number, run in enumerate(data):
+        before = len(out)
         cuts = [
             _middle(run, int(a), int(b), policy) for a, b in zip(run.slips[:-1], run.slips[1:], strict=True)
         ]
         for one, other in zip(cuts[:-1], cuts[1:], strict=True):
             if one is not None and other is not None:
                 out.append(Stretch(number, one.at, other.at, one.dwell, one.rest))
+        if sum(one.stop - one.start for one in out[before:]) < COVERED * len(run.t):
+            out[before:] = [
+                Stretch(number, int(a), int(b), 0.0, 0.0, stuck=False)
+                for a, b in zip(run.slips[:-1], run.slips[1:], strict=True)
+                if b - a >= policy.fewest_stuck
+            ]
     return out
 
 

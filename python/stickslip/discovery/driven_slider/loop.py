@@ -25,8 +25,7 @@ from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.residual import Shown, describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
 from stickslip.discovery.driven_slider.search import Search
-from stickslip.discovery.evidence import TIED
-from stickslip.discovery.result import Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
+from stickslip.discovery.result import TIED, Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
 from stickslip.discovery.result import Gate as FoundGate
 from stickslip.errors import InputError
 from stickslip.measured.case import Case, Recording

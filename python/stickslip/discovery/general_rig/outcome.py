@@ -13,6 +13,7 @@ from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.general_rig.bench import GeneralBench
+from stickslip.discovery.laboratory import left as windows_left
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.search import Searched, Trial
@@ -138,9 +139,9 @@ def scatter(fit: Fit) -> dict[str, Interval]:
     return out
 
 
-def left(bench: GeneralBench, fit: Fit) -> outcome.Left:
+def left(bench: GeneralBench, fit: Fit) -> windows_left.Left:
     """Return what a fit leaves; of several contacts in stick where all are, else in slip as the first that does."""
-    made = outcome.left(bench, fit)
+    made = windows_left.left(bench, fit)
     motions = fit.windows.motions(fit.at, fit.own)
     kept = [m for m, block in zip(motions, fit.blocks, strict=True) if m is not None and block is not None]
     blocks = [replace(b, mode=_one_mode(m.mode)) for b, m in zip(made.blocks, kept, strict=True)]

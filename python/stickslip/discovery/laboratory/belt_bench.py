@@ -71,7 +71,6 @@ class BeltBench(Bench):
             and kind.corrects is None
             and (self.two_degree or not kind.two_degree)
             and not (self.one_way and kind.both_ways)
-            and kind.name != "contact_compliance"
             and not (kind.behaves.idle and kind.behaves.idle(self.model.friction, ()))
         ] + [*self.rivals]
 

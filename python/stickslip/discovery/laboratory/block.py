@@ -12,17 +12,17 @@ from stickslip.declared.catalogue import CONSTANTS
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
-from stickslip.declared.uncertainty import GAINS
+from stickslip.declared.uncertainty import GAINS, Uncertainty
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.loop import Verdicts, searched
-from stickslip.discovery.laboratory.loop import untold as of_rivals
-from stickslip.discovery.laboratory.rival_kind import rival
+from stickslip.discovery.laboratory.left import left
+from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched, Trial
 from stickslip.discovery.laboratory.single_events import Single, single
+from stickslip.discovery.laboratory.verdicts import Verdicts, searched
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import (
@@ -44,6 +44,7 @@ from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.repeating import lost, repeats
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
@@ -110,16 +111,44 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None
     if made is None:
         return None
     bench, units, data = made
-    verdicts = searched(bench, case.uncertainty, tell, seed)
-    if verdicts is None or unexplained(verdicts.searched.chosen.fit) > bench.policy.noise_left:
+    verdicts = _verdicts(bench, case.uncertainty, tell, seed)
+    if verdicts is None:
         return None
     return _found(Search(case, units, data, verdicts), tell, began)
 
 
+def _verdicts(
+    bench: BeltBench, known: Uncertainty, tell: Callable[[str], None], seed: int
+) -> Verdicts[BeltBench] | None:
+    """What windows say; None where they are few, where nothing scatters, or where no hypothesis is their model."""
+    if len(bench.stretches) < bench.policy.fewest_windows:
+        return None
+    try:
+        verdicts = searched(bench, known, tell, seed)
+    except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
+        return None
+    fit = verdicts.searched.chosen.fit
+    rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
+    if lost(fit) or (repeats(fit) and not rivals) or unexplained(fit) > bench.policy.noise_left:
+        return None
+    return verdicts
+
+
 def untold(case: Case) -> tuple[str, ...]:
     """Return what became of a user's own effects where the search of single slips, without them, is told."""
-    made = bench_of(case) if case.candidates else None
-    return of_rivals(case, None if made is None else len(made[0].stretches))
+    if not case.candidates:
+        return ()
+    made = bench_of(case)
+    windows = None if made is None else len(made[0].stretches)
+    names = ", ".join(one.name for one in case.candidates)
+    if windows is None or windows < POLICY.fewest_windows:
+        few = "no" if windows is None else f"{windows}"
+        words = f"not tried: {few} stretches from stick to stick are told in the train runs, and"
+        return (f"{names}: {words} {POLICY.fewest_windows} are needed",)
+    words = (
+        "beside friction that may scatter nothing of it stands; the law that repeats is searched without it"
+    )
+    return (f"{names}: {words}",)
 
 
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
@@ -135,15 +164,15 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
     before, after = (_model(search, one) for one in (base, chosen))
     train, validate = ([measure(prepare_events(one)) for one in runs] for runs in (case.train, case.validate))
     tell("fitting single events of the validate runs")
-    left = {
+    events = {
         run.name: tuple(single(bench, one, run, chosen.fit.population) for one in (base, chosen))
         for run in search.data[len(case.train) :]
     }
     tell("forecasting the validate runs")
-    error, forecasts, words = error_block(case, before, after, validate, _errors(left, units))
+    error, forecasts, words = error_block(case, before, after, validate, _errors(events, units))
     effects = _effects(search, chosen)
     data = [units.data(run) for run in bench.data]
-    was, now = (outcome.left(bench, one.fit, data) for one in (base, chosen))
+    was, now = (left(bench, one.fit, data) for one in (base, chosen))
     views = [
         *_train_views(search, train, (before, base), (after, chosen)),
         *(validate_view(one, before, after, forecasts[one.run.name]) for one in validate),

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.result import Interval
+from stickslip.discovery.result import Interval, Z
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.shared import Declared

@@ -29,6 +29,7 @@ class Learned:
     columns, size : behind it, and their numbers
     friction : of one in the slip, each window's friction over the law's at the places of its curve
     threshold : what the best of all curves gains, prices paid, where nothing is lacking
+    period : of one that repeats, at a phase of its own in each run
     """
 
     where: str
@@ -42,6 +43,7 @@ class Learned:
     size: Floats
     friction: Factors | None = None
     threshold: float = math.inf
+    period: float | None = None
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +11,11 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
-from stickslip.discovery.evidence import TIED
-from stickslip.discovery.intervals import Z
 from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.curve_words import guess
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.rival_kind import within
 from stickslip.discovery.laboratory.search import Searched, Step, Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
@@ -24,6 +23,7 @@ from stickslip.discovery.messages import WORSE
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
+    TIED,
     Alternative,
     Curve,
     ErrorBlock,
@@ -34,66 +34,17 @@ from stickslip.discovery.result import (
     Interval,
     Residual,
     Rival,
+    Z,
 )
 from stickslip.discovery.rig_numbers import PLACES
-from stickslip.fitted.data import Data
 from stickslip.likelihoods.declared_numbers import fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.held_out import held_out
+from stickslip.likelihoods.repeating import repeats
 
 Floats = NDArray[np.float64]
+REPEATS = "every event of a run is like every other: friction does not scatter"
 UNKNOWN = 0.3  # share of a prior's variance above which the readings say nothing of a number
-
-
-@dataclass(frozen=True)
-class _Span:
-    run: int
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True)
-class _Block:
-    r: Floats
-    mode: NDArray[np.int8]
-
-
-@dataclass(frozen=True)
-class _Engine:
-    data: Sequence[Data]
-
-
-@dataclass(frozen=True)
-class Left:
-    """What a fit leaves, as `residual.describe` takes it."""
-
-    engine: _Engine
-    windows: Sequence[_Span]
-    blocks: Sequence[_Block]
-    readings: int
-    dof: float
-    chi2: float
-
-    @property
-    def per_reading(self) -> float:
-        """chi-squared per reading."""
-        return self.chi2 / max(self.readings - self.dof, 1)
-
-
-def left(bench: Bench, fit: Fit, data: Sequence[Data] | None = None) -> Left:
-    """Return what a fit leaves, own numbers counted as those they take from the noise; `data` as a report has it."""
-    motions = fit.windows.motions(fit.at, fit.own)
-    spans, blocks = [], []
-    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
-        if block is not None and motion is not None:
-            spans.append(_Span(s.run, s.start, s.stop))
-            blocks.append(_Block(block[:, :, -1].ravel(), motion.mode))
-    assert fit.linear is not None
-    assert fit.solution is not None
-    count = int(fit.linear.count.sum())
-    taken = float(fit.freedom.sum()) + len(fit.at)
-    chi2 = float(sum(b.r @ b.r for b in blocks))
-    return Left(_Engine(bench.data if data is None else data), spans, blocks, count, taken, chi2)
 
 
 def described(what: Left) -> Residual:
@@ -287,7 +238,8 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
         curve.value - Z * curve.std,
         curve.value + Z * curve.std,
         curve.x,
-        None,
+        None if curve.period else guess(curve.x, curve.value, Z * curve.std, curve.variable),
+        curve.period,
     )
     return FoundEffect(
         "unlisted",
@@ -356,6 +308,8 @@ def scatter(fit: Fit) -> Mapping[str, Interval]:
     Intervals are those of the marginal likelihood's curvature: of a standard deviation from n events, a share of
     1/sqrt(2 n) of it.
     """
+    if repeats(fit):
+        return {}
     p = fit.population
     kinetic = math.hypot(p.level, p.curve)
     count = len(fit.own)
@@ -382,11 +336,15 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
 def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
     """Return what a person should read beside the verdict."""
     sizes = scatter(trial.fit)
-    out = [
-        f"friction differs from event to event: static by {100 * sizes['static'].value:.2g} %, kinetic by "
-        f"{100 * sizes['kinetic'].value:.2g} %, the belt's speed by {100 * sizes['belt'].value:.2g} % (standard "
-        "deviations); the law is that of the mean event"
-    ]
+    out = (
+        [REPEATS]
+        if not sizes
+        else [
+            f"friction differs from event to event: static by {100 * sizes['static'].value:.2g} %, kinetic by "
+            f"{100 * sizes['kinetic'].value:.2g} %, the belt's speed by {100 * sizes['belt'].value:.2g} % (standard "
+            "deviations); the law is that of the mean event"
+        ]
+    )
     if error.covered is not None:
         out.append(
             f"the 95 % band of forecasts of one cycle holds {100 * error.covered:.0f} % of the readings of runs "

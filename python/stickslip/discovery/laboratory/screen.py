@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label,
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.waves import Wave, Waves
+from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.score import Columns, score
@@ -96,7 +97,7 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     found: list[Candidate] = []
     scored: list[Shapes | Waves] = []
     for kind in bench.kinds():
-        if label(kind) in taken or not _beside(kind, terms):
+        if label(kind) in taken or not _beside(bench, kind, terms):
             continue
         if kind.wave:
             waves = Waves(bench, fit, terms, kind)
@@ -111,9 +112,12 @@ def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
     return Screen(tuple(sorted(found, key=lambda one: -one.worth(count))), tuple(scored))
 
 
-def _beside(kind: EffectKind, terms: Sequence[Term]) -> bool:
-    """Whether an effect can be simulated beside others: some cannot beside a formula."""
+def _beside(bench: Bench, kind: EffectKind, terms: Sequence[Term]) -> bool:
+    """Whether an effect acts beside others, and can be simulated beside them: some cannot beside a formula."""
     kinds = [kind, *(one.kind for one in terms)]
+    names = [one.name for one in kinds]
+    if any(one.behaves.idle and one.behaves.idle(bench.model.friction, names) for one in kinds):
+        return False
     formula = any(isinstance(one, RivalKind) and one.physics == "dynamics" for one in kinds)
     return not formula or all(isinstance(one, RivalKind) or beside_formula(one) for one in kinds)
 
@@ -136,6 +140,8 @@ def _shape(
     bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null
 ) -> tuple[Candidate | None, Shapes]:
     """An effect that does not come and go: best of a grid over what no score reaches."""
+    if kind.anywhere.bristle is not None:
+        return _other_contact(bench, fit, terms, kind, null)
     best: tuple[float, Floats, dict[str, float], tuple[str, ...], Columns] | None = None
     sets, count = [], 1
     for of, numbers, sizes in _places(bench, kind):
@@ -163,6 +169,38 @@ def _shape(
     for n, x in zip(sizes, size, strict=True):
         numbers[n] = _bounded(of, n, float(x))
     return Candidate(term(kind, numbers), gain, count, step), shapes
+
+
+def _other_contact(
+    bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null
+) -> tuple[Candidate | None, Shapes]:
+    """Score a contact of another kind, which is nothing at no size: its columns are what it changes as it is."""
+    best: tuple[float, Mapping[str, float]] | None = None
+    count, sets = len(kind.parameters), list[Columns]()
+    for numbers in kind.starts:
+        made = changes(bench, fit, terms, term(kind, numbers))
+        if all(one is None for one in made):
+            continue
+        sets.append(made)
+        gain, size = null.scored(null.projected(made))
+        if size[0] > 0 and (best is None or gain > best[0]):
+            best = gain, numbers
+    shapes = Shapes(count, tuple(sets))
+    if best is None:
+        return None, shapes
+    gain, numbers = best
+    return Candidate(term(kind, numbers), gain, count, np.zeros(len(fit.at))), shapes
+
+
+def changes(bench: Bench, fit: Fit, terms: Sequence[Term], one: Term) -> Columns:
+    """Return what a further effect changes of the readings, over the noise, all other numbers where they are."""
+    windows = bench.windows((*terms, one))
+    at = np.concatenate([fit.at, [n.start for n in of_term(one, bench.policy)]])
+    blocks = windows.blocks(at, own_in(fit.own, fit.windows, windows), shared=(), local=False)
+    return [
+        None if was is None or now is None else (was[:, :, -1] - now[:, :, -1])[:, :, None]
+        for was, now in zip(fit.blocks, blocks, strict=True)
+    ]
 
 
 def _places(bench: Bench, kind: EffectKind) -> Iterator[tuple[EffectKind, dict[str, float], tuple[str, ...]]]:

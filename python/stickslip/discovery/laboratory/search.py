@@ -15,8 +15,9 @@ from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
+from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted, null
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.single_windows import settled
 
@@ -88,22 +89,50 @@ class Searched:
         return [self.null, *(t for step in self.steps for t in step.trials)]
 
 
-def search(bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int = 0) -> Searched:
-    """Return what the runs say of every effect, alone and beside others, and of the declared constants."""
-    tell("fitting the declared law, its constants and its scatter")
-    base = Trial((), null(bench.windows(), bench.policy))
+def search(
+    bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int = 0, base: Trial | None = None
+) -> Searched:
+    """
+    Return what the runs say of every effect, alone and beside others, and of the declared constants.
+
+    Parameters
+    ----------
+    bench, known : the case, and how well its constants are known
+    tell, seed : told what is being done; of the gate's draws
+    base : the declared model as fitted; None: it is fitted first
+    """
+    if base is None:
+        tell("fitting the declared law, its constants and its scatter")
+        base = Trial((), null(bench.windows(), bench.policy))
     out = Searched(base, base)
     while len(base.terms) < bench.policy.most_effects:
         step, base = _forward(bench, base, tell, seed)
         if not base.terms:
             out.null = base
         out.steps.append(step)
-        passing = [one for one in step.trials if base.worth() - one.worth() > step.gate.threshold]
+        least = step.gate.threshold
+        passing = [t for t in step.trials if min(base.worth() - t.worth(), _told(t)) > least]
         if not passing:
             break
         base = min(passing, key=Trial.whole)
     out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell))
     return out
+
+
+def _told(trial: Trial) -> float:
+    """
+    Return what the sizes of its last effect are worth by their own standard errors, their price paid.
+
+    A fall of the deviance that they do not tell is what the fit without the effect was short of. Of an effect without
+    sizes, as a time constant alone, nothing is asked.
+    """
+    one, fit = trial.terms[-1], trial.fit
+    names = {f"{one.name}.{i.name}" for i in sizes_of(one.kind)}
+    places = [i for i, n in enumerate(fit.windows.numbers) if n.name in names and not n.logarithmic]
+    if not places or fit.solution is None:
+        return math.inf
+    size, covariance = fit.at[places], fit.solution.covariance[np.ix_(places, places)]
+    return float(size @ np.linalg.solve(covariance, size)) - len(places) * math.log(len(fit.own))
 
 
 def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
@@ -136,7 +165,7 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
         tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
         screen = screened(bench, base.fit, base.terms)
         before, trials = trials, list[Trial]()
-        for one in screen.ranked[: bench.policy.fullest]:
+        for one in (*screen.ranked[: bench.policy.fullest], *_of_another_kind(bench, base, screen)):
             if one.worth(len(bench.stretches)) <= 0 and trials:
                 break
             tell(f"fitting {one.term.name}")
@@ -153,6 +182,14 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
     tell("asking what scatter alone would gain")
     best_fit = min([base, *trials], key=Trial.whole).fit
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
+
+
+def _of_another_kind(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
+    """Contacts that no score reaches: where a hypothesis is no model of the windows they are fitted all the same."""
+    if not lost(base.fit) and unexplained(base.fit) < bench.policy.noise_left:
+        return []
+    rest = screen.ranked[bench.policy.fullest :]
+    return [replace(one, gain=math.inf) for one in rest if one.term.kind.anywhere.bristle is not None]
 
 
 def _every(trials: Sequence[Trial]) -> list[Trial]:
@@ -183,7 +220,7 @@ def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Tri
         if moved:
             stride = np.array([n.stride for n in windows.numbers[:p]])
             at[:p] += np.clip(candidate.step, -stride, stride)
-        first = replace(base.fit, windows=windows, at=at)
+        first = replace(base.fit, windows=windows, at=at, own=own_in(base.fit.own, base.fit.windows, windows))
         own, _, each = settled(first)
         cost = float(each.sum()) + windows.prior.penalty(at)
         if best is None or cost < best[0]:
@@ -284,7 +321,7 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     p = len(base.fit.at)
     low, high = (np.array([getattr(n, k) for n in windows.numbers]) for k in ("low", "high"))
     at = np.clip(best.fit.at[:p], low, high)
-    first = replace(best.fit, windows=windows, at=at)
+    first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
     fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
     if fit.deviance >= base.fit.deviance or lost(fit):
         return base
@@ -322,7 +359,12 @@ def without(bench: Bench, trial: Trial, index: int) -> Trial:
     gone = trial.terms[index].name + "."
     kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
     fit = fitted(
-        replace(trial.fit, windows=windows, at=trial.fit.at[kept]),
+        replace(
+            trial.fit,
+            windows=windows,
+            at=trial.fit.at[kept],
+            own=own_in(trial.fit.own, trial.fit.windows, windows),
+        ),
         bench.policy,
         bench.policy.candidate_steps,
         held=2,

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from stickslip.discovery.evidence import TIED
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.search import Searched
-from stickslip.discovery.result import Alternative, Evidence, Interval
+from stickslip.discovery.result import TIED, Alternative, Evidence, Interval
 
 NEAR = 3 * TIED  # difference in -2 log evidence below which a rival is worth a line
 

@@ -1,27 +1,17 @@
-"""The catalogue as rivals: which numbers each effect adds, how they are scaled, and the shapes to start from."""
+"""Hypotheses of effects with where to start from, for the tests of the engine that fits a state."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from stickslip.declared.catalogue import CATALOGUE
-from stickslip.declared.effect import AnyEffect, Effect, effect
-from stickslip.declared.effect_kind import EffectKind
+from stickslip.declared.effect import AnyEffect, Effect
 from stickslip.declared.model import Model
-from stickslip.fitted.data import Data
 from stickslip.fitted.unknowns import Hypothesis, Unknown, law_unknowns
 
 LOGARITHMIC = 1.5  # width on positive ones, in the logarithm
-PERIODIC = tuple(  # those in time before those along the belt
-    name
-    for along_belt in (False, True)
-    for name, kind in CATALOGUE.items()
-    if kind.wave and kind.wave.along_belt == along_belt
-)
 
 
 @dataclass(frozen=True)
@@ -71,20 +61,3 @@ def hypothesis(model: Model, starts: Sequence[Start], declared: Model | None = N
         if one.phases:
             phases[f"{one.term.name}.phi"] = one.phases
     return Hypothesis(model.with_effects(terms), tuple(unknowns), phases)
-
-
-def shapes(name: str, data: Sequence[Data]) -> list[Start]:
-    """Starts of an effect that is not periodic: a grid over the parameters that no linear score reaches."""
-    kind = CATALOGUE[name]
-    if kind.starts:
-        return [Start(effect(name, **_sized(kind, one, data))) for one in kind.starts]
-    zero = {info.name: 0.0 for info in kind.parameters}
-    return [Start(effect(name, **zero))]
-
-
-def _sized(kind: EffectKind, start: Mapping[str, float], data: Sequence[Data]) -> dict[str, float]:
-    """Return numbers to start from, shares of the size of y1 multiplied by it."""
-    if not any(info.of_size for info in kind.parameters):
-        return dict(start)
-    size = float(np.quantile(np.abs(np.concatenate([run.readings[:, 1] for run in data])), 0.99))
-    return {key: value * size if kind.parameter(key).of_size else value for key, value in start.items()}
