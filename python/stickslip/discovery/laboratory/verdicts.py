@@ -80,10 +80,12 @@ def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
-    One that is next to nothing beside what they explain is what the model of the measurement is short of.
+    One that is next to nothing beside what they explain is what the model of the measurement is short of. Where
+    friction beside the names neither differs nor is bent, they leave nothing that acts.
     """
     null, chosen = found.null, found.chosen
-    if not chosen.terms:
+    scatter = chosen.fit.population
+    if not chosen.terms or max(scatter.level, scatter.curve) < bench.policy.repeats:
         return None
     left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed))
     if left is None or left.gain < bench.policy.stands_in**2 * (null.fit.deviance - chosen.fit.deviance):
