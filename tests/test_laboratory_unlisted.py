@@ -74,7 +74,7 @@ def test_a_name_that_only_stands_in_leaves_a_curve(pulled: Left, bent: Left) -> 
 def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left) -> None:
     assert pulled.curve is not None
     found, bench = pulled.searched, pulled.bench
-    share = np.sqrt(pulled.curve.gain / (found.null.fit.deviance - found.chosen.fit.deviance))
+    share = np.sqrt(pulled.curve.gain / verdicts._explained(bench, found))
     for size, told in ((0.9 * share, True), (1.1 * share, False)):
         strict = replace(bench, policy=replace(bench.policy, stands_in=size))
         assert (verdicts._left_over(strict, found, 0) is not None) == told

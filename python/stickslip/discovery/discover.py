@@ -30,7 +30,7 @@ from stickslip.measured.thinning import sentences, thinned_case
 
 __all__ = ["Found", "Verdict", "discover"]
 
-MOST_SAMPLES = 40_000  # of the train runs, and of the others: 44 000 took 141 s and 0.9 GB
+MOST_SAMPLES = 40_000  # of the train runs, and of the others; more are thinned
 MOST_CORES = 8  # what a search can keep busy
 
 

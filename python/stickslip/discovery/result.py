@@ -1,4 +1,7 @@
-"""What `discover` returns: verdict, effects, rivals, errors, and the arrays that a report draws."""
+"""What `discover` returns: verdict, effects, rivals, errors, and the arrays that a report draws.
+
+One file, as it is the list of what a report may rest on: a third of it says what each field is.
+"""
 
 from __future__ import annotations
 

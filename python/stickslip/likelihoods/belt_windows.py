@@ -1,6 +1,7 @@
 """Windows of a rig on a belt linearised, each with friction and a belt speed of its own.
 
-What a rig records, and where a window of it begins, its sensors say: see `stickslip.likelihoods.sensors`.
+What a rig records, and where a window of it begins, its sensors say: see `stickslip.likelihoods.sensors`. The windows
+and their simulation at one point stay in one file: each is made of the other's numbers.
 """
 
 from __future__ import annotations

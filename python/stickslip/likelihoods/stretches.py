@@ -11,7 +11,6 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.sticks import rides
 
 Floats = NDArray[np.float64]
-COVERED = 0.2  # share of a run that stretches from stick to stick hold; below, it is one that hardly sticks
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -47,7 +46,7 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
     """
     Return the stretches of all runs.
 
-    A cycle without a clear stick ends none and begins none. A run that sticks hardly ever is cut at its fastest slips.
+    A cycle without a clear stick ends none and begins none. A run in which none begins is cut at its fastest slips.
     """
     out = list[Stretch]()
     for number, run in enumerate(data):
@@ -58,8 +57,8 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
         for one, other in zip(cuts[:-1], cuts[1:], strict=True):
             if one is not None and other is not None:
                 out.append(Stretch(number, one.at, other.at, one.dwell, one.rest))
-        if sum(one.stop - one.start for one in out[before:]) < COVERED * len(run.t):
-            out[before:] = [
+        if len(out) == before:
+            out += [
                 Stretch(number, int(a), int(b), 0.0, 0.0, stuck=False)
                 for a, b in zip(run.slips[:-1], run.slips[1:], strict=True)
                 if b - a >= policy.fewest_stuck

@@ -41,12 +41,10 @@ from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
 from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.declared_numbers import known
-from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.repeating import lost, repeats
 from stickslip.likelihoods.scaled import Scaled, scaled, start
-from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
@@ -155,12 +153,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
     chosen = search.verdicts.told
-    base = found.null
-    if (
-        chosen.freed is not None
-    ):  # before, all is as declared: with one constant held the others may do its work
-        plain = replace(bench, declared=Declared())
-        base = Trial((), null(plain.windows(), bench.policy))
+    base = search.verdicts.before
     before, after = (_model(search, one) for one in (base, chosen))
     train, validate = ([measure(prepare_events(one)) for one in runs] for runs in (case.train, case.validate))
     tell("fitting single events of the validate runs")

@@ -34,9 +34,9 @@ def independent(case: Case, data: Sequence[Data], left: Left) -> tuple[list[Data
     return some, (told(case, some, found[0]),)
 
 
-def left_out(before: Sequence[Data], after: Sequence[Data], readings: int) -> tuple[str, ...]:
-    """Say how many readings of the fit, of so many, were left out."""
-    out = masked(before, after)
+def left_out(before: Sequence[Data], after: Sequence[Data]) -> tuple[str, ...]:
+    """Say how many readings of the fit were left out."""
+    out, readings = masked(before, after), sum(run.readings.size for run in before)
     if not out:
         return ()
     which = "1 reading that stands out" if out == 1 else f"{out} readings that stand out"

@@ -32,7 +32,6 @@ from stickslip.likelihoods.declared_numbers import known as declared_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
-from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
@@ -86,15 +85,8 @@ def discover(
         The train runs hold too little, or the declared rig is not theirs.
     """
     began = time.monotonic()
-    as_read, count = data, len(case.train)
     asked, verdicts, said = _searched(_Asked(case, data, tell, seed))
-    train = as_read[:count]
-    out = (
-        readings.left_out(train, asked.data[:count], sum(run.readings.size for run in train))
-        if not said
-        else ()
-    )
-    return _found(asked, verdicts, (*notes, *said, *out), workers, began)
+    return _found(asked, verdicts, (*notes, *said), workers, began)
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
@@ -111,6 +103,7 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
 
     A misfit hides what readings themselves have: what was found may show it, and then all is sought once more.
     """
+    as_read = asked.data[: len(asked.case.train)]
     asked.tell("fitting the declared law, its constants and its scatter")
     base = _null(bench := asked.bench)
     first = left(bench, base.fit)
@@ -129,7 +122,8 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
         asked.tell("readings stand out from what is left: once more without them")
         asked, said = replace(asked, data=data), (*said, *more)
         verdicts = _verdicts(asked, bench := asked.bench, _null(bench))
-    return asked, verdicts, thin or said
+    out = () if thin else readings.left_out(as_read, asked.data[: len(as_read)])
+    return asked, verdicts, thin or (*said, *out)
 
 
 def _changed(before: Sequence[Data], after: Sequence[Data]) -> bool:
@@ -171,11 +165,7 @@ def _found(
     case, tell = asked.case, asked.tell
     bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve
     validate, declared, chosen = asked.data[len(case.train) :], case.model(), verdicts.told
-    base = found.null
-    if (
-        chosen.freed is not None
-    ):  # before, all is as declared: with one constant held the others may do its work
-        base = _null(replace(bench, declared=Declared()))
+    base = verdicts.before
     before, after = (outcome.model(bench, one, declared) for one in (base, chosen))
     tell("forecasting the validate runs")
     error, forecasts = error_block(

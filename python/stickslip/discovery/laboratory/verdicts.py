@@ -12,7 +12,9 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, Trial, search
+from stickslip.likelihoods.fit import fitted, null
 from stickslip.likelihoods.repeating import lost
+from stickslip.likelihoods.shared import Declared
 
 BenchT = TypeVar("BenchT", bound=Bench)
 
@@ -40,6 +42,14 @@ class Verdicts(Generic[BenchT]):
         found = self.searched
         return found.null if self.curve is not None and not self.beside else found.chosen
 
+    @property
+    def before(self) -> Trial:
+        """The declared model alone; all of it as declared where a constant is wrong, for the others may do its work."""
+        if self.told.freed is None:
+            return self.searched.null
+        plain = replace(self.bench, declared=Declared())
+        return Trial((), null(plain.windows(), plain.policy))
+
 
 def searched(
     bench: BenchT, known: Uncertainty, tell: Callable[[str], None], seed: int, base: Trial | None = None
@@ -66,31 +76,39 @@ def searched(
 
 def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
     """The curve that explains more than every name does, its shapes paid for."""
-    count = len(bench.stretches)
-    null = found.null
-    best = leading(bench, null.fit, found.chosen.fit, seed)
+    count, alone = len(bench.stretches), found.null
+    best = leading(bench, alone.fit, found.chosen.fit, seed)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
     chosen = found.chosen
-    named = 0.0 if lost(chosen.fit) else null.whole() - chosen.whole()
-    return _proven(bench, null, best) if best.worth(count) > max(best.threshold, named) else None
+    named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
+    return _proven(bench, alone, best) if best.worth(count) > max(best.threshold, named) else None
 
 
 def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
-    One that is next to nothing beside what they explain is what the model of the measurement is short of. Where
-    friction beside the names neither differs nor is bent, they leave nothing that acts.
+    One that is next to nothing beside what they explain is what the model of the measurement is short of.
     """
-    null, chosen = found.null, found.chosen
-    scatter = chosen.fit.population
-    if not chosen.terms or max(scatter.level, scatter.curve) < bench.policy.repeats:
+    chosen = found.chosen
+    if not chosen.terms:
         return None
     left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed))
-    if left is None or left.gain < bench.policy.stands_in**2 * (null.fit.deviance - chosen.fit.deviance):
+    if left is None or left.gain < bench.policy.stands_in**2 * _explained(bench, found):
         return None
     return left
+
+
+def _explained(bench: Bench, found: Searched) -> float:
+    """
+    Return what the names explain: how much worse the law alone does where friction scatters as it does beside them.
+
+    With a scatter of its own the law alone passes most of what it lacks off as that.
+    """
+    chosen, policy = found.chosen.fit, bench.policy
+    alone = replace(found.null.fit, population=chosen.population, noise=chosen.noise)
+    return fitted(alone, policy, held=policy.most_steps).deviance - chosen.deviance
 
 
 def _proven(bench: Bench, beside: Trial, best: Learned) -> Learned | None:

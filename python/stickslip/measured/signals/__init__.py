@@ -16,16 +16,14 @@ noise 0.0010
 
 from stickslip.measured.signals.belt import BeltSpeed, find_belt_speed
 from stickslip.measured.signals.derivatives import Derivatives, derivatives
+from stickslip.measured.signals.glitches import Glitches, find_glitches, remove_glitches
 from stickslip.measured.signals.lowpass import Lowpassed, lowpass
 from stickslip.measured.signals.quality import (
     Clipping,
-    Glitches,
     Quantisation,
     find_clipping,
-    find_glitches,
     noise_std,
     quantisation,
-    remove_glitches,
 )
 from stickslip.measured.signals.recursion import Differentiator, differentiate, differentiator, first_order
 from stickslip.measured.signals.smoother import Smoothed, smooth

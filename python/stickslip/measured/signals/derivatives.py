@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from stickslip.arguments import explained
 from stickslip.errors import InputError
 from stickslip.measured.signals._input import Booleans, Floats, finite_vector
-from stickslip.measured.signals.quality import Glitches, remove_glitches
+from stickslip.measured.signals.glitches import Glitches, remove_glitches
 from stickslip.measured.signals.recursion import Differentiator, Rule, differentiator, first_order
 
 Align = Literal["match", "shift", "none"]
