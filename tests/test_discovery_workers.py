@@ -111,3 +111,15 @@ def test_an_interrupted_map_cancels_nothing_under_way() -> None:
         asked.map(abs, [1, 2, 3])
     assert next(todo, None) is None
     assert not any(one.cancelled() for one in handed)
+
+
+def test_paths_are_of_the_folder_that_one_is_in_now(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    workers = Workers(2)
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        assert set(workers.map(here, range(4))) == {str(tmp_path / name)}
+
+
+def here(_: int) -> str:
+    return os.getcwd()

@@ -13,7 +13,8 @@ from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
 from stickslip.discovery.laboratory.proven import proven
-from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted

@@ -9,7 +9,8 @@ import stickslip as ss
 from discover_cases import LAW, RIG, make_case
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import Term
-from stickslip.discovery.laboratory.search import Trial, _told
+from stickslip.discovery.laboratory.search import _told
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.verdicts import searched
 from stickslip.fitted.data import prepare

@@ -56,7 +56,16 @@ void bind_bodies(py::module_& m) {
       "Formulas of a law in one direction, or of a speed: rows (operation, a, b); of the rows, which is the "
       "force (in slip, or of a contact without stick), the static limit (-1: none), each state's rate.")
       .def(py::init<const Rows&, int, int, std::vector<int>>(), py::kw_only(), py::arg("nodes"), py::arg("force"),
-           py::arg("limit") = -1, py::arg("rates") = std::vector<int>{});
+           py::arg("limit") = -1, py::arg("rates") = std::vector<int>{})
+      .def(py::pickle(
+          [](const Formulas& f) {
+            Rows rows;
+            for (const Node& one : f.nodes) rows.push_back({static_cast<int>(one.op), one.a, one.b});
+            return py::make_tuple(rows, f.force, f.limit, f.rates);
+          },
+          [](const py::tuple& t) {
+            return Formulas(t[0].cast<Rows>(), t[1].cast<int>(), t[2].cast<int>(), t[3].cast<std::vector<int>>());
+          }));
   py::class_<Speed>(m, "PrescribedSpeed",
                     "A speed over time: a formula of t from each time on, the first before it too.")
       .def(py::init([](std::vector<double> begins, std::vector<Formulas> pieces) {
@@ -64,7 +73,11 @@ void bind_bodies(py::module_& m) {
              for (std::size_t i = 1; i < begins.size(); ++i) check(begins[i] > begins[i - 1], "times must increase");
              return Speed{std::move(begins), std::move(pieces)};
            }),
-           py::kw_only(), py::arg("begins"), py::arg("pieces"));
+           py::kw_only(), py::arg("begins"), py::arg("pieces"))
+      .def(py::pickle([](const Speed& s) { return py::make_tuple(s.begins, s.pieces); },
+                      [](const py::tuple& t) {
+                        return Speed{t[0].cast<std::vector<double>>(), t[1].cast<std::vector<Formulas>>()};
+                      }));
   py::list names;
   for (const auto& name : op_names) names.append(py::str(name.data(), name.size()));
   m.attr("OPERATIONS") = py::tuple(names);

@@ -75,6 +75,9 @@ class Formulas:
     Formulas of a law in one direction, or of a speed: rows (operation, a, b); of the rows, which is the force (in slip, or of a contact without stick), the static limit (-1: none), each state's rate.
     """
 
+    def __getstate__(
+        self,
+    ) -> tuple[list[typing.Annotated[list[int], "FixedSize(3)"]], int, int, list[int]]: ...
     def __init__(
         self,
         *,
@@ -87,18 +90,21 @@ class Formulas:
         limit: typing.SupportsInt | typing.SupportsIndex = -1,
         rates: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [],
     ) -> None: ...
+    def __setstate__(self, arg0: tuple[object, ...]) -> None: ...
 
 class PrescribedSpeed:
     """
     A speed over time: a formula of t from each time on, the first before it too.
     """
 
+    def __getstate__(self) -> tuple[list[float], list[Formulas]]: ...
     def __init__(
         self,
         *,
         begins: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
         pieces: collections.abc.Sequence[Formulas],
     ) -> None: ...
+    def __setstate__(self, arg0: tuple[object, ...]) -> None: ...
 
 def bodies_layout(
     *,

@@ -64,8 +64,8 @@ def discover(
     progress
         Told what is being tried, a sentence at a time.
     threads
-        Cores to use at most, all (but at most 8) if not given: the forecasts of a rig of (2.1) are made side by side
-        in as many processes. The result does not depend on it.
+        Cores to use at most, all (but at most 8) if not given: what does not wait for one another is done side by
+        side in as many processes, on a driven slider nothing. The result does not depend on it.
     seed
         Of the bootstrap and of the forecasts.
 
@@ -154,18 +154,21 @@ def _searched(
     with threadpool_limits(1):
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)
-        if isinstance(case.rig, BlockOnBelt):
-            found = block.discover(case, tell, seed)
-            if found is not None:
-                return found
-            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-            return replace(found, messages=(*found.messages, *block.untold(case)))
-        if isinstance(case.rig, GeneralRig):
-            return general_rig.discover(case, tell, seed)
-        data, notes = _checked(case, copied)
+        notes: tuple[str, ...] = ()
+        data: list[Data] = []
+        if isinstance(case.rig, Rig):
+            data, notes = _checked(case, copied)
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         workers = Workers(count, __name__)  # not for a case that is refused
         try:
+            if isinstance(case.rig, BlockOnBelt):
+                found = block.discover(case, tell, seed, workers)
+                if found is not None:
+                    return found
+                found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+                return replace(found, messages=(*found.messages, *block.untold(case)))
+            if isinstance(case.rig, GeneralRig):
+                return general_rig.discover(case, tell, seed, workers)
             return two_degree.discover(case, data, notes, tell, workers, seed)
         except BaseException:
             workers.stop()

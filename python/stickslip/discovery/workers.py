@@ -5,11 +5,15 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import os
+import pickle
 import signal
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 Item = TypeVar("Item")
@@ -45,16 +49,22 @@ class Workers:
         todo = list(items)
         if self._pool is not None:
             self._asked()
-            try:
-                # not the pool's own map: what it cancels when interrupted, `stop` could not end without an outcry
-                under_way = [self._pool.submit(function, item) for item in todo]
-            except RuntimeError:
-                self._pool, under_way = None, []
-            try:
-                if under_way:
-                    return [one.result() for one in under_way]
-            except BrokenExecutor:
-                self._pool = None
+        if self._pool is not None and len(todo) > 1:
+            folder = os.getcwd()
+            with tempfile.TemporaryDirectory() as passing:
+                # written once, not once an item: what it holds may be large
+                written = Path(passing) / "function"
+                written.write_bytes(_dumped(function))
+                try:
+                    # not the pool's own map: what it cancels when interrupted, `stop` could not end without an outcry
+                    under_way = [self._pool.submit(_call, str(written), folder, item) for item in todo]
+                except RuntimeError:
+                    self._pool, under_way = None, []
+                try:
+                    if under_way:
+                        return [one.result() for one in under_way]
+                except BrokenExecutor:
+                    self._pool = None
         return [function(item) for item in todo]
 
     def _asked(self) -> None:
@@ -65,6 +75,29 @@ class Workers:
         pool, self._pool = self._pool, None
         if pool is not None:
             pool.shutdown(kill_workers=True)
+
+
+def _dumped(function: Callable[[Any], Any]) -> bytes:
+    """A function as bytes, closures and all."""
+    from loky.backend.reduction import dumps  # type: ignore[import-untyped]
+
+    return bytes(dumps(function))
+
+
+@lru_cache(maxsize=1)
+def _function(written: str) -> Callable[[Any], Any]:
+    # written by the process that started this one
+    function: Callable[[Any], Any] = pickle.loads(Path(written).read_bytes())
+    return function
+
+
+def _call(written: str, folder: str, item: Any) -> Any:
+    """The written function's value of an item, in the folder that its paths are of: the process may be older."""
+    os.chdir(folder)
+    return _function(written)(item)
+
+
+ALONE = Workers(1)  # no processes: all is done here
 
 
 def _pool(count: int, needs: str) -> Any:

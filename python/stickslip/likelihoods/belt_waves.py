@@ -92,12 +92,30 @@ def leg(place: Floats, step: float, values: Mapping[str, float]) -> Floats:
     step : between samples
     values : numbers of the rig of (2.1)
     """
-    b, a = _filter(step, *(values[name] for name in ("eta1", "alpha2", "eta12", "beta3")))
-    return np.asarray(scipy.signal.lfilter(b, a, place, axis=0))
+    return _filtered((-values["eta1"], -1.0), place, step, values)
+
+
+def pushed(force: Floats, step: float, values: Mapping[str, float]) -> Floats:
+    """
+    Return y1 that follows from a force on the angle body, (n, count), the body at rest before.
+
+    Parameters
+    ----------
+    force : (n, count)
+    step, values : as of `leg`
+    """
+    return _filtered((1.0,), force, step, values)
+
+
+def _filtered(over: tuple[float, ...], x: Floats, step: float, values: Mapping[str, float]) -> Floats:
+    b, a = _filter(step, over, *(values[name] for name in ("alpha2", "eta12", "beta3")))
+    return np.asarray(scipy.signal.lfilter(b, a, x, axis=0))
 
 
 @lru_cache(maxsize=64)  # every window of a run asks for the same one, and it takes longer to make than to use
-def _filter(step: float, eta1: float, alpha2: float, eta12: float, beta3: float) -> tuple[Floats, Floats]:
-    """The leg's filter between samples."""
-    b, a = scipy.signal.bilinear([-eta1, -1.0], [alpha2, eta12, beta3], 1.0 / step)
+def _filter(
+    step: float, over: tuple[float, ...], alpha2: float, eta12: float, beta3: float
+) -> tuple[Floats, Floats]:
+    """The angle body's filter between samples."""
+    b, a = scipy.signal.bilinear(over, [alpha2, eta12, beta3], 1.0 / step)
     return np.asarray(b), np.asarray(a)

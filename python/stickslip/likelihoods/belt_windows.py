@@ -138,13 +138,30 @@ class BeltWindows(EventWindows[Data, Stretch]):
         local: bool = True,
     ) -> list[Floats | None]:
         """See `EventWindows.blocks`."""
-        shared = range(len(self.numbers)) if shared is None else shared
+        return self._blocks(at, own, select, range(len(self.numbers)) if shared is None else shared, local)
+
+    def columns(self, at: Floats, own: Floats, shared: Sequence[int]) -> list[Floats | None]:
+        """See `EventWindows.columns`."""
+        # a gain scales what its sensor reads, the window's own belt with it
+        whole = any(self.numbers[j].name in self.sensors.gains for j in shared)
+        made = self._blocks(at, own, None, shared, local=False, whole=whole)
+        return [None if one is None else one[:, :, :-1] for one in made]
+
+    def _blocks(
+        self,
+        at: Floats,
+        own: Floats,
+        select: NDArray[np.bool_] | None,
+        shared: Sequence[int],
+        local: bool,
+        whole: bool = True,
+    ) -> list[Floats | None]:
         out: list[Floats | None] = [None] * len(self.stretches)
         for run, members in enumerate(self.by_run):
             chosen = members if select is None else members[select[members]]
             if len(chosen):
                 with np.errstate(over="ignore", invalid="ignore"):  # such a window has failed
-                    made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local).blocks()
+                    made = _Run(self, run, chosen, at, own[chosen], tuple(shared), local, whole).blocks()
                 for i, block in zip(chosen, made, strict=True):
                     out[i] = block
         return out
@@ -162,7 +179,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
 
 
 class _Run:
-    """Windows of one run at one point."""
+    """Windows of one run at one point; `whole`: what is left of the readings is asked for, too."""
 
     def __init__(
         self,
@@ -173,8 +190,9 @@ class _Run:
         own: Floats,
         shared: tuple[int, ...],
         local: bool,
+        whole: bool = True,
     ) -> None:
-        self.of, self.run, self.own, self.at, self.local = windows, run, own, at, local
+        self.of, self.run, self.own, self.at, self.local, self.whole = windows, run, own, at, local, whole
         self.added = windows.added[chosen]
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]
@@ -209,7 +227,8 @@ class _Run:
             columns - p
         )
         chain = self._read(np.asarray(raw["state"]), slopes, names)
-        self._own_belt(chain, np.asarray(raw["state"]), np.asarray(raw["mode"]))
+        if self.whole:
+            self._own_belt(chain, np.asarray(raw["state"]), np.asarray(raw["mode"]))
         self._stretched(chain)
         for i, j in enumerate(self.shared):
             chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
@@ -318,7 +337,7 @@ class _Run:
                 row[entry] = size
                 rows.append(row)
                 owner.append(len(self.shared) + k)
-        if self.local or self.shared:
+        if self._rates:
             for state in DERIVED:
                 row = np.zeros(WIDTH + COUNT)
                 row[WIDTH + state] = 1.0

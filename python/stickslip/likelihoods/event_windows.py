@@ -129,6 +129,18 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         local : whether the windows' own numbers have columns
         """
 
+    def columns(self, at: Floats, own: Floats, shared: Sequence[int]) -> list[Floats | None]:
+        """
+        Return derivatives of each window's readings over the noise, (readings, channels, columns); None where it fails.
+
+        Parameters
+        ----------
+        at, own : as of `blocks`
+        shared : which shared numbers have columns
+        """
+        made = self.blocks(at, own, shared=shared, local=False)
+        return [None if one is None else one[:, :, :-1] for one in made]
+
     @abstractmethod
     def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
         """Return each window as simulated; None where it fails."""

@@ -19,6 +19,7 @@ from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, slip
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.bodies_data import BodiesData, way
 from stickslip.likelihoods import bodies_bench
 from stickslip.likelihoods.bodies_windows import BodiesWindows
@@ -168,7 +169,7 @@ class GeneralBench(Bench):
                 out[members, k] = size * chain(len(members), found, rng)
         return out
 
-    def curves(self, fit: Fit) -> Sequence[Learned]:  # noqa: ARG002  # none as yet
+    def curves(self, fit: Fit, workers: Workers = ALONE) -> Sequence[Learned]:  # noqa: ARG002  # none as yet
         """See `Bench.curves`."""
         return ()
 

@@ -17,6 +17,7 @@ from stickslip.discovery.laboratory import outcome as usual
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import Verdict
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_ahead import Ahead
@@ -27,7 +28,7 @@ from stickslip.measured.case import Case
 Floats = NDArray[np.float64]
 
 
-def discover(case: Case, tell: Callable[[str], None], seed: int) -> GeneralFound:
+def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> GeneralFound:
     """
     Return what the declared model of a rig of bodies or matrices lacks.
 
@@ -36,6 +37,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> GeneralFound
     case : of such a rig
     tell : told what is being done
     seed : of the gate's draws
+    workers : do what does not wait for one another
 
     Raises
     ------
@@ -57,7 +59,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> GeneralFound
     try:
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
-        found = search(bench, case.uncertainty, tell, seed)
+        found = search(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"

@@ -16,7 +16,8 @@ from stickslip.discovery.general_rig.bench import GeneralBench
 from stickslip.discovery.laboratory import left as windows_left
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
 from stickslip.discovery.result import ErrorBlock, FoundEffect, Interval, Rival

@@ -17,6 +17,7 @@ from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.fit_state import Fit
@@ -155,6 +156,6 @@ class BeltBench(Bench):
         made = root @ rng.standard_normal((len(points), self.policy.draws))
         return np.asarray(made.reshape(len(members), len(places), self.policy.draws))
 
-    def curves(self, fit: Fit) -> list[Learned]:
+    def curves(self, fit: Fit, workers: Workers = ALONE) -> list[Learned]:
         """See `Bench.curves`."""
-        return learned(self, fit)
+        return learned(self, fit, workers)

@@ -7,6 +7,8 @@ slip, so that a curve of anything costs no simulation. A force on the angle body
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +17,9 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.learned import Factors, Learned
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.data import Data
+from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.motion import Motion
@@ -27,6 +31,17 @@ from stickslip.simulated import states
 
 Floats = NDArray[np.float64]
 FEWEST = 3  # samples of a slip that a curve can be read along
+
+
+@dataclass(frozen=True)
+class _Shaped:
+    """A curve's shapes: where, of what, its knots, columns by shape, and friction by shape if it is in the slip."""
+
+    where: str
+    variable: str
+    grid: Floats
+    columns: Columns
+    factors: Factors | None = None
 
 
 class _OnBelt(Protocol):
@@ -48,28 +63,37 @@ class _OnBelt(Protocol):
     def two_degree(self) -> bool: ...
 
 
-def learned(bench: _OnBelt, fit: Fit) -> list[Learned]:
-    """Return every curve beside a hypothesis, best first."""
+def learned(bench: _OnBelt, fit: Fit, workers: Workers = ALONE) -> list[Learned]:
+    """Return every curve beside a hypothesis, best first; the workers score them."""
     motions = fit.windows.motions(fit.at, fit.own)
-    every = np.eye(bench.policy.curve_shapes)
-    out = []
-    for where, variable, x, columns, factors in _every(bench, fit, motions):
-        # friction as a whole is the law's, and so is a constant force or reading while all slip one way
-        levelled = where == "contact" or bench.one_way
-        free = scipy.linalg.null_space(_mean(motions, variable, x)[None]) if levelled else every
-        reduced = [None if c is None else c @ free for c in columns]
-        # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
-        found = score(fit, reduced, bench.policy, tight=True)
-        std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
-        value, count = free @ found.size, free.shape[1]
-        friction = None if factors is None else [None if one is None else one @ value for one in factors]
-        out.append(Learned(where, variable, found.gain, x, value, std, count, reduced, found.size, friction))
-    return sorted(out, key=lambda one: -one.gain)
+    every = [_levelled(bench, motions, one) for one in _every(bench, fit, motions)]
+    return sorted(workers.map(partial(_scored, fit, bench.policy), every), key=lambda one: -one.gain)
 
 
-def _every(
-    bench: _OnBelt, fit: Fit, motions: list[Motion | None]
-) -> Iterator[tuple[str, str, Floats, Columns, Factors | None]]:
+def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> tuple[_Shaped, Floats]:
+    """A curve, and which combinations of its shapes are its own."""
+    # friction as a whole is the law's, and so is a constant force or reading while all slip one way
+    if one.where == "contact" or bench.one_way:
+        return one, scipy.linalg.null_space(_mean(motions, one.variable, one.grid)[None])
+    return one, np.eye(bench.policy.curve_shapes)
+
+
+def _scored(fit: Fit, policy: Policy, levelled: tuple[_Shaped, Floats]) -> Learned:
+    one, free = levelled
+    reduced = [None if c is None else c @ free for c in one.columns]
+    # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
+    found = score(fit, reduced, policy, tight=True)
+    std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
+    value, count = free @ found.size, free.shape[1]
+    friction = None
+    if one.factors is not None:
+        friction = [None if each is None else each @ value for each in one.factors]
+    return Learned(
+        one.where, one.variable, found.gain, one.grid, value, std, count, reduced, found.size, friction
+    )
+
+
+def _every(bench: _OnBelt, fit: Fit, motions: list[Motion | None]) -> Iterator[_Shaped]:
     two = bench.two_degree
     names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
     for variable in names:
@@ -79,11 +103,11 @@ def _every(
                 continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
             factors = _factors(bench, fit, motions, where, variable, grid)
             shown = "v_w" if (where, variable) == ("contact", "x2") else variable
-            yield where, shown, grid, _of_slip(bench, fit, factors), factors
+            yield _Shaped(where, shown, grid, _of_slip(bench, fit, factors), factors)
         for channel, place in enumerate(bench.sensors.places):
-            yield place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid), None
+            yield _Shaped(place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid))
         if two:
-            yield "angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid), None
+            yield _Shaped("angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid))
 
 
 def _at(motion: Motion, variable: str) -> Floats:
@@ -176,13 +200,7 @@ def _of_reading(
 
 def _of_angle(bench: _OnBelt, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats) -> Columns:
     """Columns of a force on the angle body, seen through that body alone."""
-    p = fit.values()
-    system = scipy.signal.StateSpace(
-        [[0.0, 1.0], [-p["beta3"] / p["alpha2"], -p["eta12"] / p["alpha2"]]],
-        [[0.0], [1.0 / p["alpha2"]]],
-        [[1.0, 0.0]],
-        [[0.0]],
-    )
+    values = fit.values()
     out: list[Floats | None] = []
     for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
         if block is None or motion is None:
@@ -190,9 +208,7 @@ def _of_angle(bench: _OnBelt, fit: Fit, motions: list[Motion | None], variable: 
             continue
         made = np.zeros((*block.shape[:2], len(grid)))
         force = shapes(grid, _at(motion, variable))
-        t = np.linspace(0.0, motion.t[-1] - motion.t[0], len(motion.t))
         weight = bench.data[s.run].weight[s.start : s.stop, 1]
-        for j in range(len(grid)):
-            made[:, 1, j] = scipy.signal.lsim(system, force[:, j], t)[1] * weight  # type: ignore[call-overload]
+        made[:, 1] = belt_waves.pushed(force, float(np.median(np.diff(motion.t))), values) * weight[:, None]
         out.append(made)
     return out

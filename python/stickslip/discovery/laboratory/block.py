@@ -20,8 +20,9 @@ from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
-from stickslip.discovery.laboratory.search import Searched, Trial
+from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.single_events import Single, single
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.verdicts import Verdicts, searched
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
@@ -36,6 +37,7 @@ from stickslip.discovery.result import (
 from stickslip.discovery.slider.loop import experiments, idle
 from stickslip.discovery.slider.outcome import error_block
 from stickslip.discovery.slider.views import Motion, validate_view, view
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
@@ -94,7 +96,7 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     return BeltBench(declared, train, stretches(train), known(case), POLICY, sensors, rivals), units, data
 
 
-def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None:
+def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> Found | None:
     """
     Return what the declared model lacks where friction scatters; None where nothing does, or where it cannot be told.
 
@@ -103,26 +105,27 @@ def discover(case: Case, tell: Callable[[str], None], seed: int) -> Found | None
     case : of a `BlockOnBelt`
     tell : told what is being done
     seed : of the gate's draws
+    workers : do what does not wait for one another
     """
     began = time.monotonic()
     made = bench_of(case)
     if made is None:
         return None
     bench, units, data = made
-    verdicts = _verdicts(bench, case.uncertainty, tell, seed)
+    verdicts = _verdicts(bench, case.uncertainty, tell, seed, workers)
     if verdicts is None:
         return None
     return _found(Search(case, units, data, verdicts), tell, began)
 
 
 def _verdicts(
-    bench: BeltBench, known: Uncertainty, tell: Callable[[str], None], seed: int
+    bench: BeltBench, known: Uncertainty, tell: Callable[[str], None], seed: int, workers: Workers
 ) -> Verdicts[BeltBench] | None:
     """What windows say; None where they are few, where nothing scatters, or where no hypothesis is their model."""
     if len(bench.stretches) < bench.policy.fewest_windows:
         return None
     try:
-        verdicts = searched(bench, known, tell, seed)
+        verdicts = searched(bench, known, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
     fit = verdicts.searched.chosen.fit

@@ -8,10 +8,11 @@ from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.screen import Screen, Shapes
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit
 
 
-def leading(bench: Bench, fit: Fit, best: Fit, seed: int) -> Learned:
+def leading(bench: Bench, fit: Fit, best: Fit, seed: int, workers: Workers = ALONE) -> Learned:
     """
     Return the best curve beside a hypothesis, with the gate that draws set for all curves.
 
@@ -23,8 +24,9 @@ def leading(bench: Bench, fit: Fit, best: Fit, seed: int) -> Learned:
     bench, fit : the hypothesis
     best : the fit whose scatter is drawn
     seed : of the draws
+    workers : score them
     """
-    every, count = bench.curves(fit), len(bench.stretches)
+    every, count = bench.curves(fit, workers), len(bench.stretches)
     screen = Screen((), tuple(Shapes(one.count, (one.columns,)) for one in every))
     threshold = gate(bench, fit, screen, seed, best, tight=True).threshold
     return replace(max(every, key=lambda one: one.worth(count)), threshold=threshold)

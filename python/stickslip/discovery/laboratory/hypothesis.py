@@ -17,6 +17,7 @@ from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit, Windowed
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.shared import Declared, Number
@@ -154,8 +155,8 @@ class Bench(ABC):
         """
 
     @abstractmethod
-    def curves(self, fit: Fit) -> Sequence[Learned]:
-        """Return every curve beside a hypothesis, best first."""
+    def curves(self, fit: Fit, workers: Workers = ALONE) -> Sequence[Learned]:
+        """Return every curve beside a hypothesis, best first; the workers score them."""
 
 
 def of_term(one: Term, policy: Policy) -> list[Number]:

@@ -17,7 +17,8 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.rival_kind import within
-from stickslip.discovery.laboratory.search import Searched, Step, Trial
+from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.messages import WORSE
 from stickslip.discovery.next_experiment import next_experiments

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +16,8 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.rival_kind import RivalKind
-from stickslip.discovery.laboratory.waves import Wave, Waves
+from stickslip.discovery.laboratory.waves import Wave, Waves, coarse, wave_columns
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import Policy
@@ -21,6 +25,7 @@ from stickslip.likelihoods.score import Columns, score
 from stickslip.simulated.named_places import beside_formula
 
 Floats = NDArray[np.float64]
+AT_ONCE = 8  # frequencies that a worker is handed
 
 
 @dataclass(frozen=True)
@@ -91,25 +96,40 @@ class Screen:
         )
 
 
-def screened(bench: Bench, fit: Fit, terms: Sequence[Term]) -> Screen:
+def screened(bench: Bench, fit: Fit, terms: Sequence[Term], workers: Workers = ALONE) -> Screen:
     """Return every effect that is not in the hypothesis."""
     taken, null = {one.name for one in terms}, Null(fit)
+    kinds = [kind for kind in bench.kinds() if label(kind) not in taken and _beside(bench, kind, terms)]
+    parts = [part for kind in kinds for part in _parts(bench, kind)]
+    done = zip(parts, workers.map(partial(_part, bench, fit, terms, null), parts), strict=True)
     found: list[Candidate] = []
     scored: list[Shapes | Waves] = []
-    for kind in bench.kinds():
-        if label(kind) in taken or not _beside(bench, kind, terms):
-            continue
+    for kind, made in groupby(done, lambda one: one[0][0]):
         if kind.wave:
-            waves = Waves(bench, fit, terms, kind)
-            found.append(_wave(bench, fit, kind, waves, null))
+            waves = Waves(bench, kind, [one for _, each in made for one in each])
+            found.append(_wave(bench, fit, terms, waves, null))
             scored.append(waves)
         else:
-            one, shapes = _shape(bench, fit, terms, kind, null)
+            ((_, (one, shapes)),) = made
             scored.append(shapes)
             if one is not None:
                 found.append(one)
     count = len(bench.stretches)
     return Screen(tuple(sorted(found, key=lambda one: -one.worth(count))), tuple(scored))
+
+
+def _parts(bench: Bench, kind: EffectKind) -> list[tuple[EffectKind, Floats]]:
+    """What of an effect's screening is done at once: all of it, or some of the frequencies of a wave."""
+    every = coarse(bench, kind) if kind.wave else np.zeros(0)
+    return [(kind, every[i : i + AT_ONCE]) for i in range(0, max(len(every), 1), AT_ONCE)]
+
+
+def _part(bench: Bench, fit: Fit, terms: Sequence[Term], null: Null, part: tuple[EffectKind, Floats]) -> Any:
+    """The columns of some frequencies; of another effect its candidate and its shapes."""
+    kind, frequencies = part
+    if kind.wave:
+        return [Wave(float(w), wave_columns(bench, fit, terms, kind, float(w))) for w in frequencies]
+    return _shape(bench, fit, terms, kind, null)
 
 
 def _beside(bench: Bench, kind: EffectKind, terms: Sequence[Term]) -> bool:
@@ -131,9 +151,8 @@ def columns(bench: Bench, fit: Fit, terms: Sequence[Term], one: Term, names: Seq
     wanted = [first + i for i, n in enumerate(own) if n.name in names]
     # the columns of a size that is fitted by its logarithm are those of the size itself
     plain = {first + i: n.slope(n.start) for i, n in enumerate(own)}
-    blocks = windows.blocks(at, fit.own, shared=wanted, local=False)
     scale = np.array([plain[j] for j in wanted])
-    return [None if b is None else b[:, :, :-1] / scale for b in blocks]
+    return [None if x is None else x / scale for x in windows.columns(at, fit.own, wanted)]
 
 
 def _shape(
@@ -255,11 +274,12 @@ def _grid(bench: Bench, kind: EffectKind, sought: tuple[float, float], of_size: 
     return np.geomspace(2 * sought[0], sought[1] / 2, bench.policy.grid)
 
 
-def _wave(bench: Bench, fit: Fit, kind: EffectKind, waves: Waves, null: Null) -> Candidate:
+def _wave(bench: Bench, fit: Fit, terms: Sequence[Term], waves: Waves, null: Null) -> Candidate:
     """An effect that comes and goes, its phase another in every run: best over how often."""
+    kind = waves.kind
     assert kind.wave is not None
     w = waves.best(null)
-    made, runs = waves.columns(w), len(bench.data)
+    made, runs = wave_columns(bench, fit, terms, kind, w), len(bench.data)
     place = [[2 * s.run, 2 * s.run + 1] for s in bench.stretches]
     found = score(fit, made, bench.policy, place=place, count=2 * runs)
     known = 0.0

@@ -3,65 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
-from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
-from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
+from stickslip.discovery.laboratory.trials import Trial, all_full, anew, leader_anew
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted, null
-from stickslip.likelihoods.fit_state import Fit, unexplained
+from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.repeating import lost
-from stickslip.likelihoods.single_windows import settled
-
-
-@dataclass(frozen=True)
-class Trial:
-    """
-    A hypothesis, fitted.
-
-    Parameters
-    ----------
-    terms : its effects, as fitted
-    fit : where it stands
-    known : gain that it has from waves no larger than scatter and wobble have
-    freed : a declared constant that is not as declared
-    """
-
-    terms: tuple[Term, ...]
-    fit: Fit
-    known: float = 0.0
-    freed: Freed | None = None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of its effects."""
-        return tuple(one.name for one in self.terms)
-
-    @property
-    def deviance(self) -> float:
-        """-2 log marginal likelihood, and what of its gain is no finding."""
-        return self.fit.deviance + self.known
-
-    def numbers(self) -> int:
-        """How many numbers its effects have, and its constants that are not as declared."""
-        effects = sum(n.name.rpartition(".")[0] in self.names for n in self.fit.windows.numbers)
-        return effects + (self.freed is not None)
-
-    def whole(self) -> float:
-        """Return -2 log evidence, the price of its numbers included: by it rivals are held against each other."""
-        return self.fit.deviance + self.numbers() * math.log(len(self.fit.own))
-
-    def worth(self) -> float:
-        """Return the same less what of its gain is no finding: by it one passes the gate."""
-        return self.whole() + self.known
 
 
 @dataclass
@@ -90,7 +48,12 @@ class Searched:
 
 
 def search(
-    bench: Bench, known: Uncertainty, tell: Callable[[str], None], seed: int = 0, base: Trial | None = None
+    bench: Bench,
+    known: Uncertainty,
+    tell: Callable[[str], None],
+    seed: int = 0,
+    base: Trial | None = None,
+    workers: Workers = ALONE,
 ) -> Searched:
     """
     Return what the runs say of every effect, alone and beside others, and of the declared constants.
@@ -100,13 +63,14 @@ def search(
     bench, known : the case, and how well its constants are known
     tell, seed : told what is being done; of the gate's draws
     base : the declared model as fitted; None: it is fitted first
+    workers : do what does not wait for one another; what is found does not depend on how many they are
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
         base = Trial((), null(bench.windows(), bench.policy))
     out = Searched(base, base)
     while len(base.terms) < bench.policy.most_effects:
-        step, base = _forward(bench, base, tell, seed)
+        step, base = _forward(bench, base, tell, seed, workers)
         if not base.terms:
             out.null = base
         out.steps.append(step)
@@ -115,7 +79,7 @@ def search(
         if not passing:
             break
         base = min(passing, key=Trial.whole)
-    out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell))
+    out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell, workers))
     return out
 
 
@@ -158,21 +122,18 @@ def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) ->
     return Trial(terms, fit, trial.known, found) if again.beyond else trial
 
 
-def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) -> tuple[Step, Trial]:
+def _forward(
+    bench: Bench, base: Trial, tell: Callable[[str], None], seed: int, workers: Workers
+) -> tuple[Step, Trial]:
     """Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second."""
     trials: list[Trial] = []
     for turn in range(2):
         tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
-        screen = screened(bench, base.fit, base.terms)
-        before, trials = trials, list[Trial]()
-        for one in (*screen.ranked[: bench.policy.fullest], *_of_another_kind(bench, base, screen)):
-            if one.worth(len(bench.stretches)) <= 0 and trials:
-                break
-            tell(f"fitting {one.term.name}")
-            reached = min((t.fit.deviance for t in trials), default=np.inf)
-            with suppress(FloatingPointError):  # one that no window can be simulated with is no rival
-                trials.append(full(bench, base, one, reached))
-        trials = _every([*leader_anew(bench, base, trials), *before])
+        screen = screened(bench, base.fit, base.terms, workers)
+        worthy = _worthy(bench, base, screen)
+        tell(f"fitting {', '.join(one.term.name for one in worthy)}")
+        fits, done = all_full(bench, base, worthy, workers)
+        trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
@@ -182,6 +143,13 @@ def _forward(bench: Bench, base: Trial, tell: Callable[[str], None], seed: int) 
     tell("asking what scatter alone would gain")
     best_fit = min([base, *trials], key=Trial.whole).fit
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
+
+
+def _worthy(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
+    """What is fitted in full: what may pay, the best of all in any case."""
+    ranked = (*screen.ranked[: bench.policy.fullest], *_of_another_kind(bench, base, screen))
+    first = next((i for i, one in enumerate(ranked) if one.worth(len(bench.stretches)) <= 0), len(ranked))
+    return list(ranked[: max(first, 1)])
 
 
 def _of_another_kind(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
@@ -201,120 +169,6 @@ def _every(trials: Sequence[Trial]) -> list[Trial]:
     return list(best.values())
 
 
-def full(bench: Bench, base: Trial, candidate: Candidate, reached: float) -> Trial:
-    """
-    Return a candidate beside a hypothesis, fitted from the best of several starts.
-
-    Parameters
-    ----------
-    bench, base, candidate : the hypothesis, and what is to stand beside it
-    reached : deviance of the best rival so far
-    """
-    promised = base.fit.deviance - candidate.gain
-    best: tuple[float, Fit] | None = None
-    for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
-        term = _scaled(candidate.term, scale)
-        windows = bench.windows((*base.terms, term))
-        p = len(base.fit.at)
-        at = np.concatenate([base.fit.at, [n.start for n in windows.numbers[p:]]])
-        if moved:
-            stride = np.array([n.stride for n in windows.numbers[:p]])
-            at[:p] += np.clip(candidate.step, -stride, stride)
-        first = replace(base.fit, windows=windows, at=at, own=own_in(base.fit.own, base.fit.windows, windows))
-        own, _, each = settled(first)
-        cost = float(each.sum()) + windows.prior.penalty(at)
-        if best is None or cost < best[0]:
-            best = cost, replace(first, own=own)
-    assert best is not None
-    fit = fitted(best[1], bench.policy, bench.policy.candidate_steps, held=2)
-    for start in _afresh(bench, base, candidate.term):
-        if fit.deviance <= promised or reached <= promised:
-            break
-        # less than its score promised: the fit failed, as a null that is far off is no place to start from
-        fit = min(fit, fitted(start, bench.policy), key=lambda one: one.deviance)
-    return _trial(bench, base, fit, candidate.term)
-
-
-def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
-    """A hypothesis and one term more, as fitted."""
-    found = terms_at((*base.terms, term), fit.windows, fit.at)
-    return Trial(
-        found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
-    )
-
-
-def leader_anew(bench: Bench, base: Trial, trials: list[Trial]) -> list[Trial]:
-    """
-    Return the trials, the best of them fitted anew and with all its numbers.
-
-    It begins from the readings too, as a null that is far off leads astray; and with the numbers that its effect may
-    do without, as no score reaches them.
-    """
-    if not trials:
-        return trials
-    leader = min(trials, key=Trial.worth)
-    term, rest = leader.terms[-1], [one for one in trials if one is not leader]
-    for start in _afresh(bench, base, term):
-        with suppress(FloatingPointError):
-            anew = fitted(start, bench.policy)
-            if anew.deviance < leader.fit.deviance:
-                leader = _trial(bench, base, anew, term)
-    rivals = [leader, *(_fuller(bench, base, leader, one) for one in _optional_starts(term))]
-    return [min(rivals, key=Trial.worth), *rest]
-
-
-def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
-    """Where the catalogue begins numbers that an effect may do without."""
-    kind = term.kind
-    if isinstance(kind, RivalKind):
-        return
-    optional = {i.name for i in kind.parameters if i.optional}
-    for start in kind.starts:
-        if more := {k: v for k, v in start.items() if k in optional and term.effect.parameters[k] == 0}:
-            yield more
-
-
-def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
-    """The leader with numbers that its effect may do without; no score reaches them from 0."""
-    term = replace(leader.terms[-1], effect=leader.terms[-1].effect.replace(**more))
-    windows = bench.windows((*leader.terms[:-1], term))
-    found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
-    at = np.array([found.get((n.name, n.run), n.start) for n in windows.numbers])
-    fit = fitted(
-        replace(leader.fit, windows=windows, at=at), bench.policy, bench.policy.candidate_steps, held=2
-    )
-    return _trial(bench, base, fit, term)
-
-
-def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
-    """Starts from the readings alone, with a size that is known: at the declared law, then at the null's."""
-    first = begun(bench.windows((*base.terms, term)))
-    yield first
-    yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
-
-
-def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
-    """
-    What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
-
-    What tells a wave from those is its amplitude over theirs, squared, in each run.
-    """
-    if term.kind.wave is None:
-        return 0.0
-    told = len(bench.data) * (term.effect.parameters["a"] / bench.scattered(fit, term)) ** 2
-    return max(gain - told, 0.0)
-
-
-def _scaled(term: Term, scale: float) -> Term:
-    """The term with its sizes scaled."""
-    kind = term.kind
-    sizes = {i.name for i in sizes_of(kind)} or {i.name for i in kind.parameters if not i.optional}
-    numbers = {k: v * scale if k in sizes else v for k, v in term.effect.parameters.items()}
-    if isinstance(kind, RivalKind):
-        numbers |= {i.name: min(max(numbers[i.name], i.bounds[0]), i.bounds[1]) for i in kind.parameters}
-    return replace(term, effect=term.effect.replace(**numbers))
-
-
 def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     """The hypothesis fitted anew from where its best rival stands, if that is better."""
     windows = base.fit.windows
@@ -328,27 +182,24 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 
 
-def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None]) -> Trial:
+def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None], workers: Workers) -> Trial:
     """The hypothesis less what it does not need."""
     while len(chosen.terms) > 1:
-        rivals = {}
-        for i, one in enumerate(chosen.terms):
-            tell(f"once more without {one.name}")
-            rivals[one.name] = without(bench, chosen, i)
-        out.without = rivals
+        tell(f"once more without {' or '.join(chosen.names)}")
+        less = workers.map(partial(without, bench, chosen), range(len(chosen.terms)))
+        out.without = rivals = dict(zip(chosen.names, less, strict=True))
         best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
-        chosen = _anew(bench, best)
+        chosen = _refitted(bench, best)
     return chosen
 
 
-def _anew(bench: Bench, trial: Trial) -> Trial:
+def _refitted(bench: Bench, trial: Trial) -> Trial:
     """What is left, or the same fitted from the readings: it was begun beside an effect that it does not need."""
-    with suppress(FloatingPointError):
-        fit = fitted(begun(trial.fit.windows), bench.policy)
-        if fit.deviance < trial.fit.deviance:
-            return replace(trial, fit=fit, terms=terms_at(trial.terms, fit.windows, fit.at))
+    fit = anew(bench, begun(trial.fit.windows))
+    if fit is not None and fit.deviance < trial.fit.deviance:
+        return replace(trial, fit=fit, terms=terms_at(trial.terms, fit.windows, fit.at))
     return trial
 
 

@@ -18,7 +18,7 @@ from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
-from stickslip.discovery.laboratory.search import Trial
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.verdicts import Verdicts, searched
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -29,7 +29,7 @@ from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.declared_numbers import known as declared_of
-from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit import begun, fitted, null
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.stretches import stretches
@@ -48,12 +48,14 @@ class _Asked:
     ----------
     case, data : as declared, and its runs, those of the fit first
     tell, seed : told what is being done; of the draws
+    workers : do what does not wait for one another
     """
 
     case: Case
     data: list[Data]
     tell: Callable[[str], None]
     seed: int
+    workers: Workers
 
     @property
     def bench(self) -> BeltBench:
@@ -77,7 +79,7 @@ def discover(
     case : as declared
     data, notes : its runs, those of the fit first, and what was found amiss in them
     tell : told what is being done
-    workers, seed : make the forecasts; of all draws
+    workers, seed : do what does not wait for one another; of all draws
 
     Raises
     ------
@@ -85,8 +87,8 @@ def discover(
         The train runs hold too little, or the declared rig is not theirs.
     """
     began = time.monotonic()
-    asked, verdicts, said = _searched(_Asked(case, data, tell, seed))
-    return _found(asked, verdicts, (*notes, *said), workers, began)
+    asked, verdicts, said = _searched(_Asked(case, data, tell, seed, workers))
+    return _found(asked, verdicts, (*notes, *said), began)
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
@@ -111,7 +113,7 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
     data, thin = readings.independent(asked.case, data, first)
     if _changed(asked.data, data):
         asked = replace(asked, data=data)
-        base = _null(bench := asked.bench)
+        base = _null(bench := asked.bench, base)
     verdicts = _verdicts(asked, bench, base)
     last = left(bench, verdicts.told.fit)
     data, more = cleaned(asked.data, last, asked.case.noise)
@@ -133,13 +135,18 @@ def _changed(before: Sequence[Data], after: Sequence[Data]) -> bool:
     )
 
 
-def _null(bench: BeltBench) -> Trial:
-    """The declared model alone."""
+def _null(bench: BeltBench, near: Trial | None = None) -> Trial:
+    """The declared model alone, fitted from where it stood with the same windows of other noise, if it did."""
     if len(bench.stretches) < FEWEST:
         words = f"the train runs hold {len(bench.stretches)} windows of a cycle each"
         raise InputError(f"{words}; {FEWEST} are needed to see what differs between them")
+    windows = bench.windows()
     try:
-        return Trial((), null(bench.windows(), bench.policy))
+        if near is not None and near.fit.windows.stretches == windows.stretches:
+            there = near.fit
+            first = replace(begun(windows), at=there.at, own=there.own, population=there.population)
+            return Trial((), fitted(first, bench.policy, held=2))
+        return Trial((), null(windows, bench.policy))
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with a law of this kind; are rig, units and speeds right?"
@@ -148,7 +155,7 @@ def _null(bench: BeltBench) -> Trial:
 
 
 def _verdicts(asked: _Asked, bench: BeltBench, base: Trial) -> Verdicts[BeltBench]:
-    verdicts = searched(bench, asked.case.uncertainty, asked.tell, asked.seed, base)
+    verdicts = searched(bench, asked.case.uncertainty, asked.tell, asked.seed, base, asked.workers)
     count, null, chosen = len(bench.stretches), verdicts.searched.null, verdicts.searched.chosen
     hum = humming(left(bench, null.fit))
     if hum is not None and hum.worth(count) > null.whole() - chosen.whole():
@@ -158,9 +165,7 @@ def _verdicts(asked: _Asked, bench: BeltBench, base: Trial) -> Verdicts[BeltBenc
     return verdicts
 
 
-def _found(
-    asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...], workers: Workers, began: float
-) -> Found:
+def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...], began: float) -> Found:
     """Return the report of a search."""
     case, tell = asked.case, asked.tell
     bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve
@@ -169,7 +174,7 @@ def _found(
     before, after = (outcome.model(bench, one, declared) for one in (base, chosen))
     tell("forecasting the validate runs")
     error, forecasts = error_block(
-        (base.fit, chosen.fit), (before, after), validate, case.validate, workers, asked.seed
+        (base.fit, chosen.fit), (before, after), validate, case.validate, asked.workers, asked.seed
     )
     effects = outcome.effects(bench, found)
     if curve is not None:

@@ -11,7 +11,9 @@ from stickslip.discovery.laboratory.curves import leading
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.proven import proven
-from stickslip.discovery.laboratory.search import Searched, Trial, search
+from stickslip.discovery.laboratory.search import Searched, search
+from stickslip.discovery.laboratory.trials import Trial
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import fitted, null
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shared import Declared
@@ -52,7 +54,12 @@ class Verdicts(Generic[BenchT]):
 
 
 def searched(
-    bench: BenchT, known: Uncertainty, tell: Callable[[str], None], seed: int, base: Trial | None = None
+    bench: BenchT,
+    known: Uncertainty,
+    tell: Callable[[str], None],
+    seed: int,
+    base: Trial | None = None,
+    workers: Workers = ALONE,
 ) -> Verdicts[BenchT]:
     """
     Return what the train runs say.
@@ -64,20 +71,21 @@ def searched(
     tell : told what is being done
     seed : of the gate's draws
     base : the declared model as fitted; None: it is fitted first
+    workers : do what does not wait for one another
     """
-    found = search(bench, known, tell, seed, base)
+    found = search(bench, known, tell, seed, base, workers)
     tell("looking for a curve that no name explains")
-    alone = _curve(bench, found, seed)
+    alone = _curve(bench, found, seed, workers)
     if alone is not None:
         return Verdicts(bench, found, alone)
-    left = _left_over(bench, found, seed)
+    left = _left_over(bench, found, seed, workers)
     return Verdicts(bench, found, left, left is not None)
 
 
-def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
+def _curve(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
     """The curve that explains more than every name does, its shapes paid for."""
     count, alone = len(bench.stretches), found.null
-    best = leading(bench, alone.fit, found.chosen.fit, seed)
+    best = leading(bench, alone.fit, found.chosen.fit, seed, workers)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
     chosen = found.chosen
@@ -85,7 +93,7 @@ def _curve(bench: Bench, found: Searched, seed: int) -> Learned | None:
     return _proven(bench, alone, best) if best.worth(count) > max(best.threshold, named) else None
 
 
-def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
+def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
@@ -94,7 +102,7 @@ def _left_over(bench: Bench, found: Searched, seed: int) -> Learned | None:
     chosen = found.chosen
     if not chosen.terms:
         return None
-    left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed))
+    left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed, workers))
     if left is None or left.gain < bench.policy.stands_in**2 * _explained(bench, found):
         return None
     return left

@@ -22,6 +22,38 @@ Floats = NDArray[np.float64]
 SMALL = 1e-7  # amplitude that responses are taken at; they are linear in it
 
 
+def apart(bench: Bench, kind: EffectKind) -> float:
+    """Return how far apart the coarse frequencies of a periodic effect are."""
+    return bench.policy.coarse_turn / max(bench.length(kind, s.run, s.start, s.stop) for s in bench.stretches)
+
+
+def coarse(bench: Bench, kind: EffectKind) -> Floats:
+    """Return the coarse frequencies of a periodic effect."""
+    assert kind.wave is not None
+    low, high = often(kind, bench.policy)
+    if kind.wave.along_belt:
+        low, high = 2 * math.pi / high, 2 * math.pi / low
+    return np.arange(low, high, apart(bench, kind))
+
+
+def wave_columns(
+    bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, w: float
+) -> list[Floats | None]:
+    """Return the derivatives by the sine's and the cosine's amplitude at a frequency, each window."""
+    assert kind.wave is not None
+    number, runs = 2 * math.pi / w if kind.wave.along_belt else w, len(bench.data)
+    small = SMALL * kind.parameter("a").unit
+    one = term(kind, {"a": small, kind.wave.parameter: number, "phi": 0.0}, (0.0,) * runs)
+    own = of_term(one, bench.policy)
+    at = np.concatenate([fit.at, [n.start for n in own]])
+    # a phase turns the sine into a cosine of the same amplitude
+    wanted = [len(fit.at) + i for i, n in enumerate(own) if n.name.endswith((".a", ".phi"))]
+    made = bench.windows((*terms, one)).columns(at, fit.own, wanted)
+    return [
+        None if x is None else np.stack([x[:, :, 0], x[:, :, 1:].sum(axis=2) / small], axis=2) for x in made
+    ]
+
+
 @dataclass(frozen=True)
 class Wave:
     """A sine and a cosine of a coarse frequency as a window's readings see them."""
@@ -31,39 +63,15 @@ class Wave:
 
 
 class Waves:
-    """The columns of one periodic effect beside a fit."""
+    """The columns of one periodic effect beside a fit, at every coarse frequency."""
 
-    def __init__(self, bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind) -> None:
-        assert kind.wave is not None
-        self.bench, self.fit, self.terms, self.kind, self.wave = bench, fit, terms, kind, kind.wave
+    def __init__(self, bench: Bench, kind: EffectKind, waves: Sequence[Wave]) -> None:
+        self.bench, self.kind, self.waves = bench, kind, waves
         self.count = 2 * len(bench.data) + 1  # a sine and a cosine in each run, and how often
         self.run = np.array([s.run for s in bench.stretches])
         self.middle = np.array([bench.place(kind, s.run, s.start, s.stop) for s in bench.stretches])
-        long = float(np.max([bench.length(kind, s.run, s.start, s.stop) for s in bench.stretches]))
         whole = max(bench.length(kind, r, 0, len(run.t)) for r, run in enumerate(bench.data))
-        policy = bench.policy
-        ends = often(kind, policy)
-        if self.wave.along_belt:
-            ends = 2 * math.pi / ends[1], 2 * math.pi / ends[0]
-        self.apart, self.step = policy.coarse_turn / long, policy.fine_turn / whole
-        self.coarse = np.arange(*ends, self.apart)
-        self.waves = [Wave(float(w), self.columns(float(w))) for w in self.coarse]
-
-    def columns(self, w: float) -> list[Floats | None]:
-        """Return the derivatives by the sine's and the cosine's amplitude, each window."""
-        number = 2 * math.pi / w if self.wave.along_belt else w
-        made = []
-        for phi in (0.0, math.pi / 2):
-            small = SMALL * self.kind.parameter("a").unit
-            numbers = {"a": small, self.wave.parameter: number, "phi": phi}
-            one = term(self.kind, numbers, (phi,) * len(self.bench.data))
-            windows = self.bench.windows((*self.terms, one))
-            at = np.concatenate([self.fit.at, [n.start for n in of_term(one, self.bench.policy)]])
-            made.append(windows.blocks(at, self.fit.own, shared=[len(self.fit.at)], local=False))
-        return [
-            None if a is None or b is None else np.concatenate([a[:, :, :1], b[:, :, :1]], axis=2)
-            for a, b in zip(*made, strict=True)
-        ]
+        self.apart, self.step = apart(bench, kind), bench.policy.fine_turn / whole
 
     def best(self, null: Null) -> float:
         """Return the frequency that gains most, the population held."""

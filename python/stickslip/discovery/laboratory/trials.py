@@ -1,0 +1,209 @@
+"""What stands beside a hypothesis: one effect more, fitted from the best of several starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
+from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.laboratory.screen import Candidate
+from stickslip.discovery.workers import ALONE, Workers
+from stickslip.likelihoods.event_windows import own_in
+from stickslip.likelihoods.fit import begun, fitted
+from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.single_windows import settled
+
+
+@dataclass(frozen=True)
+class Trial:
+    """
+    A hypothesis, fitted.
+
+    Parameters
+    ----------
+    terms : its effects, as fitted
+    fit : where it stands
+    known : gain that it has from waves no larger than scatter and wobble have
+    freed : a declared constant that is not as declared
+    """
+
+    terms: tuple[Term, ...]
+    fit: Fit
+    known: float = 0.0
+    freed: Freed | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its effects."""
+        return tuple(one.name for one in self.terms)
+
+    @property
+    def deviance(self) -> float:
+        """-2 log marginal likelihood, and what of its gain is no finding."""
+        return self.fit.deviance + self.known
+
+    def numbers(self) -> int:
+        """How many numbers its effects have, and its constants that are not as declared."""
+        effects = sum(n.name.rpartition(".")[0] in self.names for n in self.fit.windows.numbers)
+        return effects + (self.freed is not None)
+
+    def whole(self) -> float:
+        """Return -2 log evidence, the price of its numbers included: by it rivals are held against each other."""
+        return self.fit.deviance + self.numbers() * math.log(len(self.fit.own))
+
+    def worth(self) -> float:
+        """Return the same less what of its gain is no finding: by it one passes the gate."""
+        return self.whole() + self.known
+
+
+def all_full(
+    bench: Bench, base: Trial, every: Sequence[Candidate], workers: Workers
+) -> tuple[list[Trial], tuple[str, ...]]:
+    """
+    Candidates beside a hypothesis, each fitted from the best of several starts, and those fitted anew.
+
+    What is worth less than its score promised is fitted anew where no other reaches as much.
+    """
+    near = workers.map(partial(_near, bench, base), every)
+    reached = min((fit.deviance for fit in near if fit is not None), default=np.inf)
+    fits = {one.term.name: fit for one, fit in zip(every, near, strict=True) if fit is not None}
+    # their fits failed, as a null that is far off is no place to start from
+    failed = [one for one in every if one.term.name in fits and _promised(base, one) < reached]
+    starts = [(one, start) for one in failed for start in _afresh(bench, base, one.term)]
+    for (one, _), fit in zip(starts, workers.map(partial(anew, bench), [s for _, s in starts]), strict=True):
+        if fit is not None and fit.deviance < fits[one.term.name].deviance:
+            fits[one.term.name] = fit
+    trials = [_trial(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits]
+    return trials, tuple(one.term.name for one in failed)
+
+
+def _promised(base: Trial, candidate: Candidate) -> float:
+    """The deviance that a candidate's score promises."""
+    return base.fit.deviance - candidate.gain
+
+
+def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
+    """A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it."""
+    with suppress(FloatingPointError):
+        return fitted(_beside(bench, base, candidate), bench.policy, bench.policy.candidate_steps, held=2)
+    return None
+
+
+def _beside(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
+    """The best start of a candidate."""
+    best: tuple[float, Fit] | None = None
+    for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
+        term = _scaled(candidate.term, scale)
+        windows = bench.windows((*base.terms, term))
+        p = len(base.fit.at)
+        at = np.concatenate([base.fit.at, [n.start for n in windows.numbers[p:]]])
+        if moved:
+            stride = np.array([n.stride for n in windows.numbers[:p]])
+            at[:p] += np.clip(candidate.step, -stride, stride)
+        first = replace(base.fit, windows=windows, at=at, own=own_in(base.fit.own, base.fit.windows, windows))
+        own, _, each = settled(first)
+        cost = float(each.sum()) + windows.prior.penalty(at)
+        if best is None or cost < best[0]:
+            best = cost, replace(first, own=own)
+    assert best is not None
+    return best[1]
+
+
+def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
+    """A hypothesis and one term more, as fitted."""
+    found = terms_at((*base.terms, term), fit.windows, fit.at)
+    return Trial(
+        found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
+    )
+
+
+def leader_anew(
+    bench: Bench, base: Trial, trials: list[Trial], workers: Workers = ALONE, done: Sequence[str] = ()
+) -> list[Trial]:
+    """
+    Return the trials, the best of them fitted anew and with all its numbers.
+
+    It begins from the readings too, as a null that is far off leads astray; and with the numbers that its effect may
+    do without, as no score reaches them.
+
+    Parameters
+    ----------
+    bench, base, trials, workers : the hypothesis, and what was fitted beside it
+    done : effects that were fitted anew already
+    """
+    if not trials:
+        return trials
+    leader = min(trials, key=Trial.worth)
+    term, rest = leader.terms[-1], [one for one in trials if one is not leader]
+    starts = () if term.name in done else _afresh(bench, base, term)
+    for fit in workers.map(partial(anew, bench), starts):
+        if fit is not None and fit.deviance < leader.fit.deviance:
+            leader = _trial(bench, base, fit, term)
+    fuller = workers.map(partial(_fuller, bench, base, leader), _optional_starts(term))
+    return [min((leader, *fuller), key=Trial.worth), *rest]
+
+
+def anew(bench: Bench, start: Fit) -> Fit | None:
+    """A start, fitted; None where no window can be simulated with it."""
+    with suppress(FloatingPointError):
+        return fitted(start, bench.policy)
+    return None
+
+
+def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
+    """Where the catalogue begins numbers that an effect may do without."""
+    kind = term.kind
+    if isinstance(kind, RivalKind):
+        return
+    optional = {i.name for i in kind.parameters if i.optional}
+    for start in kind.starts:
+        if more := {k: v for k, v in start.items() if k in optional and term.effect.parameters[k] == 0}:
+            yield more
+
+
+def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
+    """The leader with numbers that its effect may do without; no score reaches them from 0."""
+    term = replace(leader.terms[-1], effect=leader.terms[-1].effect.replace(**more))
+    windows = bench.windows((*leader.terms[:-1], term))
+    found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
+    at = np.array([found.get((n.name, n.run), n.start) for n in windows.numbers])
+    fit = fitted(
+        replace(leader.fit, windows=windows, at=at), bench.policy, bench.policy.candidate_steps, held=2
+    )
+    return _trial(bench, base, fit, term)
+
+
+def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
+    """Starts from the readings alone, with a size that is known: at the declared law, then at the null's."""
+    first = begun(bench.windows((*base.terms, term)))
+    yield first
+    yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
+
+
+def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
+    """
+    What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
+
+    What tells a wave from those is its amplitude over theirs, squared, in each run.
+    """
+    if term.kind.wave is None:
+        return 0.0
+    told = len(bench.data) * (term.effect.parameters["a"] / bench.scattered(fit, term)) ** 2
+    return max(gain - told, 0.0)
+
+
+def _scaled(term: Term, scale: float) -> Term:
+    """The term with its sizes scaled."""
+    kind = term.kind
+    sizes = {i.name for i in sizes_of(kind)} or {i.name for i in kind.parameters if not i.optional}
+    numbers = {k: v * scale if k in sizes else v for k, v in term.effect.parameters.items()}
+    if isinstance(kind, RivalKind):
+        numbers |= {i.name: min(max(numbers[i.name], i.bounds[0]), i.bounds[1]) for i in kind.parameters}
+    return replace(term, effect=term.effect.replace(**numbers))
