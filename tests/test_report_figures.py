@@ -65,11 +65,13 @@ def test_ranking_where_nothing_is_named_says_why_the_declared_law_stands(tmp_pat
     figure = figures_numbers.ranking(found, axes)
     assert "Nothing is named" in figure.legends[0].get_title().get_text()
     assert "kept" in legend(figure)
-    assert "per reading" in figure.axes[0].get_xlabel()
+    assert "-2 log evidence" in figure.axes[0].get_xlabel()
+    dots = [line.get_xdata()[0] for line in figure.axes[0].lines if line.get_marker() == "o"]
+    assert dots == [max(one.bic, 1.0) for one in reversed(found.ranking)]
     single = dataclasses.replace(found, error=dataclasses.replace(found.error, metric=METRIC))
     figure = figures_numbers.ranking(single, axes)
     assert "per number of the events" in figure.axes[0].get_xlabel()
-    assert "noise alone" not in legend(figure)
+    assert "what events differ by anyway" in legend(figure)
 
 
 def test_ranking_fits_its_sheet_with_long_names(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def test_what_was_compared_with_nothing_is_not_said_to_stand(tmp_path: Path) -> 
     said = words.sureness(bare)[-1]
     assert said == (
         "That it is eta1 and eta12 was held against no rival of its kind; of all that was tried sensor_delay comes "
-        "nearest, its BIC higher by 3.1."
+        "nearest, its -2 log evidence higher by 3.1."
     )
     close = tuple(dataclasses.replace(one, bic=0.0) for one in bare.ranking)
     assert "NOT settled" in words.sureness(dataclasses.replace(bare, ranking=close))[-1]

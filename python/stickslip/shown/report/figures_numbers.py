@@ -141,33 +141,36 @@ def _part(ax: Plot, part: Part, y: int, colour: str, marker: str, name: str) -> 
 
 @styled
 def ranking(found: Found, axes: Axes) -> Figure:
-    """What each rival leaves over on the training runs; BIC above the best beside it.
+    """
+    How far each rival's evidence lies behind the best.
 
-    Whole runs are weighed reading by reading. Single events are weighed by the numbers that tell them apart (levels
-    of friction), against the noise and against how such numbers differ anyway.
+    Where events were taken one by one: what each leaves over of the numbers that tell events apart (levels of
+    friction), against the noise and against how such numbers differ anyway.
     """
     del axes
     rivals = list(found.ranking[:MOST_RIVALS])
     rivals += [one for one in found.ranking[MOST_RIVALS:] if not one.names]
     names = [" + ".join(one.names) or "declared law alone" for one in rivals]
     figure = sheet(5.4 + 0.075 * max(len(name) for name in names), 0.27 * len(rivals) + 1.6)
-    ax = figure.subplots()
+    ax, single = figure.subplots(), single_events(found)
     for y, one in enumerate(reversed(rivals)):
         colour = AFTER if one.chosen else AMBER if one.bic < TIED else PALE
-        ax.plot([1.0, one.chi2], [y, y], color=colour, lw=1.2, alpha=0.6, zorder=1)
-        ax.plot([one.chi2], [y], "o", color=colour, ms=7 if one.chosen else 5.5, zorder=2)
+        at = one.chi2 if single else max(one.bic, 1.0)  # an axis by powers of ten
+        ax.plot([1.0, at], [y, y], color=colour, lw=1.2, alpha=0.6, zorder=1)
+        ax.plot([at], [y], "o", color=colour, ms=7 if one.chosen else 5.5, zorder=2)
         _beside(ax, y, "0" if one.bic <= 0 else f"+{short(float(one.bic), 3)}", colour)
-    _beside(ax, len(rivals) - 0.1, "BIC above\nthe lowest", "black")
-    ax.axvline(1.0, color="black", lw=1.2, zorder=0)
+    _beside(ax, len(rivals) - 0.1, "BIC above\nthe lowest" if single else "above the\nlowest", "black")
     ax.set_yticks(range(len(rivals)), names[::-1])
-    _scaled(ax, *(one.chi2 for one in rivals), 1.0)
+    if single:
+        ax.axvline(1.0, color="black", lw=1.2, zorder=0)
+        _scaled(ax, *(one.chi2 for one in rivals), 1.0)
+        ax.set_xlabel("chi-squared left over, per number of the events")
+    else:
+        _scaled(ax, *(max(one.bic, 1.0) for one in rivals), 1.0)
+        ax.set_xlabel("-2 log evidence above the lowest, from 1 on")
     ax.set_ylim(-0.6, len(rivals) - 0.4)
-    single = single_events(found)
-    ax.set_xlabel(
-        "chi-squared left over, per number of the events" if single else "chi-squared left over, per reading"
-    )
     figure.legend(
-        handles=_key(found, "what events differ by anyway" if single else "noise alone"),
+        handles=_key(found, single),
         title=None if found.effects else _kept(found),
         loc="outside upper center",
         ncols=4,
@@ -180,12 +183,12 @@ def _beside(ax: Plot, y: float, text: str, colour: str) -> None:
     ax.annotate(text, (1.01, y), xycoords=("axes fraction", "data"), va="center", fontsize=8, color=colour)
 
 
-def _key(found: Found, line: str) -> list[Line2D]:
+def _key(found: Found, single: bool) -> list[Line2D]:
     """What the colours of the ranking mean: of those that it shows."""
     shown = found.ranking[:MOST_RIVALS]
     known = (
         (AFTER, "chosen" if found.effects else "kept", True),
-        (AMBER, f"within {TIED:.0f} of the lowest BIC", any(r.bic < TIED and not r.chosen for r in shown)),
+        (AMBER, f"within {TIED:.0f} of the lowest", any(r.bic < TIED and not r.chosen for r in shown)),
         (PALE, "others", any(r.bic >= TIED and not r.chosen for r in shown)),
     )
     dots = [
@@ -193,13 +196,15 @@ def _key(found: Found, line: str) -> list[Line2D]:
         for colour, name, here in known
         if here
     ]
-    return [Line2D([], [], color="black", lw=1.2, label=line), *dots]
+    line = Line2D([], [], color="black", lw=1.2, label="what events differ by anyway")
+    return [line, *dots] if single else dots
 
 
 def _kept(found: Found) -> str:
-    """Why the declared law stands although another has a lower BIC."""
+    """Why the declared law stands although another may lie lower."""
+    what = "chi-squared" if single_events(found) else "-2 log evidence"
     return (
-        f"Nothing is named: the best candidate lowers chi-squared by {short(found.gate.observed, 3)}, "
+        f"Nothing is named: the best candidate lowers {what} by {short(found.gate.observed, 3)}, "
         f"{short(found.gate.threshold, 3)} is asked for."
     )
 

@@ -209,10 +209,10 @@ def _beside_the_rest(found: Found) -> str:
     nearest = min(others, key=lambda one: one.bic)
     above = nearest.bic - best
     if above <= 0:
-        return f"is NOT settled: {' + '.join(nearest.names)} has a BIC no higher."
+        return f"is NOT settled: the evidence for {' + '.join(nearest.names)} is no worse."
     return (
         f"was held against no rival of its kind; of all that was tried {' + '.join(nearest.names)} comes nearest, its "
-        f"BIC higher by {short(above, 3)}."
+        f"-2 log evidence higher by {short(above, 3)}."
     )
 
 
