@@ -18,7 +18,7 @@ from stickslip.declared.model import Model
 from stickslip.fitted import windows as of_windows
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
-from stickslip.fitted.relax import relaxed, rephased
+from stickslip.fitted.relax import relaxed
 from stickslip.fitted.solve import Point, fit, shares, total, within
 from stickslip.fitted.window import SLIPPING, STICK
 from stickslip.fitted.windows import cut, with_hidden
@@ -56,27 +56,6 @@ def test_shares_are_the_slopes_of_the_total():
     expected = np.where(size > point.knee, point.knee / size, 1.0)
     assert shares(point.blocks, point.knee) == pytest.approx(expected)
     assert expected.min() < 1.0
-
-
-def test_a_wrong_phase_of_one_run_is_found_again():
-    cause = effect("belt_speed_ripple", a=0.12, w=2.2, phi=0.0)
-    data = prepare(make_case((cause,), seed=7).train)
-    h = hypothesis(Model(RIG, friction=LAW), [Start(cause, tuple(0.3 for _ in data))])
-    engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
-    vector = h.start(len(data))
-    vector, windows = rephased(engine, vector, windows)
-    first = fit(engine, vector, windows)
-    assert first is not None
-    assert abs(first.per_reading - 1) < 5 * math.sqrt(2 / first.readings)
-    wrong = first.vector.copy()
-    wrong[-1] += math.pi
-    moved = relaxed(engine, wrong, first.windows)
-    assert engine.cost(wrong, moved) > 2 * first.cost
-    again, windows = rephased(engine, wrong, moved)
-    found = fit(engine, again, windows)
-    assert found is not None
-    assert found.cost == pytest.approx(first.cost, rel=1e-3)
-    assert math.cos(found.vector[-1] - first.vector[-1]) == pytest.approx(1, abs=1e-3)
 
 
 def test_the_law_stays_about_the_declared_one():

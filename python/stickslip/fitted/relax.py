@@ -1,4 +1,4 @@
-"""Windows' own states at fixed unknowns: sought anew, brought after a step, and with each run's phase turned."""
+"""Windows' own states at fixed unknowns: sought anew, and brought after a step."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ from stickslip.fitted.window import Window, by_free, with_state
 from stickslip.fitted.windows import slipping
 
 Floats = NDArray[np.float64]
-OFF = 1.15  # chi-squared per reading of a run from which its phases are sought anew
-PHASES = 10  # of a turn
 
 
 def relaxed(
@@ -148,27 +146,4 @@ def followed(
     return windows, costs
 
 
-def rephased(engine: Engine, vector: Floats, windows: Sequence[Window]) -> tuple[Floats, list[Window]]:
-    """Vector and windows with the best of many phases of each run that is left above the noise."""
-    own, count = len(engine.hypothesis.own), len(engine.data)
-    vector, windows = vector.copy(), list(windows)
-    for column in range(len(vector) - own * count, len(vector)):
-        run = (column - (len(vector) - own * count)) // own
-        at = [i for i, w in enumerate(windows) if w.run == run]
-        least = float(engine.costs(vector, [windows[i] for i in at]).sum())
-        if least < OFF * sum(2 * (windows[i].stop - windows[i].start) for i in at):
-            continue
-        start = vector
-        for k in range(1, PHASES):
-            turned = start.copy()
-            turned[column] += 2 * np.pi * k / PHASES
-            found = relaxed(engine, turned, [windows[i] for i in at], steps=5)
-            cost = float(engine.costs(turned, found).sum())
-            if cost < least:
-                least, vector = cost, turned
-                for i, w in zip(at, found, strict=True):
-                    windows[i] = w
-    return vector, windows
-
-
-__all__ = ["followed", "relaxed", "rephased", "sought"]
+__all__ = ["followed", "relaxed", "sought"]

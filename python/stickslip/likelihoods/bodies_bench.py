@@ -18,7 +18,6 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.declared_numbers import STRIDE_CONSTANT, held_loosely
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number
-from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
 
 WIDE = 2.3  # width of the prior of a number of a law that is identified, in the logarithm: a factor of ten
@@ -117,9 +116,3 @@ def declared_of(rig: GeneralRig, known: Uncertainty, channels: Sequence[str]) ->
     kept = [i for i in range(len(every)) if covariance[i, i] > 0]
     names = list(every)
     return Declared(tuple(names[i] for i in kept), covariance[np.ix_(kept, kept)])
-
-
-def bench_of_case(case: Case, role: str = "train") -> BodiesBench:
-    """Return the runs of a case that have a role, cut into windows."""
-    runs = case.train if role == "train" else case.validate
-    return bench_of(case.model(), runs, case.uncertainty)
