@@ -89,6 +89,28 @@ def test_slopes_are_differences(term: ss.Effect | None) -> None:
         assert (off < 1e-2 * np.abs(block[:, :, j]).max() + 0.1).mean() > 0.95, j
 
 
+def test_sticks_are_as_long_as_a_model_has_them() -> None:
+    """Where slips end gently readings alone have sticks begin sooner, and static friction that ages older."""
+    case = make_case(speeds=(0.15, -0.06, 0.1))
+    one = bench(case, 2)
+    later = one.timed(null(one.windows(), one.policy)).stretches
+    model = ss.Model(RIG, friction=LAW)
+    off, wrong = [], []
+    for w, was in zip(later, one.stretches, strict=True):
+        run = case.train[w.run]
+        speed, start = run.belt_speed, float(run.t[w.start])
+        y0 = (np.sign(speed) * 0.1, 0.5 * speed, float(run.y1[0]), 0.0)
+        found = ss.simulate(model, belt_speed=speed, initial=y0, t_end=start).transitions
+        began = start - float(found.t[found.after == 0][-1])
+        off.append(w.dwell - began)
+        wrong.append(was.dwell - began)
+        assert w.dwell < w.rest
+    step = float(np.diff(case.train[0].t)[0])
+    assert np.median(np.abs(off)) < step
+    followed = [i for i, w in enumerate(later) if w.start in {one.stop for one in later if one.run == w.run}]
+    assert np.abs(off)[followed].max() < step < np.max(np.array(wrong)[followed])
+
+
 def test_a_run_that_never_sticks_is_cut_at_its_slips_and_fitted() -> None:
     case = make_case(speeds=FAST, length=60.0)
     cut = stretches(prepare(case.train))

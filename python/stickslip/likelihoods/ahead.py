@@ -24,7 +24,7 @@ from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import settled
-from stickslip.likelihoods.stretches import Stretch, stretches
+from stickslip.likelihoods.stretches import Stretch, stretches, timed
 
 Floats = NDArray[np.float64]
 DRAWN = 60  # members of an ensemble: its mean is known to an eighth of its spread
@@ -83,6 +83,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     known = _known(fit, run, cut)
     if known is None:
         return []
+    cut = timed(cut, known.windows.motions(known.at, known.own))
     rng = np.random.default_rng(seed)
     rest = float(np.median([one.rest for one in cut]))
     found, _ = memory(fit, KINETIC)

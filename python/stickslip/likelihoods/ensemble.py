@@ -26,7 +26,7 @@ from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
-from stickslip.likelihoods.stretches import Stretch, stretches
+from stickslip.likelihoods.stretches import Stretch, stretches, timed
 
 Floats = NDArray[np.float64]
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
@@ -75,6 +75,7 @@ def distribution(
     # no model of these windows: its scatter is that of something else
     if unexplained(fit) > POLICY.noise_left:
         return None
+    cut = timed(cut, windows.motions(fit.at, fit.own))
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))
     tail = Stretch(0, last.stop, len(run.t), last.dwell, rest)

@@ -1,12 +1,13 @@
 """Stretches of a run from mid-stick to mid-stick, one breakaway and one slip whole in each; else of a cycle."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
+from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.sticks import rides
 
@@ -80,6 +81,45 @@ def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
         return None
     middle = (a + b) // 2
     return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
+
+
+def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[Stretch]:
+    """
+    Return stretches with their sticks as long as a model has them that was fitted.
+
+    A velocity near the belt's is no stick yet: a slip that ends gently has it for long, and so has one that begins.
+
+    Parameters
+    ----------
+    every, motions : the stretches, and how each moves; None where that is not known
+    """
+    began = {
+        (one.run, one.stop): _between(m, int(slips[-1]))
+        for one, m in zip(every, motions, strict=True)
+        if m is not None and len(slips := np.flatnonzero(m.mode)) and slips[-1] + 1 < len(m.t)
+    }
+    known = [
+        float(m.t[0]) - began[one.run, one.start] if m is not None and (one.run, one.start) in began else None
+        for one, m in zip(every, motions, strict=True)
+    ]
+    # the first of a run has none before it: the readings are as far off there as at the others
+    off: dict[int, list[float]] = {}
+    for one, dwell in zip(every, known, strict=True):
+        if dwell is not None:
+            off.setdefault(one.run, []).append(dwell - one.dwell)
+    out = []
+    for one, m, dwell in zip(every, motions, known, strict=True):
+        if dwell is None:
+            dwell = max(one.dwell + float(np.median(off.get(one.run, 0.0))), 0.0)
+        ends = one.rest - one.dwell
+        if m is not None and m.mode[0] == 0 and m.mode.any():
+            ends = _between(m, int(np.flatnonzero(m.mode)[0]) - 1) - float(m.t[0])
+        out.append(replace(one, dwell=dwell, rest=dwell + ends) if one.stuck else one)
+    return out
+
+
+def _between(motion: Motion, k: int) -> float:
+    return 0.5 * float(motion.t[k] + motion.t[k + 1])
 
 
 def knots(run: Data, policy: Policy = POLICY) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.sensors import Sensors
+from stickslip.likelihoods.stretches import timed
 
 Floats = NDArray[np.float64]
 
@@ -62,6 +64,10 @@ class BeltBench(Bench):
         return BeltWindows(
             model, self.data, self.stretches, numbers, self.declared, self.sensors, self.policy
         )
+
+    def timed(self, fit: Fit) -> Self:
+        """See `Bench.timed`: how long sticks last."""
+        return replace(self, stretches=timed(self.stretches, fit.windows.motions(fit.at, fit.own)))
 
     def kinds(self) -> list[EffectKind]:
         """See `Bench.kinds`."""

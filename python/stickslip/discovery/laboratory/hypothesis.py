@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,6 +116,10 @@ class Bench(ABC):
     @abstractmethod
     def kinds(self) -> Sequence[EffectKind]:
         """Return the effects that windows of this rig can tell, each at its place and in the rig's numbers."""
+
+    def timed(self, fit: Fit) -> Self:  # noqa: ARG002  # windows without hidden times stay as they are
+        """Return the same with times that no reading shows as a fit has them."""
+        return self
 
     def wobbles(self, kind: EffectKind) -> bool:
         """Whether an effect is a wave of what wobbles by itself in every window: the belt."""

@@ -14,7 +14,7 @@ from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.workers import ALONE, Workers
-from stickslip.likelihoods.fit import fitted, null
+from stickslip.likelihoods.fit import closed, fitted, null
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shared import Declared
 
@@ -73,7 +73,12 @@ def searched(
     base : the declared model as fitted; None: it is fitted first
     workers : do what does not wait for one another
     """
-    found = search(bench, known, tell, seed, base, workers)
+    if base is None:
+        tell("fitting the declared law, its constants and its scatter")
+        base = Trial((), null(bench.windows(), bench.policy))
+    bench = bench.timed(base.fit)
+    there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
+    found = search(bench, known, tell, seed, replace(base, fit=there), workers)
     tell("looking for a curve that no name explains")
     alone = _curve(bench, found, seed, workers)
     if alone is not None:
