@@ -353,9 +353,9 @@ AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig
 
 def only_simulated(rig: GeneralRig) -> InputError:
     """Return the error of what cannot yet be done with a rig of bodies or matrices."""
-    named = "this needs 'two_degree' or 'block_on_belt'"
-    words = f"kind '{rig.kind}' can be simulated and continued alone as yet; {named}"
-    return InputError(words, key="rig")
+    return InputError(
+        f"kind '{rig.kind}' cannot be asked this; 'two_degree' and 'block_on_belt' can", key="rig"
+    )
 
 
 def on_belt(rig: AnyRig) -> Rig | BlockOnBelt:
@@ -364,7 +364,7 @@ def on_belt(rig: AnyRig) -> Rig | BlockOnBelt:
     Raises
     ------
     InputError
-        A driven slider has none, and a rig of bodies or matrices is simulated alone as yet.
+        A driven slider has none, and what is asked cannot be asked of a rig of bodies or matrices.
     """
     if isinstance(rig, GeneralRig):
         raise only_simulated(rig)
