@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 from stickslip.declared.dimensions import FORCE
+from stickslip.declared.formula.dimension import dimensions, to_si
 from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import si_of
 from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle
 from stickslip.errors import InputError, number
 
+T = TypeVar("T")
 Quantity = Literal["t", "x1", "x2", "y1", "y2", "belt", "force"]
 
 
@@ -120,6 +123,34 @@ def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyR
         return size * (_factor(quantity, own, rig) if own else 1 / usual.size)
     except InputError as error:
         raise InputError(error.what, key=key, value=text) from None
+
+
+def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
+    """
+    Return a speed in the model's numbers where it is written with a unit ("12 mm/s"); all else as it is.
+
+    Raises
+    ------
+    InputError
+        The unit measures no speed of this rig, or the rig has no units.
+    """
+    if not isinstance(given, str):
+        return given
+    try:
+        size, unit = with_unit(given)
+    except ValueError:
+        return given
+    if not unit[:1].isalpha():
+        return given
+    if not isinstance(rig, GeneralRig):
+        return read_quantity(given, "belt", Scale(), rig, key)
+    try:
+        size, own = to_si(size, unit)
+    except InputError as error:
+        raise InputError(error.what, key=key, value=given) from None
+    if dimensions(own) not in (dimensions("m/s"), dimensions("rad/s")):
+        raise InputError("measures no speed; give one like '12 mm/s'", key=key, value=given)
+    return size
 
 
 def _factor(quantity: Quantity, unit: str, rig: AnyRig) -> float:

@@ -15,6 +15,7 @@ from stickslip.arguments import explained, must_be, texts, vector, whole_number
 from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
+from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.lowering import Lowered, lower
@@ -58,7 +59,8 @@ def simulate(
     model
         What to simulate.
     belt_speed
-        v_b, the set-point of the belt, of either sign or zero; or a formula of t ("0.5*sin(1.7*t)"), or a `Speed`.
+        v_b, the set-point of the belt, of either sign or zero, in the rig's units or with its own ("12 mm/s"); or a
+        formula of t ("0.5*sin(1.7*t)"), or a `Speed`.
         Left out where no contact rubs on a belt.
     drive_speed
         Likewise of the drive that pulls at links of a rig of bodies, which is at 0 at `t_start`.
@@ -120,6 +122,8 @@ def simulate(
     d x1(20) / d T_s_minus = -0.2903
     """
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
+    belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
+    drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
     times = None if t_eval is None else _sample_times(t_eval, start, end)

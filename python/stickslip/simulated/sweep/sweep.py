@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from stickslip.arguments import explained, whole_number
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
+from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.progress import counts
@@ -252,6 +253,9 @@ class _Asked:
 def _request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
+    speeds = zip(asked.speeds, SPEEDS, strict=True)
+    belt, drive = (written_speed(given, model.rig, key) for given, key in speeds)
+    asked = replace(asked, speeds=(belt, drive))
     if needs_bodies(model, *asked.speeds):
         return _bodies_request(model, over, asked)
     belt_speed = asked.speeds[0]

@@ -1,0 +1,62 @@
+"""Speeds written with a unit, where motions are computed: the same numbers as bare, or one clear line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.errors import InputError
+
+BLOCK = ss.Model(
+    ss.BlockOnBelt(mass=0.5, stiffness=500), friction=ss.CoulombFriction(static=2.0, kinetic=1.2)
+)
+PAPER = ss.Model(
+    ss.Rig.from_si(m=2.6, J=0.0174, r=0.08, k1=690, k2=45, k3=140, c1=0.28, c2=0.3, length=0.012),
+    friction=ss.PaperFriction(),
+)
+BARE = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
+BODIES = ss.Model(
+    ss.BodiesRig(
+        body={"a": ss.Body(mass=1.0)},
+        link=[ss.Link(between=("a", "ground"), stiffness=40.0)],
+        contact=[ss.Contact(body="a", against="belt", law="rubber")],
+    ),
+    friction={"rubber": ss.StribeckFriction(F_c=3.2, F_s=4.8, v_s=0.25)},
+)
+
+
+@pytest.mark.parametrize(
+    ("model", "speed"), [(BLOCK, 0.012), (PAPER, 0.012 / PAPER.rig.scales.velocity), (BODIES, 0.012)]
+)
+@pytest.mark.parametrize("written", ["12 mm/s", "12mm/s", "0.012 m/s"])
+def test_a_unit_changes_no_motion(model: ss.Model, speed: float, written: str) -> None:
+    runs = [ss.simulate(model, belt_speed=v, t_end=2.0).state for v in (written, speed)]
+    np.testing.assert_allclose(runs[0], runs[1], rtol=1e-9, atol=1e-12)
+    made = [ss.sweep(model, {"initial.x1" if model is not BODIES else "initial.a": [0.0, 0.001]}, belt_speed=v, t_end=2.0)
+            for v in (written, speed)]  # fmt: skip
+    np.testing.assert_allclose(made[0].final_state, made[1].final_state, rtol=1e-9, atol=1e-12)
+
+
+def test_cycles_take_them_too() -> None:
+    periods = [ss.limit_cycle(BLOCK, belt_speed=v).period for v in ("12 mm/s", 0.012)]
+    assert periods[0] == pytest.approx(periods[1], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("model", "written", "words"),
+    [
+        (BLOCK, "12 kg", "measures mass"),
+        (BLOCK, "12 furlongs", "furlong"),
+        (BARE, "12 mm/s", "nondimensional"),
+        (BODIES, "12 kg", "measures no speed"),
+    ],
+)
+def test_what_measures_no_speed_is_refused(model: ss.Model, written: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        ss.simulate(model, belt_speed=written, t_end=1.0)
+
+
+def test_a_formula_stays_one() -> None:
+    run = ss.simulate(BLOCK, belt_speed="0.01 + 0.002*sin(3*t)", t_end=1.0)
+    assert np.isfinite(run.state).all()
