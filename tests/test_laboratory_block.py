@@ -4,6 +4,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
@@ -71,6 +72,22 @@ def test_a_wrong_mass_is_named_and_nothing_beside_it(tmp_path: Path) -> None:
     assert e.high is not None
     assert e.low < 1 / 1.12 - 1 < e.high
     assert found.error.after < found.error.before
+
+
+def test_a_hum_of_its_sensor_is_told_with_its_period(tmp_path: Path) -> None:
+    w, size = 314.0, 3 * 0.008
+    path = block_case(
+        tmp_path,
+        few=True,
+        seed=6,
+        scatter=SCATTER,
+        off=NEARLY,
+        read=lambda t, x: x + size / STIFFNESS * np.sin(w * t),
+    )
+    (one,) = ss.discover(ss.load_case(path)).effects
+    assert (one.name, one.depends_on) == ("unlisted", ("t",))
+    assert one.curve is not None
+    assert one.curve.period == pytest.approx(2 * math.pi / w, rel=2e-3)
 
 
 def test_a_wave_of_the_belt_comes_with_its_length(tmp_path: Path) -> None:

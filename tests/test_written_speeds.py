@@ -33,8 +33,8 @@ BODIES = ss.Model(
 def test_a_unit_changes_no_motion(model: ss.Model, speed: float, written: str) -> None:
     runs = [ss.simulate(model, belt_speed=v, t_end=2.0).state for v in (written, speed)]
     np.testing.assert_allclose(runs[0], runs[1], rtol=1e-9, atol=1e-12)
-    made = [ss.sweep(model, {"initial.x1" if model is not BODIES else "initial.a": [0.0, 0.001]}, belt_speed=v, t_end=2.0)
-            for v in (written, speed)]  # fmt: skip
+    over = {"initial.a" if model is BODIES else "initial.x1": [0.0, 0.001]}
+    made = [ss.sweep(model, over, belt_speed=v, t_end=2.0) for v in (written, speed)]
     np.testing.assert_allclose(made[0].final_state, made[1].final_state, rtol=1e-9, atol=1e-12)
 
 

@@ -23,7 +23,7 @@ from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.single_events import Single, single
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.laboratory.verdicts import Verdicts, searched
+from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import (
@@ -128,6 +128,9 @@ def _verdicts(
         verdicts = searched(bench, known, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
+    verdicts = beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
+    if verdicts.curve is not None and verdicts.curve.period is not None:  # it is what windows are no model of
+        return verdicts
     fit = verdicts.searched.chosen.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
     if lost(fit) or (repeats(fit) and not rivals) or unexplained(fit) > bench.policy.noise_left:

@@ -33,6 +33,7 @@ def _curve(units: Scaled, one: Curve) -> Curve:
         one,
         x=one.x * along,
         knots=one.knots * along,
+        period=None if one.period is None else one.period * along,
         value=one.value * size,
         low=one.low * size,
         high=one.high * size,

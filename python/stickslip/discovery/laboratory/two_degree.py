@@ -15,11 +15,10 @@ from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.laboratory import outcome, readings
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.carried import error_block
-from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.laboratory.verdicts import Verdicts, searched
+from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import Found, Verdict
@@ -156,11 +155,7 @@ def _null(bench: BeltBench, near: Trial | None = None) -> Trial:
 
 def _verdicts(asked: _Asked, bench: BeltBench, base: Trial) -> Verdicts[BeltBench]:
     verdicts = searched(bench, asked.case.uncertainty, asked.tell, asked.seed, base, asked.workers)
-    count, null, chosen = len(bench.stretches), verdicts.searched.null, verdicts.searched.chosen
-    hum = humming(left(bench, null.fit))
-    if hum is not None and hum.worth(count) > null.whole() - chosen.whole():
-        least = verdicts.searched.steps[0].gate.threshold
-        verdicts = replace(verdicts, curve=replace(hum, threshold=least), beside=False)
+    verdicts = beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
     messages.absurd(left(bench, verdicts.told.fit), bench.model.rig)
     return verdicts
 

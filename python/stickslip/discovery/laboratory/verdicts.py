@@ -8,8 +8,10 @@ from typing import Generic, TypeVar
 
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.curves import leading
+from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
@@ -85,6 +87,23 @@ def searched(
         return Verdicts(bench, found, alone)
     left = _left_over(bench, found, seed, workers)
     return Verdicts(bench, found, left, left is not None)
+
+
+def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
+    """
+    Return the same, or a hum of a sensor where that explains more than all names do.
+
+    Parameters
+    ----------
+    verdicts : what was searched
+    left : what the declared model alone leaves
+    """
+    found, count = verdicts.searched, len(verdicts.bench.stretches)
+    hum = humming(left)
+    if hum is None or hum.worth(count) <= found.null.whole() - found.chosen.whole():
+        return verdicts
+    least = found.steps[0].gate.threshold
+    return replace(verdicts, curve=replace(hum, threshold=least), beside=False)
 
 
 def _curve(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
