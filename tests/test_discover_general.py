@@ -159,10 +159,3 @@ def test_too_short_a_record_is_refused() -> None:
     ]
     with pytest.raises(InputError, match="12 are needed to see how friction scatters"):
         ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
-
-
-def test_effects_of_one_s_own_are_refused_not_left_out(hummed: Path) -> None:
-    case = ss.load_case(hummed / "rig.toml")
-    mine = ss.candidate("mine", where="across", force="-c*u", ranges={"c": [0, 5]})
-    with pytest.raises(InputError):
-        ss.discover(case, candidates=[mine])

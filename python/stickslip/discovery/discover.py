@@ -130,7 +130,7 @@ def _discover_case(
     seed: int,
 ) -> Found:
     """Check what was asked for, and search."""
-    if case.candidates and not isinstance(case.rig, (Rig, BlockOnBelt)):
+    if case.candidates and isinstance(case.rig, DrivenSlider):
         words = f"are not sought on a {type(case.rig).__name__}; leave them out"
         raise InputError(words, key="candidates")
     seed = arguments.whole_number("seed", seed, least=0)

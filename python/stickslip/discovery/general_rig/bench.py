@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import KINDS
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, slip
+from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, rival_at, slip
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import Learned
@@ -35,7 +36,15 @@ BACK = 0.1  # share of the fastest slip up to which a motion the other way is no
 
 @dataclass(frozen=True)
 class GeneralBench(Bench):
-    """See `Bench`."""
+    """
+    See `Bench`.
+
+    Parameters
+    ----------
+    candidates : effects of the user's own, as declared
+    """
+
+    candidates: tuple[FormulaEffect, ...] = ()
 
     @property
     def _plain(self) -> bodies_bench.BodiesBench:
@@ -73,7 +82,9 @@ class GeneralBench(Bench):
 
     @cached_property
     def _kinds(self) -> Sequence[EffectKind]:
-        return placed_kinds(self.model, self.data, one_way=self.one_way)
+        assert isinstance(self.model.rig, GeneralRig)
+        own = [rival_at(one, self.model.rig) for one in self.candidates]
+        return [*placed_kinds(self.model, self.data, one_way=self.one_way), *own]
 
     def wobble(self, scatter: ContactScatter) -> float:
         """See `Bench.wobble`; of a belt whose speed is no number, so that windows have none of their own, the usual."""
@@ -193,10 +204,18 @@ def of_single_events(bench: GeneralBench, fit: Fit) -> GeneralBench:
 
 
 def bench_of(
-    model: Model, runs: Sequence[Recording], known: Uncertainty, policy: Policy = POLICY
+    model: Model,
+    runs: Sequence[Recording],
+    known: Uncertainty,
+    policy: Policy = POLICY,
+    candidates: tuple[FormulaEffect, ...] = (),
 ) -> GeneralBench:
     """
     Return runs cut into windows.
+
+    Parameters
+    ----------
+    model, runs, known, policy, candidates : as the bench has them
 
     Raises
     ------
@@ -204,4 +223,4 @@ def bench_of(
         A run is too short, or none can be cut into windows.
     """
     plain = bodies_bench.bench_of(model, runs, known, policy)
-    return GeneralBench(plain.model, plain.data, plain.stretches, plain.declared, policy)
+    return GeneralBench(plain.model, plain.data, plain.stretches, plain.declared, policy, candidates)

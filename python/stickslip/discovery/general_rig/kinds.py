@@ -15,12 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import CATALOGUE
+from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names
 from stickslip.declared.model import Model
+from stickslip.declared.placed import CHANNEL
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
+from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
 from stickslip.fitted.bodies_data import BodiesData, way
 from stickslip.likelihoods.scaled import ALPHA, STATIC
 
@@ -135,6 +138,17 @@ def placed_kinds(model: Model, data: Sequence[BodiesData], *, one_way: bool) -> 
         acts.append(kind.anywhere)
         out += [scaled(kind, where, units) for where, units in _places(kind, sizes)]
     return out
+
+
+def rival_at(one: FormulaEffect, rig: GeneralRig) -> RivalKind:
+    """Return the facts of a user's own effect; its numbers, and those that it is made of, are in SI as they are."""
+    own, where = rig.equations, one.where
+    if one.acts == "reading":
+        where = f"{where.removesuffix(CHANNEL) or own.names[0]}{CHANNEL}"
+    elif not where:
+        where = own.names[0] if one.acts == "force" else own.contacts[0].name
+    kind = rival(replace(one, where=where), None)
+    return replace(kind, depends_on=one.depends_on)
 
 
 def scaled(kind: EffectKind, where: str, units: Units) -> EffectKind:

@@ -42,16 +42,14 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     Raises
     ------
     InputError
-        A law has states of its own; the runs are too short; the case has candidates.
+        A law has states of its own; the runs are too short.
     StickslipError
         No law of the declared kind moves the rig like the readings.
     """
     began = time.monotonic()
-    if case.candidates:
-        words = "effects of one's own are held against the catalogue on the rig of (2.1) and a block on a belt alone; "
-        raise InputError(f"{words}a [[effect]] of kind formula acts here", key="candidate")
     declared = case.model()
-    bench = bench_of(Model(declared.rig, friction=declared.friction), case.train, case.uncertainty)
+    plain = Model(declared.rig, friction=declared.friction)
+    bench = bench_of(plain, case.train, case.uncertainty, candidates=case.candidates)
     if len(bench.stretches) < bench.policy.fewest_windows:
         words = f"the train runs hold {len(bench.stretches)} windows, from stick to stick or a natural period long"
         raise InputError(f"{words}; {bench.policy.fewest_windows} are needed to see how friction scatters")

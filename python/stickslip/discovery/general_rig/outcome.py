@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import effect
+from stickslip.declared.effect import AnyEffect, effect
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.general_rig.bench import GeneralBench
 from stickslip.discovery.laboratory import left as windows_left
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.rival_kind import RivalKind, within
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
@@ -36,9 +37,14 @@ def said(name: str) -> str:
 def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
     """Return the model of a hypothesis: law, constants and effects as fitted, channels and noise as declared."""
     values = trial.fit.values()
-    effects = []
+    effects: list[AnyEffect] = []
+    own = {one.name: one for one in bench.candidates}
     for one in trial.terms:
         e = one.effect
+        if isinstance(one.kind, RivalKind):  # as it was declared, its ranges and units kept
+            found = {k: within(one.kind, k, Interval(v, None, None)).value for k, v in e.parameters.items()}
+            effects.append(own[e.name].replace(**found))
+            continue
         if one.phases:
             turned = math.pi if e.parameters["a"] < 0 else 0.0
             phi = float(np.mod(one.phases[0] + turned, 2 * math.pi))

@@ -27,5 +27,6 @@ def page(
     command: str | None = None,
 ) -> str:
     """The page as one self-contained HTML text, of the same parts as the other rigs' reports."""
+    more = {"called": words.called, "own_names": {one.name for one in case.candidates}}
     given = shared(found, case, report, drawings, command)
-    return render("stickslip.shown.general_rig", "report.html.j2", given | {"called": words.called})
+    return render("stickslip.shown.general_rig", "report.html.j2", given | more)

@@ -90,12 +90,12 @@ def in_si(effect: FoundEffect, name: str, case: Case) -> dict[str, Json]:
     Empty where there is no one number in SI.
     """
     one, rig = effect.parameters[name], case.rig
-    if isinstance(rig, GeneralRig):
-        return _of_general(effect, name, rig)
     own = next((each for each in case.candidates if each.name == effect.name), None)
     if own is not None:  # its numbers are those of the case
         limits = {"value_si": one.value, "low_si": one.low, "high_si": one.high}
         return {**limits, "unit": own.units[name]} if name in own.units else {}
+    if isinstance(rig, GeneralRig):
+        return _of_general(effect, name, rig)
     corrects = KINDS[effect.name].corrects if effect.name in KINDS else None
     if corrects is not None and hasattr(rig, corrects):
         return _corrected(corrects, one, case)
