@@ -12,6 +12,7 @@ from differences import held_against_differences
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import way
+from stickslip.likelihoods import fit as fits
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.bodies_cuts import STATE
 from stickslip.likelihoods.fit import null
@@ -135,3 +136,20 @@ def test_a_drive_goes_as_far_as_its_speed_says() -> None:
     assert way(ss.Speed.of(2.0), 3.0) == 6.0
     assert way(ss.Speed.of("2*t"), 3.0) == pytest.approx(9.0, rel=1e-12)
     assert way(ss.Speed.steps([0.0, 1.0], [1.0, 3.0]), 2.0) == pytest.approx(4.0, rel=1e-9)
+
+
+def test_a_fit_with_a_number_at_its_bound_is_at_its_best() -> None:
+    """A damping that is nothing wants to be less: fits crept on for hundreds, and whatever was fitted next gained."""
+    case = CASES["chain"]()
+    own = bench(case, *recorded(case, 20, level=0.02, static=0.02, lasts=8.0))
+    fit = null(own.windows(), POLICY)
+    names = [one.name for one in fit.windows.numbers]
+    off = np.array([0.1 * name.endswith("F_c") + 0.02 * name.endswith("stiffness") for name in names])
+    again = fits.fitted(replace(fit, at=fit.at + off), POLICY)
+    assert again.deviance == pytest.approx(fit.deviance, abs=2.0)
+    # a search's first step may lead beyond the bound; where no further one is better, the law kept a damping below 0
+    beyond = fit.at.copy()
+    damping = names.index("rubber.c")
+    assert beyond[damping] == 0.0
+    beyond[damping] = -0.02
+    assert fits.fitted(replace(fit, at=beyond), POLICY, 0).at[damping] == 0.0

@@ -68,6 +68,27 @@ def test_the_arrow_gives_the_dense_likelihood(scatter: Population) -> None:
     assert found.shared == pytest.approx(step, rel=1e-6)
 
 
+def test_a_number_at_its_bound_leaves_the_others_at_their_best() -> None:
+    """As if it had been held there from the start; what is clipped afterwards is worse."""
+    blocks, at = drawn(1, 4, SCATTER)
+    noise, root = np.array([0.8, 1.3]), factor(SCATTER, PLACES)
+    windows = products(blocks, [0] * 4, SHARED, OWN, 2)
+    free = solve(windows, root, noise, MEAN, PRECISION, at)
+    end = np.full(SHARED, np.inf)
+    low = np.array([free.shared[0] + 0.2, -np.inf])
+    found = solve(windows, root, noise, MEAN, PRECISION, at, bounds=(low, end))
+    assert found.shared[0] == pytest.approx(low[0])
+    held = PRECISION + np.diag([1e9, 0.0])
+    mean = np.linalg.solve(held, PRECISION @ MEAN + np.array([1e9 * low[0], 0.0]))
+    there = solve(windows, root, noise, mean, held, at)
+    assert found.shared == pytest.approx(there.shared, rel=1e-5)
+    assert found.own == pytest.approx(there.own, abs=1e-5)
+    assert found.covariance[1, 1] == pytest.approx(there.covariance[1, 1], rel=1e-5)
+    assert found.deviance > free.deviance
+    wide = solve(windows, root, noise, MEAN, PRECISION, at, bounds=(-end, end))
+    assert wide.deviance == free.deviance
+
+
 def test_what_little_the_windows_leave_of_a_number_is_not_lost_in_rounding() -> None:
     """Readings 100,000 times their noise, of which windows' own numbers explain all but the last millionth."""
     blocks, at = drawn(8, 3, SCATTER, noise=1e-10)

@@ -174,5 +174,6 @@ def _of_past(known: Fit, before: int) -> tuple[Floats, Floats]:
     weight = np.where(np.arange(len(known.own)) < before, known.linear.weight, 0.0)
     roots = factor(known.population, known.windows.places)
     prior = known.windows.prior.at(known.at)
-    found = solve(replace(known.linear, weight=weight), roots, known.noise, *prior, known.random)
+    linear, bounds = replace(known.linear, weight=weight), known.windows.steps(known.at)
+    found = solve(linear, roots, known.noise, *prior, known.random, bounds=bounds)
     return known.at + found.shared, found.effects[before - 1]

@@ -91,6 +91,16 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         ]
         self.sizes = np.array([w.stop - w.start for w in stretches])
 
+    def bounded(self, at: Floats) -> Floats:
+        """Return coordinates of the shared numbers within their bounds, (p,)."""
+        low, high = self.steps(np.zeros(len(self.numbers)))
+        return np.clip(at, low, high)
+
+    def steps(self, at: Floats) -> tuple[Floats, Floats]:
+        """Return the least and the largest step of the shared numbers within their bounds, (p,) each."""
+        low, high = (np.array([getattr(n, k) for n in self.numbers]) for k in ("low", "high"))
+        return low - at, high - at
+
     @property
     def runs(self) -> list[int]:
         """Run of each window."""

@@ -72,7 +72,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     """
     held = policy.held if held is None else held
     most = policy.most_steps if most is None else most
-    damping, calm = 0.0, 0
+    fit, damping, calm = replace(fit, at=fit.windows.bounded(fit.at)), 0.0, 0
     for step in range(most):
         fit = _linearised(fit, policy)
         if step in (3, 7, 11, 15):
@@ -114,12 +114,11 @@ def _moved(fit: Fit, found: Estimate[Any], policy: Policy) -> Fit:
     """The fit a whole step on, under another population."""
     assert fit.linear is not None
     solution = found.solution
-    low, high = (np.array([getattr(n, k) for n in fit.windows.numbers]) for k in ("low", "high"))
     own = fit.own.copy()
     begins = fit.windows.begins
     own[:, :begins] += solution.own
     own[:, begins:] = solution.effects
-    at = np.clip(fit.at + solution.shared, low, high)
+    at = fit.windows.bounded(fit.at + solution.shared)
     there = replace(fit, at=at, own=own, population=found.population, noise=found.noise)
     blocks = fit.windows.blocks(at, own, shared=(), local=False)
     if sum(b is None for b in blocks) > sum(b is None for b in fit.blocks):
@@ -156,7 +155,15 @@ def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
     return estimate(
-        fit.linear, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, turns
+        fit.linear,
+        fit.windows.places,
+        fit.population,
+        fit.noise,
+        prior,
+        fit.random,
+        policy,
+        turns,
+        fit.windows.steps(fit.at),
     )
 
 
@@ -170,14 +177,13 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
         noise = _freed_noise(fit, found)
     roots = factor(population, windows.places)
     prior = windows.prior.at(fit.at)
-    solution = solve(fit.linear, roots, noise, *prior, fit.random, damping)
+    solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
     stride = np.array([n.stride for n in windows.numbers])
     share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
-    low, high = (np.array([getattr(n, k) for n in windows.numbers]) for k in ("low", "high"))
     for size in STEPS:
-        at = np.clip(fit.at + size * share * solution.shared, low, high)
+        at = windows.bounded(fit.at + size * share * solution.shared)
         own = fit.own.copy()
         own[:, : windows.begins] += size * share * np.clip(solution.own, -1, 1)
         own[:, windows.begins :] += size * share * np.clip(solution.effects - fit.random, -1, 1)

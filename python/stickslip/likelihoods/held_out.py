@@ -39,7 +39,8 @@ def held_out(fit: Fit, population: Population, noise: Floats) -> float:
     for fold in range(FOLDS):
         out = every % FOLDS == fold
         seen = replace(linear, weight=np.where(out, 0.0, linear.weight))
-        rest = solve(seen, roots, noise, *fit.windows.prior.at(fit.at), fit.random)
+        bounds = fit.windows.steps(fit.at)
+        rest = solve(seen, roots, noise, *fit.windows.prior.at(fit.at), fit.random, bounds=bounds)
         unseen = replace(linear, weight=np.where(out, linear.weight, 0.0))
         known = rest.shared, EXACT * np.eye(count)
         there = solve(unseen, roots, noise, *known, fit.random)

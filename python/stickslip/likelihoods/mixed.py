@@ -8,9 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Bounds = tuple[Floats, Floats]
 TINY = 1e-9  # share added to a diagonal, against numbers that say the same
 
 
@@ -46,7 +48,7 @@ class Solution:
     ----------
     deviance : -2 log marginal likelihood without constants, own numbers integrated, shared ones at their best
     shared : step of the shared numbers
-    covariance : its covariance
+    covariance : its covariance, of what no bound holds; of what one does the variance if it did not
     own : (windows, own) steps of the initial states
     effects : (windows, effects) random effects, as expected given the readings
     volume : what integrating a window's own numbers, and the noise's size, add to the deviance
@@ -101,9 +103,13 @@ def solve(
     precision: Floats,
     at: Floats,
     damping: float = 0.0,
+    bounds: Bounds | None = None,
 ) -> Solution:
     """
     Solve for all numbers, each window's own eliminated first.
+
+    A number at its bound stays there, and the others are at their best beside it: to go beyond and be clipped back
+    leaves them where they belong to something else.
 
     Parameters
     ----------
@@ -113,6 +119,7 @@ def solve(
     mean, precision : (shared,), (shared, shared) prior of the shared step, precision 0 where it is flat
     at : (windows, effects) random effects that the windows are linearised at
     damping : Levenberg's, of the shared numbers and the initial states
+    bounds : least and largest shared step, (shared,) each
     """
     p, q = windows.shared, windows.own
     scaled = np.einsum("wcij,c->wij", windows.gram, 1.0 / noise) * windows.weight[:, None, None]
@@ -127,6 +134,11 @@ def solve(
     pull = (a[:, :p, -1] - np.einsum("wlp,wl->wp", cross, right)).sum(0) + precision @ mean
     covariance = np.linalg.inv(schur)
     step = covariance @ pull
+    if bounds is not None and ((step < bounds[0]) | (step > bounds[1])).any():
+        step, held = within(schur, pull, bounds)
+        alone = np.diag(np.diag(covariance))
+        alone[np.ix_(~held, ~held)] = np.linalg.inv(schur[np.ix_(~held, ~held)])
+        covariance = alone
     numbers = np.einsum("wlk,wl->wk", root, right - cross @ step)
     effects = np.einsum("wek,wk->we", roots, numbers[:, q:])
     moved = np.concatenate(
@@ -143,6 +155,23 @@ def solve(
     return Solution(
         deviance + volume, step, covariance, numbers[:, :q], effects, volume, misfit, numbers[:, q:], inverse
     )
+
+
+def within(schur: Floats, pull: Floats, bounds: Bounds) -> tuple[Floats, NDArray[np.bool_]]:
+    """
+    Return the step that is best within its bounds, (shared,), and which of its numbers a bound holds.
+
+    Parameters
+    ----------
+    schur, pull : products of the shared numbers, and what they are to explain
+    bounds : least and largest step
+    """
+    scale = 1.0 / np.sqrt(np.diag(schur))
+    upper = np.linalg.cholesky(schur * scale * scale[:, None]).T
+    right = scipy.linalg.solve_triangular(upper, pull * scale, trans="T")
+    low, high = (one / scale for one in bounds)
+    found = scipy.optimize.lsq_linear(upper, right, (low, high), method="bvls")
+    return np.asarray(found.x * scale, dtype=np.float64), found.active_mask != 0
 
 
 def eliminated(a: Floats, shared: int, own: int, damping: float = 0.0) -> tuple[Floats, Floats]:

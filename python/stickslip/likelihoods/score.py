@@ -70,15 +70,18 @@ def score(
     wide = np.zeros((p + k, p + k))
     wide[:p, :p], wide[range(p, p + k), range(p, p + k)] = held, precision
     prior = np.concatenate([away, np.zeros(k)]), wide
+    bounds = fit.windows.steps(fit.at)
+    beyond = np.full(k, np.inf)
+    wider = np.concatenate([bounds[0], -beyond]), np.concatenate([bounds[1], beyond])
     if not refit:
         roots = factor(fit.population, fit.windows.places)
-        there = solve(windows, roots, fit.noise, *prior, fit.random)
-        without = solve(plain(windows, p, k), roots, fit.noise, away, held, fit.random)
+        there = solve(windows, roots, fit.noise, *prior, fit.random, bounds=wider)
+        without = solve(plain(windows, p, k), roots, fit.noise, away, held, fit.random, bounds=bounds)
         gain, found = without.deviance - there.deviance, there
     else:
         # the null is at its best already
         best = estimate(
-            windows, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, TURNS
+            windows, fit.windows.places, fit.population, fit.noise, prior, fit.random, policy, TURNS, wider
         )
         null = estimate(
             plain(windows, p, k),
@@ -89,6 +92,7 @@ def score(
             fit.random,
             policy,
             0,
+            bounds,
         )
         gain, found = null.deviance - best.deviance, best.solution
     return Score(float(gain), found.shared[p:], found.covariance[p:, p:], found.shared[:p])

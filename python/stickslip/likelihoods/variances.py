@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from scipy.optimize import minimize
 
-from stickslip.likelihoods.mixed import Floats, Solution, Windows, solve, taken
+from stickslip.likelihoods.mixed import Bounds, Floats, Solution, Windows, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Scatter
 
@@ -46,6 +46,7 @@ def estimate(
     at: Floats,
     policy: Policy,
     turns: int,
+    bounds: Bounds | None = None,
 ) -> Estimate[P]:
     """
     Estimate scatter and noise from where they are.
@@ -59,15 +60,16 @@ def estimate(
     at : random effects that the windows are linearised at
     policy : what steers the estimate
     turns : steps of the optimiser, at most
+    bounds : least and largest shared step
     """
     k = len(population.coordinates())
     low, high = population.bounds(policy)
-    free = Deviance(windows, places, prior, at, population, *population.usual(policy))
+    free = Deviance(windows, places, prior, at, population, *population.usual(policy), bounds)
     first = np.concatenate([np.clip(population.coordinates(), low, high), np.log(noise)])
-    bounds = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]
+    limits = [*zip(low, high, strict=True), *[tuple(np.log(NOISE))] * len(noise)]
     x = first
     if turns:
-        best = minimize(free, first, method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": turns})
+        best = minimize(free, first, method="L-BFGS-B", jac=True, bounds=limits, options={"maxiter": turns})
         x = np.asarray(best.x)
     solved = free.solved(x)
     held = free.held(x)
@@ -85,11 +87,14 @@ class Deviance:
     like: Scatter
     centre: Floats
     spread: Floats
+    bounds: Bounds | None = None
 
     def solved(self, x: Floats) -> Solution:
         """Return the windows solved at a population and a noise."""
         population, noise = self._split(x)
-        return solve(self.windows, population.factor(self.places), noise, *self.prior, self.at)
+        return solve(
+            self.windows, population.factor(self.places), noise, *self.prior, self.at, bounds=self.bounds
+        )
 
     def _split(self, x: Floats) -> tuple[Scatter, Floats]:
         k = len(self.centre)
@@ -100,7 +105,7 @@ class Deviance:
         k = len(self.centre)
         population, noise = self._split(x)
         roots = population.factor(self.places)
-        found = solve(self.windows, roots, noise, *self.prior, self.at)
+        found = solve(self.windows, roots, noise, *self.prior, self.at, bounds=self.bounds)
         away = (x[:k] - self.centre) / self.spread
         slope = np.zeros(len(x))
         white = np.diagonal(found.inverse, axis1=1, axis2=2)[:, self.windows.own :]

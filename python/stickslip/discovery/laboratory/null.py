@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.mixed import within
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.score import Columns
 
@@ -84,7 +85,11 @@ class Null:
             self.pull = self.pull + shared.T @ right
             self.rows.append(Row(effects, local, hat, shared, right))
         schur[range(p), range(p)] *= 1 + TINY
-        self.inverse = np.linalg.inv(schur)
+        bounds = fit.windows.steps(fit.at)
+        at_bound = (bounds[0] >= 0) | (bounds[1] <= 0)
+        free = ~(within(schur, self.pull, bounds)[1] & at_bound) if at_bound.any() else ~at_bound
+        self.inverse = np.zeros_like(schur)  # what a bound holds does not move beside a new number
+        self.inverse[np.ix_(free, free)] = np.linalg.inv(schur[np.ix_(free, free)])
 
     def over_noise(self, block: Floats, window: int) -> Floats:
         """Columns of a window over its noise, (n, k)."""

@@ -173,8 +173,7 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     """The hypothesis fitted anew from where its best rival stands, if that is better."""
     windows = base.fit.windows
     p = len(base.fit.at)
-    low, high = (np.array([getattr(n, k) for n in windows.numbers]) for k in ("low", "high"))
-    at = np.clip(best.fit.at[:p], low, high)
+    at = windows.bounded(best.fit.at[:p])
     first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
     fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
     if fit.deviance >= base.fit.deviance or lost(fit):

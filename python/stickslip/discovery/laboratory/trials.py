@@ -107,6 +107,7 @@ def _beside(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
         if moved:
             stride = np.array([n.stride for n in windows.numbers[:p]])
             at[:p] += np.clip(candidate.step, -stride, stride)
+        at = windows.bounded(at)
         first = replace(base.fit, windows=windows, at=at, own=own_in(base.fit.own, base.fit.windows, windows))
         own, _, each = settled(first)
         cost = float(each.sum()) + windows.prior.penalty(at)
