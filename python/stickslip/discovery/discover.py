@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 from stickslip import arguments
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
+from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.units import Channel
 from stickslip.discovery.driven_slider import loop as driven
@@ -154,22 +154,21 @@ def _searched(
     with threadpool_limits(1):
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)
-        notes: tuple[str, ...] = ()
-        data: list[Data] = []
-        if isinstance(case.rig, Rig):
-            data, notes = _checked(case, copied)
+        checked = (
+            _checked(case, copied) if isinstance(case.rig, Rig) else None
+        )  # what is refused starts no processes
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
-        workers = Workers(count, __name__)  # not for a case that is refused
+        workers = Workers(count, __name__)
         try:
-            if isinstance(case.rig, BlockOnBelt):
-                found = block.discover(case, tell, seed, workers)
-                if found is not None:
-                    return found
-                found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-                return replace(found, messages=(*found.messages, *block.untold(case)))
+            if checked is not None:
+                return two_degree.discover(case, *checked, tell, workers, seed)
             if isinstance(case.rig, GeneralRig):
                 return general_rig.discover(case, tell, seed, workers)
-            return two_degree.discover(case, data, notes, tell, workers, seed)
+            found = block.discover(case, tell, seed, workers)
+            if found is not None:
+                return found
+            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+            return replace(found, messages=(*found.messages, *block.untold(case)))
         except BaseException:
             workers.stop()
             raise

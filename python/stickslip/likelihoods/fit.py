@@ -32,18 +32,27 @@ ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
 
 
-def null(windows: Windowed, policy: Policy) -> Fit:
+def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     """
     Return the fit from the declared numbers.
 
     Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Of a rig on a belt
     one that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
     with scatter to take it. Where scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
+
+    Parameters
+    ----------
+    windows, policy : what is fitted, and what steers it
+    twice : fit once more from scatter as usual, and keep the better: what a search calls lacking must not be what a
+        fit missed. A scatter that was nothing on the way has no slope to come back by
+
     """
     first = begun(windows)
     fit = fitted(first, policy)
     if isinstance(windows, BodiesWindows):
         return fit
+    if twice:
+        fit = min(fit, fitted(replace(fit, population=windows.scatter()), policy), key=lambda one: one.deviance)
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
     p = start(policy)

@@ -110,7 +110,7 @@ def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[St
     out = []
     for one, m, dwell in zip(every, motions, known, strict=True):
         if dwell is None:
-            dwell = max(one.dwell + float(np.median(off.get(one.run, 0.0))), 0.0)
+            dwell = max(one.dwell + float(np.median(off.get(one.run, [0.0]))), 0.0)
         ends = one.rest - one.dwell
         if m is not None and m.mode[0] == 0 and m.mode.any():
             ends = _between(m, int(np.flatnonzero(m.mode)[0]) - 1) - float(m.t[0])

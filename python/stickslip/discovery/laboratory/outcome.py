@@ -157,9 +157,9 @@ def _step_of(found: Searched, name: str) -> Step:
 
 def _without(found: Searched, name: str) -> Trial:
     """The chosen hypothesis without one of its effects."""
-    if name in found.without:
-        return found.without[name]
-    return found.null if len(found.chosen.terms) == 1 else _step_of(found, name).base
+    if len(found.chosen.terms) == 1:  # what was left out beside others says nothing of it alone
+        return found.null
+    return found.without[name] if name in found.without else _step_of(found, name).base
 
 
 def evidence(found: Searched, name: str) -> Evidence:

@@ -67,7 +67,7 @@ def search(
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
-        base = Trial((), null(bench.windows(), bench.policy))
+        base = Trial((), null(bench.windows(), bench.policy, twice=True))
     out = Searched(base, base)
     while len(base.terms) < bench.policy.most_effects:
         step, base = _forward(bench, base, tell, seed, workers)
@@ -186,12 +186,22 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
     while len(chosen.terms) > 1:
         tell(f"once more without {' or '.join(chosen.names)}")
         less = workers.map(partial(without, bench, chosen), range(len(chosen.terms)))
-        out.without = rivals = dict(zip(chosen.names, less, strict=True))
+        tried = [*out.trials, *(step.base for step in out.steps)]
+        # a fit that begins beside the effect that it is to do without may go astray: what was fitted before is as good
+        out.without = rivals = {
+            name: min((one, *_alike(one, tried)), key=lambda t: t.deviance)
+            for name, one in zip(chosen.names, less, strict=True)
+        }
         best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
         chosen = _refitted(bench, best)
     return chosen
+
+
+def _alike(one: Trial, tried: Sequence[Trial]) -> list[Trial]:
+    """What was tried with the same effects."""
+    return [t for t in tried if t.freed is None and sorted(t.names) == sorted(one.names)]
 
 
 def _refitted(bench: Bench, trial: Trial) -> Trial:

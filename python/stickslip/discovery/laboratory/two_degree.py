@@ -145,7 +145,7 @@ def _null(bench: BeltBench, near: Trial | None = None) -> Trial:
             there = near.fit
             first = replace(begun(windows), at=there.at, own=there.own, population=there.population)
             return Trial((), fitted(first, bench.policy, held=2))
-        return Trial((), null(windows, bench.policy))
+        return Trial((), null(windows, bench.policy, twice=True))
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with a law of this kind; are rig, units and speeds right?"

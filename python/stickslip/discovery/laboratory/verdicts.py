@@ -52,7 +52,7 @@ class Verdicts(Generic[BenchT]):
         if self.told.freed is None:
             return self.searched.null
         plain = replace(self.bench, declared=Declared())
-        return Trial((), null(plain.windows(), plain.policy))
+        return Trial((), null(plain.windows(), plain.policy, twice=True))
 
 
 def searched(
@@ -77,7 +77,7 @@ def searched(
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
-        base = Trial((), null(bench.windows(), bench.policy))
+        base = Trial((), null(bench.windows(), bench.policy, twice=True))
     bench = bench.timed(base.fit)
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)

@@ -19,7 +19,9 @@ from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
-SMALL = 1e-7  # amplitude that responses are taken at; they are linear in it
+SMALL = (
+    1e-4  # amplitude that responses are taken at: they are linear in it, and a phase's are as small as it is
+)
 
 
 def apart(bench: Bench, kind: EffectKind) -> float:

@@ -1,0 +1,75 @@
+"""Columns and scores of a search, however they are computed: by fewer simulations, or by several processes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from discover_cases import make_case
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.hypothesis import of_term, term
+from stickslip.discovery.laboratory.screen import screened
+from stickslip.discovery.laboratory.trials import Trial, all_full
+from stickslip.discovery.laboratory.two_degree import bench_of
+from stickslip.discovery.laboratory.waves import SMALL, wave_columns
+from stickslip.discovery.workers import Workers
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit
+
+W = 2.3
+
+
+@pytest.fixture(scope="module")
+def bench() -> BeltBench:
+    case = make_case((ss.effect("spring_cubic_k1", k=4.0),), length=24.0, speeds=(0.1, -0.12, 0.09))
+    return bench_of(case, prepare(case.train))
+
+
+@pytest.fixture(scope="module")
+def fit(bench: BeltBench) -> Fit:
+    return null(bench.windows(), bench.policy)
+
+
+def test_columns_alone_are_those_of_the_whole_blocks(fit: Fit) -> None:
+    """A gain's too, though the window's own belt is left out where no gain scales it."""
+    windows = fit.windows
+    for shared in ([0, 3], range(len(fit.at))):
+        whole = windows.blocks(fit.at, fit.own, shared=shared, local=False)
+        for a, b in zip(windows.columns(fit.at, fit.own, list(shared)), whole, strict=True):
+            assert a is not None
+            assert b is not None
+            np.testing.assert_array_equal(a, b[:, :, :-1])
+    assert any(n.name.startswith("gain.") for n in windows.numbers)
+
+
+@pytest.mark.parametrize("name", ["harmonic_forcing", "belt_speed_ripple", "belt_seam"])
+def test_a_wave_s_cosine_is_what_it_is_at_another_phase(bench: BeltBench, fit: Fit, name: str) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == name]
+    assert kind.wave is not None
+    number = 2 * math.pi / W if kind.wave.along_belt else W
+    turned = (0.5 * math.pi,) * len(bench.data)
+    one = term(
+        kind, {"a": SMALL * kind.parameter("a").unit, kind.wave.parameter: number, "phi": turned[0]}, turned
+    )
+    at = np.concatenate([fit.at, [n.start for n in of_term(one, bench.policy)]])
+    cosine = bench.windows((one,)).blocks(at, fit.own, shared=[len(fit.at)], local=False)
+    for a, b in zip(wave_columns(bench, fit, (), kind, W), cosine, strict=True):
+        assert a is not None
+        assert b is not None
+        assert np.abs(b[:, :, 0]).max() > 1.0
+        np.testing.assert_allclose(a[:, :, 1], b[:, :, 0], atol=5e-3 * np.abs(b[:, :, 0]).max())
+        assert np.abs(a[:, :, 1] - a[:, :, 0]).max() > 0.1 * np.abs(b[:, :, 0]).max()
+
+
+def test_several_processes_find_the_same_to_the_last_digit(bench: BeltBench, fit: Fit) -> None:
+    workers = Workers(2)
+    one, two = screened(bench, fit, ()), screened(bench, fit, (), workers)
+    assert [c.term for c in one.ranked] == [c.term for c in two.ranked]
+    assert [c.gain for c in one.ranked] == [c.gain for c in two.ranked]
+    base, best = Trial((), fit), one.ranked[:2]
+    alone, beside = (all_full(bench, base, best, each)[0] for each in (Workers(1), workers))
+    assert [t.deviance for t in alone] == [t.deviance for t in beside]
