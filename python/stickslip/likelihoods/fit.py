@@ -52,7 +52,9 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     if isinstance(windows, BodiesWindows):
         return fit
     if twice:
-        fit = min(fit, fitted(replace(fit, population=windows.scatter()), policy), key=lambda one: one.deviance)
+        fit = min(
+            fit, fitted(replace(fit, population=windows.scatter()), policy), key=lambda one: one.deviance
+        )
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
     p = start(policy)
