@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 import stickslip as ss
+from rig_cycles import LEINE, by_differences, drill, lugre, three_blocks, two_blocks
 from stickslip.simulated.orbits.flow_of import flow_of
 
 Floats = NDArray[np.float64]
 RIG, PAPER = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), ss.PaperFriction()
-LEINE = ss.HyperbolicFriction(scale=1, decay=3)
 
 
 def rebuilt(law: ss.FrictionLaw) -> ss.Model:
@@ -195,63 +195,6 @@ def test_a_branch_in_the_drive_s_speed_is_that_in_the_belt_s() -> None:
     assert branch.period[-1] == pytest.approx(other.period, rel=1e-9)
 
 
-def afloat() -> ss.Model:
-    """Two masses and a spring: one rubs on the belt, the other on the ground."""
-    rig = ss.BodiesRig(
-        body={"a": ss.Body(mass=1), "b": ss.Body(mass=1)},
-        link=[ss.Link(between=("a", "b"), stiffness=1, damping=0.1)],
-        contact=[ss.Contact(body="a", against="belt"), ss.Contact(body="b")],
-    )
-    return ss.Model(rig, friction=LEINE)
-
-
-def test_a_coordinate_that_no_spring_holds_is_no_direction_of_a_cycle() -> None:
-    sliding = ss.steady_sliding(afloat(), 0.6, (0, 0, 0.25, 0.32))
-    assert sliding.state[2:] == pytest.approx([0.3, 0.3], abs=1e-12)  # by symmetry
-    assert len(sliding.eigenvalues) == 3
-    # of the deflection: l^2 + (2 c - s) l + 2, of the speed of both: l - s, with s = 3/(1 + 3 v)^2 at v = 0.3
-    s = 3 / (1 + 3 * 0.3) ** 2
-    want = np.append(np.roots([1, 2 * 0.1 - s, 2]), s)
-    assert np.sort_complex(sliding.eigenvalues) == pytest.approx(np.sort_complex(want), abs=1e-9)
-
-
-def floating(damping: float) -> ss.Model:
-    """A mass that the belt drags along by friction, a spring and a second mass in a fluid: no spring to the ground."""
-    rig = ss.MatricesRig(
-        M=np.eye(2).tolist(), C=[[0.02, -0.02], [-0.02, damping + 0.02]], K=[[1, -1], [-1, 1]], contact=[1, 0],
-        names=["p", "q"], unit="1",
-    )  # fmt: skip
-    return ss.Model(rig, friction=LEINE)
-
-
-def test_the_cycle_of_what_floats_repeats_but_for_a_translation() -> None:
-    cycle = ss.limit_cycle(floating(2.1), 0.6, (0, 0, 0.2, 0.2))
-    assert cycle.sticks
-    assert len(cycle.multipliers) == 2  # of four states: not the translation, not the motion itself
-    run = cycle.trajectory(3)
-    gone = run.state[-1] - run.state[0]
-    assert gone[0] == pytest.approx(gone[1], abs=1e-10)
-    assert gone[0] > 1
-    assert gone[2:] == pytest.approx([0, 0], abs=1e-10)
-    np.testing.assert_allclose(cycle.monodromy, by_differences(cycle, {"belt_speed": 0.6}, 1e-5), atol=1e-7)
-    assert np.trace(cycle.monodromy) == pytest.approx(cycle.multipliers.sum().real + 2, abs=1e-9)
-    asked = {"initial": cycle.state, "t_end": 60 * cycle.period, "interval": cycle.period}
-    spectrum = ss.lyapunov(floating(2.1), belt_speed=0.6, **asked)  # type: ignore[arg-type]
-    rate = np.log(abs(cycle.multipliers[0])) / cycle.period
-    assert spectrum.exponents[:2] == pytest.approx([0, rate], abs=1e-3)
-    assert spectrum.exponents[2] == -np.inf
-
-
-def test_the_branch_of_what_floats_ends_where_its_sliding_loses_stability() -> None:
-    cycle = ss.limit_cycle(floating(2.1), 0.6, (0, 0, 0.2, 0.2))
-    branch = ss.continuation(floating(2.1), 0.6, span=(0.55, 0.9), guess=cycle, step=0.05)
-    assert branch.ends == ("span", "hopf")
-    at = branch.special[-1].value
-    for share, stable in ((0.999, False), (1.001, True)):
-        guess = ss.steady_sliding(floating(2.1), at, (0, 0, 0.15, 0.15)).state
-        assert ss.steady_sliding(floating(2.1), share * at, guess).stable == stable
-
-
 # -- laws with states ----------------------------------------------------------------------------------------------
 
 a, b, N, D_c, V, m = 0.008, 0.012, 100.0, 0.01, 0.01, 1.0
@@ -292,70 +235,6 @@ def test_a_branch_ends_at_the_hopf_point_of_the_rate_and_state_slider() -> None:
     ends = np.sqrt(CRITICAL * V / D_c / (m * V / D_c + a * N / V))
     assert branch.values[-1] == pytest.approx(CRITICAL, rel=2e-3)
     assert 2 * np.pi / branch.period[-1] == pytest.approx(ends, rel=5e-3)
-
-
-def lugre() -> tuple[ss.Model, Mapping[str, float]]:
-    law = ss.LuGreFriction(sigma0=1e3, sigma1=30, sigma2=0.4, F_c=1, F_s=1.5, v_s=0.1)
-    return ss.Model(ss.BlockOnBelt(mass=1, stiffness=2), friction=law), {"belt_speed": 0.1}
-
-
-def two_blocks() -> tuple[ss.Model, Mapping[str, float]]:
-    """One of them sticks where the cycle is cut."""
-    rig = ss.BodiesRig(
-        body={"a": ss.Body(mass=1), "b": ss.Body(mass=1.3)},
-        link=[
-            *(ss.Link(between=(one, "ground"), stiffness=1, damping=0.1) for one in "ab"),
-            ss.Link(between=("a", "b"), stiffness=0.8, damping=0.05),
-        ],
-        contact=[ss.Contact(body=one, against="belt") for one in "ab"],
-    )
-    return ss.Model(rig, friction=LEINE), {"belt_speed": 0.2}
-
-
-def three_blocks() -> tuple[ss.Model, Mapping[str, float]]:
-    names = ("p", "q", "r")
-    leaves = zip(names, (1.0, 1.2, 0.9), strict=True)
-    links = [ss.Link(between=(one, "ground"), stiffness=k, damping=0.6) for one, k in leaves]
-    rig = ss.BodiesRig(
-        body={one: ss.Body(mass=1) for one in names},
-        link=[
-            *links,
-            *(ss.Link(between=pair, stiffness=0.5, damping=0.4) for pair in (("p", "q"), ("q", "r"))),
-        ],
-        contact=[ss.Contact(body=one, against="belt") for one in names],
-    )
-    return ss.Model(rig, friction=LEINE), {"belt_speed": 0.1}
-
-
-def drill() -> tuple[ss.Model, Mapping[str, float]]:
-    rig = ss.BodiesRig(
-        body={"table": ss.Body(inertia=0.35), "bit": ss.Body(inertia=0.04)},
-        link=[
-            ss.Link(between=("table", "bit"), stiffness=12, damping=0.01),
-            ss.Link(between=("table", "drive"), stiffness=80, damping=0.5),
-        ],
-        contact=[ss.Contact(body="bit", against="ground", law="bit_law")],
-    )
-    return ss.Model(rig, friction={"bit_law": ss.StribeckFriction(F_c=1.2, F_s=2, v_s=1.0)}), {
-        "drive_speed": 1.26
-    }
-
-
-def by_differences(cycle: ss.LimitCycle, speeds: Mapping[str, float], step: float) -> Floats:
-    """The change of the state after a period, of runs from disturbed starts."""
-    columns = []
-    for k in range(len(cycle.state)):
-        ends = []
-        for by in (2, 1, -1, -2):
-            z = cycle.state.copy()
-            z[k] += by * step
-            run = ss.simulate(
-                cycle.model, initial=z, t_end=cycle.period, t_eval=[cycle.period], rtol=1e-13, atol=1e-15,
-                contact=cycle.contact, **speeds,  # type: ignore[arg-type]
-            )  # fmt: skip
-            ends.append(np.concatenate([run.state[0], *([run.hidden[name][0]] for name in run.hidden_names)]))
-        columns.append((8 * (ends[1] - ends[2]) - (ends[0] - ends[3])) / (12 * step))
-    return np.array(columns).T
 
 
 @pytest.mark.parametrize(
