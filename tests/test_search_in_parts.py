@@ -1,8 +1,9 @@
-"""Columns and scores of a search, however they are computed: by fewer simulations, or by several processes."""
+"""Columns and scores of a search, however they are computed, and what is held against what at its end."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,11 @@ import pytest
 import stickslip as ss
 from discover_cases import make_case
 from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import of_term, term
-from stickslip.discovery.laboratory.screen import screened
+from stickslip.discovery.laboratory.outcome import evidence
+from stickslip.discovery.laboratory.screen import Screen, screened
+from stickslip.discovery.laboratory.search import Searched, Step
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.waves import SMALL, wave_columns
@@ -73,3 +77,14 @@ def test_several_processes_find_the_same_to_the_last_digit(bench: BeltBench, fit
     base, best = Trial((), fit), one.ranked[:2]
     alone, beside = (all_full(bench, base, best, each)[0] for each in (Workers(1), workers))
     assert [t.deviance for t in alone] == [t.deviance for t in beside]
+
+
+def test_an_effect_alone_is_held_against_the_declared_model(bench: BeltBench, fit: Fit) -> None:
+    """What was left out while it stood beside another says nothing of it alone."""
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    base = Trial((), fit)
+    one = Trial((term(kind, {"k": 4.0}),), replace(fit, deviance=fit.deviance - 100.0))
+    stale = Trial((), replace(fit, deviance=fit.deviance + 900.0))
+    step = Step(base, Screen((), ()), [one], Gate(np.array([5.0]), 10.0))
+    said = evidence(Searched(base, one, [step], {"spring_cubic_k1": stale}), "spring_cubic_k1")
+    assert said.delta_chi2 == pytest.approx(100.0)
