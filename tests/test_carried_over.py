@@ -101,3 +101,18 @@ def test_a_phase_is_known_from_the_windows_before() -> None:
     off = np.mod(np.array(turns) - 0.7 + np.pi, 2 * np.pi) - np.pi
     assert np.abs(off).max() < 0.1
     assert len(set(turns)) > len(turns) / 2  # each from its own past
+
+
+@pytest.mark.parametrize("shorter", [1.0, 0.9])
+def test_a_forecast_begins_when_its_window_has_told_where_it_is(shorter: float) -> None:
+    """From a reading or two the draws went everywhere, an error of 3,000 standard deviations; from none was a crash."""
+    whole = recorded(speeds=(0.1,), seed=2)[0]
+    run = prepare([whole.window(0.0, 3.6 * prepare([whole])[0].cycle)])[0]
+    run = replace(run, cycle=shorter * run.cycle)
+    cut = stretches([run])
+    assert cut[0].start > round(run.cycle / DT) - POLICY.fewest_stuck
+    fit, _ = known([run])
+    told = ahead(fit, run, 2.0)
+    assert told[0].start == cut[0].start + POLICY.fewest_stuck
+    for one in told:
+        assert one.spread.max() < 0.2 * run.readings.std()

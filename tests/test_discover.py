@@ -36,6 +36,7 @@ def test_nothing_is_found_where_nothing_is(clean):
     assert clean.residual_after.clean
     assert clean.error.after == clean.error.before
     assert clean.error.after < 1.2 * clean.error.floor
+    assert clean.error.floor < 0.03
 
 
 def test_a_sensor_effect_is_named_with_its_size(crossed):

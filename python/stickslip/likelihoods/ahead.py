@@ -88,8 +88,9 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     rest = float(np.median([one.rest for one in cut]))
     found, _ = memory(fit, KINETIC)
     out = []
-    for start, stop in _spans(run, cycles):
-        tail, before = _tail(cut, start, fit.windows.policy.fewest_stuck)
+    least = fit.windows.policy.fewest_stuck
+    for start, stop in _spans(run, cycles, min(one.start for one in cut) + least):
+        tail, before = _tail(cut, start, least)
         at, last = _of_past(known, before)
         windows = known.windows
         assert isinstance(windows, BeltWindows)
@@ -114,10 +115,10 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     return out
 
 
-def _spans(run: Data, cycles: float) -> Iterator[tuple[int, int]]:
-    """Samples start to stop of the forecasts, one a cycle."""
+def _spans(run: Data, cycles: float, known: int) -> Iterator[tuple[int, int]]:
+    """Samples start to stop of the forecasts, one a cycle; the first when the sample `known` of a window is past."""
     first = max(1.0, min(FIRST, float(run.t[-1] - run.t[0]) / run.cycle - cycles - 1.0))
-    at = float(run.t[0]) + first * run.cycle
+    at = max(float(run.t[0]) + first * run.cycle, float(run.t[min(known, len(run.t) - 1)]))
     while at + cycles * run.cycle <= run.t[-1] + 1e-9:
         start, stop = np.searchsorted(run.t, [at, at + cycles * run.cycle])
         if stop > start:
@@ -132,7 +133,7 @@ def _tail(cut: Sequence[Stretch], start: int, least: int) -> tuple[Stretch, int]
         if other is None or other.start > one.stop:
             every.append(replace(one, start=one.stop, stop=one.stop))
     every.sort(key=lambda one: one.start)
-    begun = [one for one in every if one.start + least <= start] or every[:1]
+    begun = [one for one in every if one.start + least <= start]
     return replace(begun[-1], stop=start), sum(one.stop <= begun[-1].start for one in cut)
 
 
