@@ -15,7 +15,7 @@ from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import of_term, term
 from stickslip.discovery.laboratory.outcome import evidence
 from stickslip.discovery.laboratory.screen import Screen, screened
-from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.waves import SMALL, wave_columns
@@ -88,3 +88,29 @@ def test_an_effect_alone_is_held_against_the_declared_model(bench: BeltBench, fi
     step = Step(base, Screen((), ()), [one], Gate(np.array([5.0]), 10.0))
     said = evidence(Searched(base, one, [step], {"spring_cubic_k1": stale}), "spring_cubic_k1")
     assert said.delta_chi2 == pytest.approx(100.0)
+
+
+def test_a_size_that_only_its_width_leaves_open_is_told(bench: BeltBench, fit: Fit) -> None:
+    """Of a peak narrower than the readings tell, height times width is known to 10 %, neither of them alone."""
+    (kind,) = [one for one in bench.kinds() if one.name == "stribeck_peak"]
+    one = term(kind, {"dT": 0.5, "v_s": 0.02})
+    windows = bench.windows((one,))
+    p, joint, apart = len(fit.at), 0.1, 2.0
+    size = next(n.start for n in windows.numbers if n.name == "stribeck_peak.dT")
+    assert [n.logarithmic for n in windows.numbers[p:]] == [False, True]
+    # logarithms of height and width: their sum to `joint`, their difference to `apart`
+    logs = (
+        np.array([[joint**2 + apart**2, joint**2 - apart**2], [joint**2 - apart**2, joint**2 + apart**2]]) / 4
+    )
+    scale = np.diag([size, 1.0])
+    covariance = np.eye(p + 2)
+    covariance[p:, p:] = scale @ logs @ scale
+    assert fit.solution is not None
+    at = np.array([*fit.at, *(n.start for n in windows.numbers[p:])])
+    there = replace(fit, windows=windows, at=at, solution=replace(fit.solution, covariance=covariance))
+    price = math.log(len(fit.own))
+    # the width held, the height is known as their product is
+    held = 1 / logs[0, 0] / (1 - logs[0, 1] ** 2 / logs[0, 0] / logs[1, 1])
+    assert told_by_sizes(Trial((one,), there)) + price == pytest.approx(held, rel=1e-6)
+    assert held == pytest.approx(1 / joint**2, rel=0.01)
+    assert size**2 / covariance[p, p] < 1.1

@@ -75,7 +75,7 @@ def search(
             out.null = base
         out.steps.append(step)
         least = step.gate.threshold
-        passing = [t for t in step.trials if min(base.worth() - t.worth(), _told(t)) > least]
+        passing = [t for t in step.trials if min(base.worth() - t.worth(), told_by_sizes(t)) > least]
         if not passing:
             break
         base = min(passing, key=Trial.whole)
@@ -83,20 +83,24 @@ def search(
     return out
 
 
-def _told(trial: Trial) -> float:
+def told_by_sizes(trial: Trial) -> float:
     """
-    Return what the sizes of its last effect are worth by their own standard errors, their price paid.
+    Return what the sizes of its last effect, its shape as found, are worth by their own errors, their price paid.
 
     A fall of the deviance that they do not tell is what the fit without the effect was short of. Of an effect without
-    sizes, as a time constant alone, nothing is asked.
+    sizes, as a time constant alone, nothing is asked. The shape is held, as a size of no use without one need not be
+    known apart from it: of a peak narrower than the readings tell, height times width is.
     """
     one, fit = trial.terms[-1], trial.fit
+    numbers = fit.windows.numbers
     names = {f"{one.name}.{i.name}" for i in sizes_of(one.kind)}
-    places = [i for i, n in enumerate(fit.windows.numbers) if n.name in names and not n.logarithmic]
-    if not places or fit.solution is None:
+    own = [i for i, n in enumerate(numbers) if n.name.rpartition(".")[0] == one.name]
+    sizes = np.array([numbers[i].name in names and not numbers[i].logarithmic for i in own])
+    if not sizes.any() or fit.solution is None:
         return math.inf
-    size, covariance = fit.at[places], fit.solution.covariance[np.ix_(places, places)]
-    return float(size @ np.linalg.solve(covariance, size)) - len(places) * math.log(len(fit.own))
+    size = fit.at[own][sizes]
+    precision = np.linalg.inv(fit.solution.covariance[np.ix_(own, own)])[np.ix_(sizes, sizes)]
+    return float(size @ precision @ size) - len(size) * math.log(len(fit.own))
 
 
 def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
@@ -130,9 +134,13 @@ def _forward(
     for turn in range(2):
         tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
         screen = screened(bench, base.fit, base.terms, workers)
-        worthy = _worthy(bench, base, screen)
+        worthy = _worthy(bench, screen)
         tell(f"fitting {', '.join(one.term.name for one in worthy)}")
         fits, done = all_full(bench, base, worthy, workers)
+        if others := _of_another_kind(bench, [base, *fits], screen):
+            tell(f"fitting {', '.join(one.term.name for one in others)}")
+            more, again_done = all_full(bench, base, others, workers)
+            fits, done = [*fits, *more], (*done, *again_done)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
@@ -145,16 +153,16 @@ def _forward(
     return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
 
 
-def _worthy(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
+def _worthy(bench: Bench, screen: Screen) -> list[Candidate]:
     """What is fitted in full: what may pay, the best of all in any case."""
-    ranked = (*screen.ranked[: bench.policy.fullest], *_of_another_kind(bench, base, screen))
+    ranked = screen.ranked[: bench.policy.fullest]
     first = next((i for i, one in enumerate(ranked) if one.worth(len(bench.stretches)) <= 0), len(ranked))
     return list(ranked[: max(first, 1)])
 
 
-def _of_another_kind(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
-    """Contacts that no score reaches: where a hypothesis is no model of the windows they are fitted all the same."""
-    if not lost(base.fit) and unexplained(base.fit) < bench.policy.noise_left:
+def _of_another_kind(bench: Bench, tried: Sequence[Trial], screen: Screen) -> list[Candidate]:
+    """Contacts that no score reaches: where nothing tried is a model of the windows they are fitted all the same."""
+    if any(not lost(one.fit) and unexplained(one.fit) < bench.policy.noise_left for one in tried):
         return []
     rest = screen.ranked[bench.policy.fullest :]
     return [replace(one, gain=math.inf) for one in rest if one.term.kind.anywhere.bristle is not None]
