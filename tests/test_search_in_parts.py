@@ -114,3 +114,10 @@ def test_a_size_that_only_its_width_leaves_open_is_told(bench: BeltBench, fit: F
     assert told_by_sizes(Trial((one,), there)) + price == pytest.approx(held, rel=1e-6)
     assert held == pytest.approx(1 / joint**2, rel=0.01)
     assert size**2 / covariance[p, p] < 1.1
+
+
+def test_a_contact_that_its_score_promises_nothing_stays_a_candidate(bench: BeltBench, fit: Fit) -> None:
+    """Where a null is no model of the windows a score says little: one was left out for four wrong names."""
+    (one,) = [c for c in screened(bench, fit, ()).ranked if c.term.name == "contact_compliance"]
+    assert one.gain == 0
+    assert one.worth(len(bench.stretches)) < 0

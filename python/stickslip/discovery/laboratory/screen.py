@@ -193,7 +193,11 @@ def _shape(
 def _other_contact(
     bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, null: Null
 ) -> tuple[Candidate | None, Shapes]:
-    """Score a contact of another kind, which is nothing at no size: its columns are what it changes as it is."""
+    """
+    Score a contact of another kind, which is nothing at no size: its columns are what it changes as it is.
+
+    One that promises nothing stays a candidate: where a null is no model of the windows a score says little of it.
+    """
     best: tuple[float, Mapping[str, float]] | None = None
     count, sets = len(kind.parameters), list[Columns]()
     for numbers in kind.starts:
@@ -202,7 +206,8 @@ def _other_contact(
             continue
         sets.append(made)
         gain, size = null.scored(null.projected(made))
-        if size[0] > 0 and (best is None or gain > best[0]):
+        gain = gain if size[0] > 0 else 0.0
+        if best is None or gain > best[0]:
             best = gain, numbers
     shapes = Shapes(count, tuple(sets))
     if best is None:
