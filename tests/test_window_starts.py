@@ -9,7 +9,7 @@ import stickslip as ss
 from discover_cases import LAW, RIG, make_case
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import Term
-from stickslip.discovery.laboratory.search import _told
+from stickslip.discovery.laboratory.search import told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.verdicts import searched
@@ -149,7 +149,7 @@ def test_an_effect_is_worth_what_its_sizes_tell() -> None:
     for acts, told in (((cubic,), True), ((), False)):
         own = bench(make_case(acts, length=40.0))
         fit = fitted(begun(own.windows((Term(cubic),))), own.policy)
-        assert (_told(Trial((Term(cubic),), fit)) > 10.0) == told
+        assert (told_by_sizes(Trial((Term(cubic),), fit)) > 10.0) == told
 
 
 @pytest.mark.study
