@@ -154,9 +154,8 @@ def _searched(
     with threadpool_limits(1):
         if isinstance(case.rig, DrivenSlider):
             return driven.discover(case, tell=tell, seed=seed)
-        checked = (
-            _checked(case, copied) if isinstance(case.rig, Rig) else None
-        )  # what is refused starts no processes
+        # first, as a case that is refused starts no processes
+        checked = _checked(case, copied) if isinstance(case.rig, Rig) else None
         count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
         workers = Workers(count, __name__)
         try:

@@ -88,8 +88,8 @@ def told_by_sizes(trial: Trial) -> float:
     Return what the sizes of its last effect, its shape as found, are worth by their own errors, their price paid.
 
     A fall of the deviance that they do not tell is what the fit without the effect was short of. Of an effect without
-    sizes, as a time constant alone, nothing is asked. The shape is held, as a size of no use without one need not be
-    known apart from it: of a peak narrower than the readings tell, height times width is.
+    sizes, as a time constant alone, nothing is asked. The shape is held, as both may be known only together: of a peak
+    narrower than the readings tell, height times width is.
     """
     one, fit = trial.terms[-1], trial.fit
     numbers = fit.windows.numbers
@@ -139,8 +139,8 @@ def _forward(
         fits, done = all_full(bench, base, worthy, workers)
         if others := _of_another_kind(bench, [base, *fits], screen):
             tell(f"fitting {', '.join(one.term.name for one in others)}")
-            more, again_done = all_full(bench, base, others, workers)
-            fits, done = [*fits, *more], (*done, *again_done)
+            more, failed = all_full(bench, base, others, workers)
+            fits, done = [*fits, *more], (*done, *failed)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
         fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)

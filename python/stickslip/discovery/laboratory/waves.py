@@ -19,9 +19,8 @@ from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
-SMALL = (
-    1e-4  # amplitude that responses are taken at: they are linear in it, and a phase's are as small as it is
-)
+# amplitude that responses are taken at: they are linear in it; a smaller one drowns the cosine, which a phase gives
+SMALL = 1e-4
 
 
 def apart(bench: Bench, kind: EffectKind) -> float:
