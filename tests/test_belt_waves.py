@@ -27,7 +27,7 @@ def test_a_block_that_sticks_rides_a_belt_that_wanders(w: float, phi: float) -> 
     t, plain = window(0.0, w, phi)
     _, moved = window(a, w, phi)
     shapes, at = belt_waves.hats(t, KNOTS), np.linspace(t[0], t[-1], KNOTS)
-    columns = belt_waves.ridden(t, plain.state[:, 1], plain.mode, BELT, shapes)
+    columns = belt_waves.ridden(plain.state[:, 1], plain.mode, BELT, belt_waves.times(t, shapes))
     found = columns @ (a * np.sin(w * at + phi))
     truth = moved.state[:, 0] - plain.state[:, 0]
     edges = [0, *np.flatnonzero(np.diff((plain.mode != 0).astype(int))) + 1]
@@ -61,7 +61,7 @@ def test_a_belt_that_is_faster_throughout_is_one_that_is_not_apart_from_its_mean
     t, plain = window(0.0, 1.0, 0.0)
     shapes = belt_waves.hats(t, KNOTS)
     assert np.allclose(shapes.sum(axis=1), 1.0)
-    rides = belt_waves.ridden(t, plain.state[:, 1], plain.mode, BELT, shapes).sum(axis=1)
+    rides = belt_waves.ridden(plain.state[:, 1], plain.mode, BELT, belt_waves.times(t, shapes)).sum(axis=1)
     stuck = int(np.flatnonzero(plain.mode != 0)[0])
     assert np.allclose(rides[:stuck], BELT * t[:stuck])
 

@@ -56,24 +56,29 @@ def hats(t: Floats, count: int) -> Floats:
     return out
 
 
+def times(t: Floats, shapes: Floats) -> Floats:
+    """Return the integral of each shape from the window's start, (n, count)."""
+    steps = 0.5 * (shapes[1:] + shapes[:-1]) * np.diff(t)[:, None]
+    return np.concatenate([np.zeros((1, shapes.shape[1])), np.cumsum(steps, axis=0)])
+
+
 def ridden(
-    t: Floats, speed: Floats, mode: NDArray[np.int8] | NDArray[np.bool_], belt_speed: float, shapes: Floats
+    speed: Floats, mode: NDArray[np.int8] | NDArray[np.bool_], belt_speed: float, passed: Floats
 ) -> Floats:
     """
     Return the derivatives of the block's place by the knots' relative speeds, (n, count).
 
     Parameters
     ----------
-    t, speed, mode : (n,) times of a window's samples, the block's speed, and 0 where it sticks
+    speed, mode : (n,) the block's speed at a window's samples, and 0 where it sticks
     belt_speed : of the belt
-    shapes : (n, count) of `hats`
+    passed : (n, count) of `times`
     """
-    steps = 0.5 * (shapes[1:] + shapes[:-1]) * np.diff(t)[:, None]
-    come = belt_speed * np.concatenate([np.zeros((1, shapes.shape[1])), np.cumsum(steps, axis=0)])
-    out = np.zeros_like(shapes)
-    ahead = np.zeros(shapes.shape[1])  # place of the block in the last stick, less that of the belt since
+    come = belt_speed * passed
+    out = np.zeros_like(come)
+    ahead = np.zeros(come.shape[1])  # place of the block in the last stick, less that of the belt since
     edges = np.flatnonzero(np.diff((mode != 0).astype(int))) + 1
-    for a, b in zip([0, *edges], [*edges, len(t)], strict=True):
+    for a, b in zip([0, *edges], [*edges, len(speed)], strict=True):
         if mode[a] == 0:
             out[a:b] = ahead + come[a:b] - come[a]
             ahead = out[b - 1]

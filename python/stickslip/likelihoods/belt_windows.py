@@ -102,6 +102,13 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.kept = np.array(sorted(read), dtype=np.int32)
         self.added = np.zeros((len(stretches), policy.knots))  # to the windows' curves, known
 
+    @cached_property
+    def lines(self) -> list[tuple[Floats, Floats]]:
+        """The shapes of each window's own belt speed, and their integrals."""
+        every = [self.data[w.run].t[w.start : w.stop] for w in self.stretches]
+        shapes = [belt_waves.hats(t, self.policy.knots) for t in every]
+        return [(one, belt_waves.times(t, one)) for t, one in zip(every, shapes, strict=True)]
+
     def scatter(self) -> Population:
         """See `EventWindows.scatter`."""
         return start(self.policy)
@@ -193,7 +200,7 @@ class _Run:
         whole: bool = True,
     ) -> None:
         self.of, self.run, self.own, self.at, self.local, self.whole = windows, run, own, at, local, whole
-        self.added = windows.added[chosen]
+        self.added, self.chosen = windows.added[chosen], chosen
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]
         self.places = [windows.stretches[i] for i in chosen]
@@ -217,7 +224,7 @@ class _Run:
         slopes = {}
         for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
             folded = np.zeros((len(self.samples), columns))
-            np.add.at(folded.T, owner[owner >= 0], one.T[owner >= 0])
+            folded[:, owner[owner >= 0]] = one[:, owner >= 0]
             self._chained(folded, one[:, owner < 0])
             if self.local and self.of.beyond:  # what sticks has no speed of its own
                 beyond = slice(p + len(self.of.sensors.begins), p + self.of.begins)
@@ -384,13 +391,15 @@ class _Run:
         v_b, k = self.data.belt_speed, self.of.policy.knots
         waves = slice(chain.slopes.shape[2] - 1 - k, chain.slopes.shape[2] - 1)
         step = float(np.median(np.diff(self.data.t)))
-        for a, b, own in zip(self.offset[:-1], self.offset[1:], self.own, strict=True):
-            t, line = self.data.t[self.samples[a:b]], own[-1 - k : -1]
-            shapes = belt_waves.hats(t, k)
+        lines = [self.of.lines[i] for i in self.chosen]
+        for a, b, own, (shapes, passed) in zip(
+            self.offset[:-1], self.offset[1:], self.own, lines, strict=True
+        ):
+            line = own[-1 - k : -1]
             if not self.local:  # the line itself is all that is asked for
-                shapes, line = (shapes @ line)[:, None], np.ones(1)
+                shapes, passed, line = (shapes @ line)[:, None], (passed @ line)[:, None], np.ones(1)
             rode = ~rides(state[a:b, X2], v_b) if self.of.soft else mode[a:b]
-            shown = {0: belt_waves.ridden(t, state[a:b, X2], rode, v_b, shapes)}
+            shown = {0: belt_waves.ridden(state[a:b, X2], rode, v_b, passed)}
             if "alpha2" in self.values:
                 shown[1] = belt_waves.leg(shown[0], step, self.values)
             if chain.values.shape[1] == 3:
@@ -431,7 +440,8 @@ class _Run:
         residual = (self.data.readings[self.samples] - chain.values)[:, :, None]
         block = np.concatenate([chain.slopes, residual], axis=2)
         block *= self.data.weight[self.samples][:, :, None]
-        parts = [block[a:b] for a, b in zip(self.offset[:-1], self.offset[1:], strict=True)]
+        good = done & np.logical_and.reduceat(np.isfinite(block).all(axis=(1, 2)), self.offset[:-1])
         return [
-            part if ok and np.isfinite(part).all() else None for part, ok in zip(parts, done, strict=True)
+            block[a:b] if ok else None
+            for a, b, ok in zip(self.offset[:-1], self.offset[1:], good, strict=True)
         ]

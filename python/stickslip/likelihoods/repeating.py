@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.population import MOST
 
 ENOUGH = 3  # windows of a run that may differ
@@ -19,6 +19,11 @@ def lost(fit: Fit) -> bool:
     if weight.sum() < (1 - fit.windows.policy.lost_windows) * len(weight):
         return True
     return bool(max(fit.population.friction) >= 0.99 * MOST)
+
+
+def explained(fit: Fit) -> bool:
+    """Return whether a fit is a model of its windows, their readings' noise included."""
+    return not lost(fit) and unexplained(fit) < fit.windows.policy.noise_left
 
 
 def swollen(fit: Fit) -> bool:

@@ -115,7 +115,7 @@ class Deviance:
         for part, columns in parts.items():
             slope[part] = each[columns].sum()
         for one in set(range(k)) - parts.keys():
-            slope[one] = self._of_length(x, found.deviance, one)
+            slope[one] = self._of_length(x[:k], roots, found, one)
         slope[:k] += 2 * away / self.spread
         count = (self.windows.count * self.windows.weight[:, None]).sum(axis=0)
         slope[k:] = count - found.misfit.sum(axis=0) / noise - taken(self.windows, roots, found, noise)
@@ -126,7 +126,14 @@ class Deviance:
         k = len(self.centre)
         return float((((x[:k] - self.centre) / self.spread) ** 2).sum())
 
-    def _of_length(self, x: Floats, here: float, one: int) -> float:
-        moved = x.copy()
-        moved[one] += NEARBY
-        return (self.solved(moved).deviance - here) / NEARBY
+    def _of_length(self, x: Floats, roots: Floats, found: Solution, one: int) -> float:
+        """The slope by a number that turns a factor's columns among themselves; no window is solved again."""
+        away = NEARBY * (np.arange(len(x)) == one)
+        ahead, behind = (self.like.moved(x + step).factor(self.places) for step in (away, -away))
+        changed = (ahead - behind) / (2 * NEARBY)
+        moved = changed.any(axis=(0, 1))
+        turn = (np.linalg.pinv(roots[:, :, moved]) @ changed[:, :, moved])[self.windows.run]
+        own = self.windows.own
+        known = np.eye(int(moved.sum())) - found.inverse[:, own:, own:][:, moved][:, :, moved]
+        white = found.white[:, moved]
+        return 2 * float(np.einsum("wij,wji->", known, turn) - np.einsum("wi,wij,wj->", white, turn, white))

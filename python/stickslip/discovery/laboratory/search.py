@@ -18,8 +18,7 @@ from stickslip.discovery.laboratory.trials import Trial, all_full, anew, leader_
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted, null
-from stickslip.likelihoods.fit_state import unexplained
-from stickslip.likelihoods.repeating import lost
+from stickslip.likelihoods.repeating import explained, lost
 
 
 @dataclass
@@ -162,7 +161,7 @@ def _worthy(bench: Bench, screen: Screen) -> list[Candidate]:
 
 def _of_another_kind(bench: Bench, tried: Sequence[Trial], screen: Screen) -> list[Candidate]:
     """Contacts that no score reaches: where nothing tried is a model of the windows they are fitted all the same."""
-    if any(not lost(one.fit) and unexplained(one.fit) < bench.policy.noise_left for one in tried):
+    if any(explained(one.fit) for one in tried):
         return []
     rest = screen.ranked[bench.policy.fullest :]
     return [replace(one, gain=math.inf) for one in rest if one.term.kind.anywhere.bristle is not None]

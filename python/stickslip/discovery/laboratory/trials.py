@@ -18,6 +18,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.repeating import explained
 from stickslip.likelihoods.single_windows import settled
 
 
@@ -132,7 +133,8 @@ def leader_anew(
     Return the trials, the best of them fitted anew and with all its numbers.
 
     It begins from the readings too, as a null that is far off leads astray; and with the numbers that its effect may
-    do without, as no score reaches them.
+    do without, as no score reaches them. One that is worth nothing beside a model of the windows is not looked at
+    twice.
 
     Parameters
     ----------
@@ -143,7 +145,8 @@ def leader_anew(
         return trials
     leader = min(trials, key=Trial.worth)
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
-    starts = () if term.name in done else _afresh(bench, base, term)
+    idle = leader.worth() >= base.worth() and explained(base.fit)
+    starts = () if idle or term.name in done else _afresh(bench, base, term)
     for fit in workers.map(partial(anew, bench), starts):
         if fit is not None and fit.deviance < leader.fit.deviance:
             leader = _trial(bench, base, fit, term)
