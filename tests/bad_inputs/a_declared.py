@@ -123,6 +123,21 @@ def kinetic_above_static_plus(_folder: Path) -> None:
     CoulombFriction(static=1.0, kinetic=0.8, static_plus=0.7)
 
 
+@bad_input(LAW, "Coulomb, a force in millimetres")
+def force_in_mm(_folder: Path) -> None:
+    CoulombFriction(static="2 mm", kinetic="1 N")
+
+
+@bad_input(LAW, "Coulomb, a torque where the block slides")
+def torque_on_a_block(_folder: Path) -> None:
+    Model(BlockOnBelt(), friction=CoulombFriction(static="2 N m", kinetic="1 N m"))
+
+
+@bad_input(LAW, "paper, newtons on a nondimensional rig")
+def newtons_without_scales(_folder: Path) -> None:
+    Model(Rig(**ND), friction=PaperFriction(T_s_minus="20 N"))
+
+
 @bad_input(LAW, "paper, half a name")
 def half_a_name(_folder: Path) -> None:
     PaperFriction(T_s=5.0)  # type: ignore[call-arg]

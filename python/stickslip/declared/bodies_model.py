@@ -11,7 +11,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import check_law
 from stickslip.declared.laws import LAWS
 from stickslip.declared.placed import Places, placed
-from stickslip.declared.rig import AnyRig, Rig, only_simulated
+from stickslip.declared.rig import AnyRig, only_simulated
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
@@ -49,7 +49,7 @@ def check_general(
         As said.
     """
     if not isinstance(rig, GeneralRig):
-        _check_named(rig, friction, effects)
+        _check_named(friction, effects)
         return
     others = {name for name, one in read.items() if isinstance(one, Channel) and one.reads}
     for channel in read:
@@ -61,13 +61,11 @@ def check_general(
         raise InputError("has no contact; declare one, like [[rig.contact]] with its body", key="rig")
     _check_named_laws(contacts, friction)
     for one in contacts:
-        law = law_of(friction, one)
-        if isinstance(law, LawByFormula):
-            try:
-                check_law(law, one.rotation)
-            except InputError as error:
-                name = f"{one.law}.{error.key}" if isinstance(friction, ContactLaws) else error.key
-                raise InputError(error.what, key=name, value=error.value) from None
+        try:
+            check_law(law_of(friction, one), one.rotation)
+        except InputError as error:
+            name = f"{one.law}.{error.key}" if isinstance(friction, ContactLaws) else error.key
+            raise InputError(error.what, key=name, value=error.value) from None
     check_placed(rig, rig.equations, range(2 * len(rig.equations.names)), effects)
 
 
@@ -84,7 +82,7 @@ def check_placed(rig: AnyRig, own: Equations, order: Sequence[int], effects: Seq
         placed(one, places)
 
 
-def _check_named(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect]) -> None:
+def _check_named(friction: FrictionLaw, effects: Sequence[AnyEffect]) -> None:
     if isinstance(friction, ContactLaws):
         raise InputError("a named rig has one contact, and one law", key="friction")
     for one in effects:
@@ -99,11 +97,6 @@ def _check_named(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect
             f"'{others[0].name}' does not act under the law '{friction.kind}' as yet; put it into a formula"
         )
         raise InputError(words, key="effects")
-    if isinstance(rig, Rig) and friction.declared_units:
-        name = next(iter(friction.declared_units))
-        raise InputError(
-            "the numbers of a law on the rig of (2.1) are nondimensional; give it bare", key=name
-        )
     check_law(friction, rotation=False)
 
 

@@ -16,7 +16,7 @@ from stickslip.declared.effect import AnyEffect, FormulaEffect, Tabulated, effec
 from stickslip.declared.formula_effect import formula_effect
 from stickslip.declared.formula_laws.formula import FormulaFriction
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.law_dimensions import check_size
+from stickslip.declared.law_numbers import check_size
 from stickslip.declared.laws import ALL_LAWS
 from stickslip.declared.quantity import quantity
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -16,8 +15,7 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substitut
 from stickslip.declared.formula.value import Value, value
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
-from stickslip.declared.quantity import quantity
-from stickslip.errors import InputError, number
+from stickslip.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,6 @@ class LawByFormula(FrictionLaw):
     static_text: ClassVar[str | None] = None
     force_text: ClassVar[str | None] = None
     state_texts: ClassVar[Mapping[str, tuple[str, str, Dimension]]] = {}
-
-    @property
-    def declared_units(self) -> Mapping[str, str]:
-        """SI units of the numbers that were given with one."""
-        units: Mapping[str, str] = self.__dict__.get("_units", {})
-        return units
 
     def form(self) -> LawForm:
         """Return the law as it is simulated."""
@@ -64,22 +56,6 @@ class LawByFormula(FrictionLaw):
         kept = tuple(StateForm(name, parse(start), what) for name, (_, start, what) in states.items())
         twins = {name: f"{name}_plus" for name in self.each_way if getattr(self, f"{name}_plus") is not None}
         return LawForm(minus, minus.renamed(twins), self.numbers, kept)
-
-    def _check(self, bounds: Mapping[str, Mapping[str, float]]) -> None:
-        """Turn every number given, with a unit or bare, into a float within its bounds."""
-        units: dict[str, str] = {}
-        for one in fields(self):
-            given = getattr(self, one.name)
-            if one.name.removesuffix("_plus") not in self.dimensions or (
-                given is None and one.default is None
-            ):
-                continue
-            size, unit = quantity(one.name, given)
-            number(one.name, size, **bounds.get(one.name.removesuffix("_plus"), {}))  # type: ignore[arg-type]
-            if unit is not None:
-                units[one.name] = unit
-            object.__setattr__(self, one.name, size)
-        object.__setattr__(self, "_units", units)
 
     # -- what every law can be asked ---------------------------------------------------------------------------
 
@@ -202,10 +178,3 @@ def piecewise_cubic(
         pairs = [Apply("add", (a, b)) for a, b in zip(terms[::2], terms[1::2], strict=False)]
         terms = [*pairs, *terms[2 * len(pairs) :]]
     return terms[0]
-
-
-def finite(key: str, values: object, *, least: float = -math.inf) -> tuple[float, ...]:
-    """Return a list of numbers, with units or bare, as floats in SI."""
-    if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)):
-        raise InputError("must be a list of numbers, in [ ]", key=key)
-    return tuple(number(f"{key}[{i}]", quantity(key, one)[0], least=least) for i, one in enumerate(values))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.declared.dimensions import Dimension
+from stickslip.declared.law_numbers import law_number, measure_of
 from stickslip.errors import number
 from stickslip.objects import Drawn
 
@@ -56,6 +57,12 @@ class FrictionLaw(Drawn):
     equations: ClassVar[tuple[tuple[str, str, str], ...]]
     drawn: ClassVar[Mapping[str, float]]
     drawn_to: ClassVar[float]
+
+    @property
+    def declared_units(self) -> Mapping[str, str]:
+        """SI units of the numbers that were given with one."""
+        units: Mapping[str, str] = self.__dict__.get("_units", {})
+        return units
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -129,12 +136,24 @@ def given_numbers(law: FrictionLaw, silent: Collection[str] = ()) -> dict[str, f
     return {**{name: one for name, one in twins.items() if getattr(law, name) is None}, **given}
 
 
-def check_numbers(law: FrictionLaw, bounds: dict[str, dict[str, float]]) -> None:
-    """Turn every number given to a frozen law into a float within its bounds."""
+def check_numbers(law: FrictionLaw, bounds: Mapping[str, Mapping[str, float]]) -> None:
+    """Turn every number given to a frozen law, bare or with a unit, into a float within its bounds.
+
+    Parameters
+    ----------
+    law
+        As declared; its fields that are no numbers of it stay.
+    bounds
+        By name, as `stickslip.errors.number` has them; those of a number hold for its twin too, if that has none.
+    """
+    units: dict[str, str] = {}
     for field in fields(law):
-        value = getattr(law, field.name)
-        if value is None and field.default is None:
+        name, value, own = field.name, getattr(law, field.name), field.name.removesuffix("_plus")
+        if not {name, own} & law.dimensions.keys() or (value is None and field.default is None):
             continue
-        limits = bounds[field.name]
-        checked = number(field.name, value, **limits)  # type: ignore[arg-type]
-        object.__setattr__(law, field.name, checked)
+        size, unit = law_number(name, value, measure_of(law.dimensions, name))
+        limits = bounds.get(name, bounds.get(own, {}))
+        if unit is not None:
+            units[name] = unit
+        object.__setattr__(law, name, number(name, size, **limits))  # type: ignore[arg-type]
+    object.__setattr__(law, "_units", units)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from stickslip.declared.dimensions import FORCE, Dimension
-from stickslip.declared.formula.dimension import Dimensions, dimensions, measures, said
-from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.dimensions import FORCE
+from stickslip.declared.formula.dimension import dimensions, measures, said
 from stickslip.declared.formula_laws.formula import FormulaFriction
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_form import VARIABLES, LawForm
+from stickslip.declared.law_numbers import check_size, measure_of, of_contact
+from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 
 
-def of_contact(what: Dimension, rotation: bool) -> Dimensions:
-    """Return what a number of this dimension measures at a contact that slides, or turns."""
-    length, stiffness = ("rad", "N m/rad") if rotation else ("m", "N/m")
-    return dimensions(length) ** what.a * dimensions("1/s") ** what.b * dimensions(stiffness) ** what.c
-
-
-def check_law(law: LawByFormula, rotation: bool) -> None:
+def check_law(law: FrictionLaw, rotation: bool) -> None:
     """Refuse a law whose units are not those of its contact; numbers given bare are taken to be in SI.
 
     Raises
@@ -29,15 +26,33 @@ def check_law(law: LawByFormula, rotation: bool) -> None:
             _check_formulas(law, law.form(), rotation)
         return
     for name, unit in law.declared_units.items():
-        check_size(name, unit, law.dimensions[name.removesuffix("_plus")], rotation)
+        check_size(name, unit, measure_of(law.dimensions, name), rotation)
 
 
-def check_size(name: str, unit: str | None, what: Dimension, rotation: bool) -> None:
-    """Refuse a number given in a unit of something else than it measures at a contact that slides, or turns."""
-    needed = of_contact(what, rotation)
-    if unit is not None and dimensions(unit) != needed:
-        where = "a contact that turns" if rotation else "a contact that slides"
-        raise InputError(f"is {said(dimensions(unit))}; at {where} it must be {said(needed)}", key=name)
+def in_model(law: FrictionLaw, rig: AnyRig) -> FrictionLaw:
+    """Return a law in the numbers of a rig's model: those given with a unit are turned where the model has scales.
+
+    Raises
+    ------
+    InputError
+        A number has a unit of something else. Or it has one, but the rig of (2.1) has no scales, or the law is a
+        formula or a curve.
+    """
+    if isinstance(rig, GeneralRig) or not law.declared_units:  # the model of such a rig asks each contact
+        return law
+    given = law.declared_units
+    check_law(law, rotation=False)
+    if not isinstance(rig, Rig):
+        return law
+    name = next(iter(given))
+    if rig.scales is None:
+        words = "has a unit, but the rig is nondimensional: give it bare, or declare the rig in SI"
+        raise InputError(words, key=name)
+    if not set(given) <= set(law.numbers) or isinstance(law, FormulaFriction):
+        words = f"the numbers of the law '{law.kind}' on the rig of (2.1) are nondimensional; give it bare"
+        raise InputError(words, key=name)
+    sizes = {one: measure_of(law.dimensions, one).size(rig.scales) for one in given}
+    return law.with_numbers({one: law.numbers[one] / size for one, size in sizes.items()})
 
 
 def _check_formulas(law: FormulaFriction, form: LawForm, rotation: bool) -> None:

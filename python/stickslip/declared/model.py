@@ -26,6 +26,7 @@ from stickslip.declared.declaration import (
 )
 from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulated, with_numbers
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import read_toml, write_text
@@ -99,6 +100,7 @@ class Model(Drawn):
         must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
         object.__setattr__(self, "friction", named_laws(self.friction))
         must_be("friction", self.friction, FrictionLaw, "like CoulombFriction(static=1, kinetic=0.5)")
+        object.__setattr__(self, "friction", in_model(self.friction, self.rig))
         if isinstance(self.effects, (Effect, Tabulated, FormulaEffect, str)):
             raise InputError("must be a list of effects; put it in [ ]", key="effects")
         object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))

@@ -19,6 +19,7 @@ from stickslip.arguments import must_be, one_of
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
+from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
@@ -179,11 +180,11 @@ def identify(
             must_be("source", one, (Case, Recording), "load_case(path) gives a case")
     slips = _by_slips(source, rig, friction, scatter)
     undeclared = source.undeclared if isinstance(source, Case) and friction is None else ()
-    told = friction or (source.friction if isinstance(source, Case) else None)
     tell = progress or (lambda _what, _share: None)
     tell("looking at the readings", 0.0)
     own = rig
     recordings, rig, friction = _material(source, rig, friction)
+    told = friction
     recordings, less = thinned(recordings, rig)
     notes = checked(source, recordings) if isinstance(source, Case) and own in (None, source.rig) else ()
     tell("reading modes", 0.0)
@@ -293,7 +294,7 @@ def _material(
     rig = on_belt(rig)
     if not recordings:
         raise InputError("no run to identify from: the case has no run with role 'train'")
-    return recordings, rig, friction
+    return recordings, rig, None if friction is None else in_model(friction, rig)
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

@@ -17,6 +17,7 @@ from stickslip.declared.declaration import read_candidates, read_channel, read_f
 from stickslip.declared.effect import AnyEffect, FormulaEffect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
+from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.model import IN_A_FOLDER, Model
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
@@ -233,6 +234,8 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
             Model(rig, friction=friction)  # which checks one against the other
     else:
         friction = read_friction(document, "friction", table=law)
+        with document.at("friction"):
+            friction = in_model(friction, rig)
         with document.at():
             check_closed_form(rig, friction)
     channels = {

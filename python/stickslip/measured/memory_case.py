@@ -14,6 +14,7 @@ from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
@@ -86,11 +87,14 @@ def case_in_memory(
         raise InputError("the recordings have different channels; record them alike", key="case")
     if all(run.role == "train" for run in given):
         given = [part for run in given for part in _cut(run)]
-    law = friction or (PaperFriction() if isinstance(first.rig, Rig) else CoulombFriction())
+    own_rig = rig or first.rig
+    law = friction or (PaperFriction() if isinstance(own_rig, Rig) else CoulombFriction())
     silent = () if friction else tuple(one.name for one in fields(law))
     known = {name: first.noise.get("x1" if name == "spring_force" else name) for name in first.channels}
     own = {name: size / abs(first.factors[name]) for name, size in known.items() if size is not None}
-    case = Case(first.name, rig or first.rig, law, own, tuple(given), first.channels, IN_MEMORY, silent)
+    case = Case(
+        first.name, own_rig, in_model(law, own_rig), own, tuple(given), first.channels, IN_MEMORY, silent
+    )
     return with_candidates(case, candidates)
 
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.arguments import explained, must_be
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import scales
@@ -313,7 +314,8 @@ def load_recording(
     )
     said = [*opened.contents.doubts, *columns.doubts, *doubts]
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
-    return replace(recording, findings=(*guessed, *_findings(recording, friction)))
+    law = None if friction is None else in_model(friction, rig)
+    return replace(recording, findings=(*guessed, *_findings(recording, law)))
 
 
 def _set_point(rig: AnyRig, channels: Mapping[str, Channel], given: float | str) -> float:

@@ -48,7 +48,8 @@ NAMES = {
     "rad/s": "an angular speed", "kg": "a mass", "kg m^2": "an inertia", "s": "a time", "N/m": "a stiffness",
     "N s/m": "a damping", "N m/rad": "a stiffness of a rotation", "N m s/rad": "a damping of a rotation",
     "1/s": "a rate", "m/s^2": "an acceleration", "rad/s^2": "an angular acceleration", "m/rad": "a lever arm",
-    "N/s": "a force by time", "": "a pure number",
+    "N/s": "a force by time", "s/m": "an inverse speed", "s/rad": "an inverse angular speed",
+    "N s^2/m^2": "a quadratic damping", "N m s^2/rad^2": "a quadratic damping of a rotation", "": "a pure number",
 }  # fmt: skip
 
 

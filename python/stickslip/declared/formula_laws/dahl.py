@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, LENGTH, STIFFNESS, Dimension
 from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.friction_law import check_numbers
+from stickslip.declared.law_numbers import Size
 
 
 @explained
@@ -54,8 +56,14 @@ class DahlFriction(LawByFormula):
     sigma0_plus: float | None = None
     F_c_plus: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self, *, sigma0: Size, F_c: Size, sigma0_plus: Size | None = ..., F_c_plus: Size | None = None
+        ) -> None: ...
+
     def __post_init__(self) -> None:
-        self._check({key: {"above": 0.0} for key in ("sigma0", "F_c")})
+        check_numbers(self, {key: {"above": 0.0} for key in ("sigma0", "F_c")})
 
 
 LAW = DahlFriction

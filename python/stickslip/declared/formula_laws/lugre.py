@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import DAMPING, FORCE, LENGTH, SPEED, STIFFNESS, Dimension
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.formula_laws.stribeck import check_levels
+from stickslip.declared.friction_law import check_numbers
+from stickslip.declared.law_numbers import Size
 
 
 @explained
@@ -73,10 +75,29 @@ class LuGreFriction(LawByFormula):
     F_s_plus: float | None = None
     v_s_plus: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            sigma0: Size,
+            sigma1: Size,
+            sigma2: Size,
+            F_c: Size,
+            F_s: Size,
+            v_s: Size,
+            sigma0_plus: Size | None = ...,
+            sigma1_plus: Size | None = ...,
+            sigma2_plus: Size | None = ...,
+            F_c_plus: Size | None = ...,
+            F_s_plus: Size | None = ...,
+            v_s_plus: Size | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         positive, not_negative = {"above": 0.0}, {"least": 0.0}
         bounds = {**dict.fromkeys(("sigma0", "F_c", "F_s", "v_s"), positive)}
-        self._check({**bounds, **dict.fromkeys(("sigma1", "sigma2"), not_negative)})
+        check_numbers(self, {**bounds, **dict.fromkeys(("sigma1", "sigma2"), not_negative)})
         check_levels(self.F_c, self.F_s, self.F_c_plus, self.F_s_plus)
 
 

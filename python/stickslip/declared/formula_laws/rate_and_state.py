@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from stickslip.arguments import explained, one_of
 from stickslip.declared.dimensions import FORCE, LENGTH, NUMBER, SPEED, TIME, Dimension
 from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.friction_law import check_numbers
+from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
 StateLaw = Literal["aging", "slip"]
@@ -89,10 +91,29 @@ class RateAndStateFriction(LawByFormula):
     D_c_plus: float | None = None
     normal_plus: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            mu0: Size,
+            a: Size,
+            b: Size,
+            D_c: Size,
+            V_0: Size,
+            normal: Size,
+            state_law: StateLaw = ...,
+            mu0_plus: Size | None = ...,
+            a_plus: Size | None = ...,
+            b_plus: Size | None = ...,
+            D_c_plus: Size | None = ...,
+            normal_plus: Size | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         one_of("state_law", self.state_law, get_args(StateLaw))
         positive = {key: {"above": 0.0} for key in ("mu0", "a", "D_c", "V_0", "normal")}
-        self._check({**positive, "b": {"least": 0.0}})
+        check_numbers(self, {**positive, "b": {"least": 0.0}})
         plus = (
             self.mu0 if self.mu0_plus is None else self.mu0_plus,
             self.a if self.a_plus is None else self.a_plus,

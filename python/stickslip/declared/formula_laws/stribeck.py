@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import DAMPING, FORCE, NUMBER, SPEED, Dimension
 from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.friction_law import check_numbers
+from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
 
@@ -64,10 +66,27 @@ class StribeckFriction(LawByFormula):
     delta_plus: float | None = None
     c_plus: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            F_c: Size,
+            F_s: Size,
+            v_s: Size,
+            delta: Size = ...,
+            c: Size = ...,
+            F_c_plus: Size | None = ...,
+            F_s_plus: Size | None = ...,
+            v_s_plus: Size | None = ...,
+            delta_plus: Size | None = ...,
+            c_plus: Size | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         not_negative, positive = {"least": 0.0}, {"above": 0.0}
         bounds = {**dict.fromkeys(("F_c", "F_s", "c"), not_negative)}
-        self._check({**bounds, "v_s": positive, "delta": positive})
+        check_numbers(self, {**bounds, "v_s": positive, "delta": positive})
         check_levels(self.F_c, self.F_s, self.F_c_plus, self.F_s_plus)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import scipy
@@ -12,9 +12,10 @@ import scipy
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
 from stickslip.declared.formula.tree import Name, Number, Tree
-from stickslip.declared.formula_law import LawByFormula, finite, piecewise_cubic
+from stickslip.declared.formula_law import LawByFormula, piecewise_cubic
 from stickslip.declared.law_form import BranchForm, LawForm
-from stickslip.errors import InputError
+from stickslip.declared.law_numbers import Size, law_number, measure_of
+from stickslip.errors import InputError, number
 
 
 @explained
@@ -60,13 +61,28 @@ class TabulatedFriction(LawByFormula):
     forces_plus: Sequence[float] | None = None
     static_plus: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            speeds: Sequence[Size],
+            forces: Sequence[Size],
+            static: Size | None = ...,
+            speeds_plus: Sequence[Size] | None = ...,
+            forces_plus: Sequence[Size] | None = ...,
+            static_plus: Size | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
+        units: dict[str, str] = {}
         for name in ("speeds", "forces", "speeds_plus", "forces_plus"):
             if (given := getattr(self, name)) is not None:
-                object.__setattr__(self, name, finite(name, given, least=0.0))
+                object.__setattr__(self, name, self._numbers(name, given, units))
         for name in ("static", "static_plus"):
             if (one := getattr(self, name)) is not None:
-                object.__setattr__(self, name, finite(name, [one], least=0.0)[0])
+                object.__setattr__(self, name, self._numbers(name, [one], units)[0])
+        object.__setattr__(self, "_units", units)
         for twin in ("", "_plus"):
             speeds, forces, _ = self._side(bool(twin))
             if len(speeds) != len(forces):
@@ -76,6 +92,17 @@ class TabulatedFriction(LawByFormula):
                 raise InputError("a curve needs two points at least", key=f"speeds{twin}")
             if np.any(np.diff(speeds) <= 0):
                 raise InputError("must increase", key=f"speeds{twin}")
+
+    def _numbers(self, name: str, values: Sequence[float | str], units: dict[str, str]) -> tuple[float, ...]:
+        """The numbers of a list in SI; a unit that any of them is given in is noted."""
+        if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)):
+            raise InputError("must be a list of numbers, in [ ]", key=name)
+        what = measure_of(self.dimensions, name)
+        own = name if name.startswith("static") else f"{name}[{{}}]"
+        read = [law_number(own.format(i), one, what) for i, one in enumerate(values)]
+        if unit := next((unit for _, unit in read if unit is not None), None):
+            units[name] = unit
+        return tuple(number(own.format(i), size, least=0.0) for i, (size, _) in enumerate(read))
 
     def _side(self, plus: bool) -> tuple[Sequence[float], Sequence[float], float | None]:
         if not plus:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
+from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
 
@@ -22,19 +23,20 @@ class CoulombFriction(FrictionLaw):
     Parameters
     ----------
     static, kinetic
-        0 <= kinetic <= static; for both directions, or for v_w < 0 where v_w > 0 has a value of its own.
+        0 <= kinetic <= static; for both directions, or for v_w < 0 where v_w > 0 has a value of its own. Numbers may be
+        text with a unit, here and below ("4 N").
     static_plus, kinetic_plus
         For v_w > 0; None: the same as for v_w < 0.
 
     Raises
     ------
     InputError
-        A number is not finite or negative, or kinetic exceeds static.
+        A number is not finite or negative, its unit is not one of a force (or a torque), or kinetic exceeds static.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> law = ss.CoulombFriction(static=2.0, kinetic=1.2)  # N
+    >>> law = ss.CoulombFriction(static="2 N", kinetic=1.2)
     >>> law.static_limits
     (2.0, 2.0)
     >>> law.magnitude(0.01)
@@ -55,6 +57,17 @@ class CoulombFriction(FrictionLaw):
     kinetic: float = 0.5
     static_plus: float | None = None
     kinetic_plus: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            static: Size = ...,
+            kinetic: Size = ...,
+            static_plus: Size | None = ...,
+            kinetic_plus: Size | None = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         check_numbers(self, {field.name: {"least": 0} for field in fields(self)})

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, PER_SPEED, QUADRATIC_DAMPING, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
+from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
 
@@ -23,7 +24,7 @@ class HyperbolicFriction(FrictionLaw):
     Parameters
     ----------
     scale, decay
-        Not negative.
+        Not negative. Numbers may be text with a unit, here and below ("4 N").
     constant, quadratic
         Such that R stays positive or zero at every speed.
     scale_plus, decay_plus, constant_plus, quadratic_plus
@@ -32,7 +33,7 @@ class HyperbolicFriction(FrictionLaw):
     Raises
     ------
     InputError
-        A number is not finite or out of its bounds, or R turns negative at some speed.
+        A number is not finite, out of its bounds, or of another unit; R turns negative at some speed.
 
     Examples
     --------
@@ -67,6 +68,21 @@ class HyperbolicFriction(FrictionLaw):
     decay_plus: float | None = None
     constant_plus: float | None = None
     quadratic_plus: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            scale: Size = ...,
+            decay: Size = ...,
+            constant: Size = ...,
+            quadratic: Size = ...,
+            scale_plus: Size | None = ...,
+            decay_plus: Size | None = ...,
+            constant_plus: Size | None = ...,
+            quadratic_plus: Size | None = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         not_negative = ("scale", "decay", "scale_plus", "decay_plus")

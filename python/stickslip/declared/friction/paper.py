@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import scipy
@@ -13,6 +13,7 @@ import scipy
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, Value, check_numbers
+from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
 
@@ -27,7 +28,8 @@ class PaperFriction(FrictionLaw):
     Parameters
     ----------
     T_s_minus, T_s_plus
-        Static limits.
+        Static limits. Bare numbers are those of the model; text with a unit ("20 N") is turned into them by the scales
+        of the rig of (2.1), here and below.
     A1, A2, t1, t2
         Amplitudes (not negative) and decay speeds (positive) of (4.2).
     v_w_min, v_w_max
@@ -38,7 +40,7 @@ class PaperFriction(FrictionLaw):
     Raises
     ------
     InputError
-        A number is not finite or out of its bounds.
+        A number is not finite or out of its bounds, or its unit is one of something else.
 
     Examples
     --------
@@ -91,6 +93,23 @@ class PaperFriction(FrictionLaw):
     T_s_plus: float = 3.63
     T_min_plus: float = 0.86
     v_w_max: float = 0.27
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            T_s_minus: Size = ...,
+            A1: Size = ...,
+            A2: Size = ...,
+            t1: Size = ...,
+            t2: Size = ...,
+            v_w_min: Size = ...,
+            T_min_minus: Size = ...,
+            T_s_plus: Size = ...,
+            T_min_plus: Size = ...,
+            v_w_max: Size = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         not_negative = ("T_s_minus", "A1", "A2", "T_min_minus", "T_s_plus", "T_min_plus")

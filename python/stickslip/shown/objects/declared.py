@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.dimensions import INERTIA, LENGTH, MASS, RATE, STIFFNESS
 from stickslip.declared.effect import Effect, Tabulated
-from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.formula_laws.tabulated import TabulatedFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
@@ -100,7 +99,7 @@ def _scales(one: Scales) -> Description:
 
 @describe.register
 def _law(one: FrictionLaw) -> Description:
-    units = one.declared_units if isinstance(one, LawByFormula) else {}
+    units = one.declared_units
     rows: list[Row] = [(name, value, units.get(name, "")) for name, value in one.numbers.items()]
     draw = None if isinstance(one, ContactLaws) else characteristic(one)
     texts = {name: getattr(one, f"{name}_text", None) for name in ("kinetic", "static", "force")}
