@@ -186,6 +186,12 @@ for tried, change in (
     bad_input(RUN, tried)(lambda folder, change=change: run(folder, change))
 
 
+@bad_input(RUN, "a file that was cut off within its last number")
+def cut_in_a_number(folder: Path) -> None:
+    (folder / "run_1.csv").write_text("\n".join(rows())[:-1])
+    case(folder, TOML)
+
+
 @bad_input(CASE, "a number for a path")
 def number_for_a_path(_folder: Path) -> None:
     load_case(3)  # type: ignore[arg-type]

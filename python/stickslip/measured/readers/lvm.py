@@ -18,6 +18,7 @@ import numpy as np
 from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.heads import unit_in
 from stickslip.measured.readers.columns import Columns, Contents, Floats, require
+from stickslip.measured.readers.cut_off import last_number
 from stickslip.measured.readers.dialect import Layout, number_in, opened, signs
 from stickslip.measured.readers.encoding import encoding_of
 from stickslip.measured.readers.rows import count_rows, read_rows
@@ -149,9 +150,10 @@ class Lvm:
         parts = [one.read(list(bare.values()), own) for one in chosen]
         self._check_order(parts)
         values = {name: np.concatenate([part[inner] for part in parts]) for name, inner in bare.items()}
-        return Columns(
-            self.file, values, Joined(chosen), self._doubts(chosen, len(next(iter(values.values()), ())))
-        )
+        doubts = self._doubts(chosen, len(next(iter(values.values()), ())))
+        if chosen[-1] is self.segments[-1]:
+            doubts += last_number(chosen[-1].layout, list(bare.values()))
+        return Columns(self.file, values, Joined(chosen), doubts)
 
     def _check_order(self, parts: Sequence[Mapping[str, Floats]]) -> None:
         for i, (before, after) in enumerate(pairwise(parts), 2):

@@ -11,6 +11,7 @@ from stickslip.declared.units import same_dimension
 from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
+from stickslip.measured.readers.cut_off import last_number, told_count, unended
 from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened
 from stickslip.measured.readers.memory import ratio
 
@@ -40,8 +41,11 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
         if not np.isfinite(column).all():
             raise_first_fault(layout, names)
             raise InputError("holds an empty cell", place=Place(str(layout.path), column=name))
-    doubts = (f"each row ends before the last {given - len(layout.header)} of {given} names",)
-    return Columns(layout.path, values, layout, doubts if len(layout.header) < given else ())
+    doubts = [f"each row ends before the last {given - len(layout.header)} of {given} names"]
+    doubts = doubts if len(layout.header) < given else []
+    if not layout.last:  # the whole file: of one in segments its reader asks
+        doubts += [*last_number(layout, names), *told_count(layout, count)]
+    return Columns(layout.path, values, layout, tuple(doubts))
 
 
 def _one(layout: Layout, name: str, names: Sequence[str], unit: str, count: int) -> dict[str, Floats]:
@@ -161,12 +165,15 @@ def raise_first_fault(layout: Layout, names: Sequence[str]) -> None:
     width = len(layout.header)
     at = {name: layout.header.index(name) for name in names if name in layout.header}
     seen = dict.fromkeys(at, "")  # the decimal sign of each column, once it has shown one
-    for row, (number, cells) in enumerate(layout.rows()):
+    rows = layout.rows()
+    for row, (number, cells) in enumerate(rows):
         if not fits(cells, width - layout.spare, width):
             count = "1 cell" if len(cells) == 1 else f"{len(cells)} cells"
             what = f"{count} where the header names {width} columns"
             if layout.delimiter == "," and len(cells) == 2 * width:
                 what += "; decimal commas? separate the columns by semicolons then"
+            elif len(cells) < width and next(rows, None) is None and unended(layout):
+                what += ", and the file ends there: cut off? delete the line"
             raise InputError(what, place=Place(str(layout.path), number))
         for name, column in at.items():
             cell = cells[column] if column < len(cells) else ""
