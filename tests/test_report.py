@@ -66,6 +66,7 @@ def test_json_follows_the_schema(tmp_path: Path, verdict: str, si: bool) -> None
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     jsonschema.validate(report, SCHEMA)
     assert list(report)[:3] == ["format", "title", "verdict"]
+    assert report["format"] == 2  # 1 was that of version 0.1.0, whose bic and error mean something else
     assert report["error"]["runs"][0]["period"]["after"] is None  # it was NaN
 
 

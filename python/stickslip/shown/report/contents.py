@@ -22,7 +22,7 @@ from stickslip.shown.report.declared import declared as declared_numbers
 from stickslip.shown.report.places import unit_at
 from stickslip.shown.report.units import axes_of
 
-FORMAT = 1  # raised when a key of report.json changes its meaning
+FORMAT = 2  # raised when a key of report.json changes its meaning
 
 
 def contents(found: Found, case: Case) -> dict[str, Json]:
