@@ -29,6 +29,7 @@ PLACED = [
     ("drill", "block_quadratic_damping", "table", {"c": 0.05}),
     ("drill", "belt_speed_ripple", "drive", {"a": 0.02, "w": 3.0, "phi": 0.4}),
     ("drill", "sensor_lag", "bit", {"tau": 0.03}),
+    ("drill", "sensor_lag", "table", {"tau": 0.03}),  # which does not go steadily where the bit sticks
     ("chain", "friction_drift", "b", {"r": 0.01}),
     ("chain", "static_aging", "a", {"dT": 0.3, "tau": 0.5}),
 ]

@@ -1,7 +1,9 @@
 """What effects bring into a window of a rig of bodies: where their states begin, and what sensors read through them.
 
 No reading shows an effect's state at the start of a window. It begins there as if the motion had gone on as it goes
-there: a lag as far behind as its rate of change leaves it. How far a belt or a drive has come follows from its speed.
+there: what follows the motion is as far behind as its rate of change leaves it. That of a lagged reading is read: where
+the body slips at the start, what lags still goes as the body went before. How far a belt or a drive has come follows
+from its speed.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import value
 from stickslip.declared.placed import PlacedState, coordinate, distance, velocity
 from stickslip.declared.speeds import Speed
-from stickslip.fitted.bodies_data import BodiesData, way
+from stickslip.fitted.bodies_data import SHARE, BodiesData, smoothed, way
 from stickslip.simulated.bodies_lowering import LoweredBodies
 
 Floats = NDArray[np.float64]
@@ -28,18 +30,32 @@ DRIVE = "drive_speed"
 _Come = tuple[Floats, Floats, dict[str, Floats]]  # times, way, and its slopes by number
 
 
-def steady(state: PlacedState, n: int) -> Tree:
-    """Return what a state is where its rate is that of what it follows: (z - s) slope = s' - rate(s), s its start."""
+def steady(state: PlacedState, n: int, goes: Tree | None = None) -> Tree:
+    """
+    Return what a state is where its rate is known: (z - s) slope = rate - rate(s), s its start.
+
+    Parameters
+    ----------
+    state : of an effect
+    n : coordinates of the rig
+    goes : its rate, as it is read; None: that of what it follows, s'
+    """
     start = state.start
     slope = derivative(state.rate, state.name)
     if state.name not in names(state.rate) or slope == NOTHING:
         return start
-    moves = [(derivative(start, coordinate(i).name), velocity(i)) for i in range(n)]
-    parts: list[Tree] = [derivative(start, "t")]
-    parts += [Apply("multiply", one) for one in moves if one[0] != NOTHING]
-    goes = reduce(lambda a, b: Apply("add", (a, b)), parts)
+    if goes is None:
+        moves = [(derivative(start, coordinate(i).name), velocity(i)) for i in range(n)]
+        parts: list[Tree] = [derivative(start, "t")]
+        parts += [Apply("multiply", one) for one in moves if one[0] != NOTHING]
+        goes = reduce(lambda a, b: Apply("add", (a, b)), parts)
     at_start = Apply("subtract", (goes, _put(state.rate, state.name, start)))
     return Apply("add", (start, Apply("divide", (at_start, _put(slope, state.name, start)))))
+
+
+def _rate_of(channel: int) -> str:
+    """Return what names the rate of a reading."""
+    return f"rate of channel {channel}"
 
 
 def _put(tree: Tree, name: str, by: Tree) -> Tree:
@@ -74,9 +90,32 @@ class Beginnings:
         of_laws = sum(len(law.states) for law in own.laws)
         first = begin + 2 * self.n + of_laws
         states = [state for push in own.effects.pushes for state in push.states]
-        self.entries = [self._entry(first + k, steady(one, self.n)) for k, one in enumerate(states)]
+        self.entries = [
+            self._entry(first + k, steady(one, self.n, self._read_rate(one))) for k, one in enumerate(states)
+        ]
         behind = begin + 2 * self.n + len(own.hidden)
         self.rails = {key: behind + k for k, key in enumerate(_rails(lowered))}
+
+    def _read_rate(self, state: PlacedState) -> Tree | None:
+        """The rate of a state that a channel shows, by that of the channel; None where none does."""
+        for c, name in enumerate(self.run.channels):
+            reading = self.lowered.own.effects.readings.get(name)
+            if reading is None or state.name not in names(reading):
+                continue
+            slope = _put(derivative(reading, state.name), state.name, state.start)
+            return Apply("divide", (Name(_rate_of(c)), slope))
+        return None
+
+    @cached_property
+    def rates(self) -> dict[str, Floats]:
+        """Rates of the channels that show a state, (n,), by what trees call them."""
+        run, longest = self.run, self.run.periods[1] / SHARE
+        asked = {name for one in self.entries for name in names(one.tree)}
+        return {
+            _rate_of(c): smoothed(run.t, run.readings[:, c], float(run.noise[c]), longest)[1]
+            for c in range(len(run.channels))
+            if _rate_of(c) in asked
+        }
 
     def _entry(self, place: int, tree: Tree) -> _Entry:
         by = [name for name in sorted(names(tree)) if name in self.places]
@@ -107,6 +146,7 @@ class Beginnings:
             values[place] = come + (self.run.drawn if key == DRIVE else 0.0)
             self._chain(rows, place, slopes)
             of[distance(key).name] = float(values[place])
+        of |= {name: float(np.interp(t, self.run.t, rate)) for name, rate in self.rates.items()}
         for one in self.entries:
             values[one.place] = float(value(one.tree, of))
             self._chain(rows, one.place, {name: float(value(tree, of)) for name, tree in one.slopes.items()})
