@@ -25,6 +25,7 @@ from stickslip.shown.report.places import unit_at, unit_of
 
 Floats = NDArray[np.float64]
 SCHEMA = Path(ss.__file__).parent / "shown" / "report" / "report.schema.json"
+GAINS = np.array([1.0015, 0.9985])  # of a drill string's sensors, well within what is usual
 HUM, PUSH = 62.0, 0.25  # rad/s and N
 
 
@@ -95,14 +96,19 @@ def test_other_commands_take_the_models(hummed: Path, tmp_path: Path) -> None:
 
 
 def test_where_nothing_acts_nothing_is_named() -> None:
+    """The angles grow to 10 rad: with gains that the runs do not have the twist, and all that follows, was wrong."""
     case = CASES["drill"]()
-    runs = [recording(case, *recorded(case, seed, level=0.02, static=0.02, lasts=8.0)) for seed in (60, 61)]
-    runs += [recording(case, *recorded(case, 62, level=0.02, static=0.02, lasts=6.0), role="validate")]
+
+    def run(seed: int, role: str, lasts: float) -> ss.Recording:
+        t, read = recorded(case, seed, level=0.02, static=0.02, lasts=lasts)
+        return recording(case, t, GAINS * read, role=role)
+
+    runs = [run(60, "train", 8.0), run(61, "train", 8.0), run(62, "validate", 6.0)]
     found = ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
     assert isinstance(found, GeneralFound)
     assert found.verdict is Verdict.no_effect
     assert found.effects == ()
-    assert found.error.after == found.error.before
+    assert found.error.after == found.error.before < 0.02
     assert found.gate.observed < found.gate.threshold
     assert found.residual_after.chi2 == pytest.approx(1.0, abs=0.1)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery.result import ErrorBlock, RunError
@@ -20,6 +22,7 @@ from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
 
+Floats = NDArray[np.float64]
 METRIC = (
     "error of the readings one window (a stick and the slips after it) ahead of where the window before ends, with "
     "friction of the mean event, over how far they move in it; mean over validate runs"
@@ -28,8 +31,27 @@ WHO = ("before", "after", "floor")
 NONE = dict.fromkeys(WHO, math.nan)
 
 
+@dataclass(frozen=True)
+class Told:
+    """
+    What the runs that were fitted tell: a model, and what its sensors make of what they read.
+
+    Parameters
+    ----------
+    model : of the rig
+    sensors : gains less 1 and offsets, as "gain.<channel>" and "offset.<channel>", among other numbers
+    """
+
+    model: Model
+    sensors: Mapping[str, float]
+
+    def of(self, kind: str, run: BodiesData) -> Floats:
+        """Return the gains less 1, or the offsets, of a run's channels, (c,)."""
+        return np.array([self.sensors.get(f"{kind}.{name}", 0.0) for name in run.channels])
+
+
 def error_block(
-    before: Model, after: Model, runs: Sequence[BodiesData], recordings: Sequence[Recording]
+    before: Told, after: Told, runs: Sequence[BodiesData], recordings: Sequence[Recording]
 ) -> tuple[ErrorBlock, list[tuple[Ahead, Ahead]]]:
     """
     Return `error` of the report, and the forecasts that it rests on.
@@ -46,8 +68,11 @@ def error_block(
     return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows)), kept
 
 
-def ahead(model: Model, run: BodiesData) -> Ahead:
-    """Return what a model forecasts of a run, one window ahead.
+def ahead(told: Told, run: BodiesData) -> Ahead:
+    """
+    Return what is forecast of a run, one window ahead.
+
+    Its sensors have the gains and offsets found: of an angle that grows a small error of the gain is soon a large one.
 
     Raises
     ------
@@ -57,9 +82,13 @@ def ahead(model: Model, run: BodiesData) -> Ahead:
     cut = cuts([run])
     if not any(a.stop == b.start for a, b in zip(cut[:-1], cut[1:], strict=True)):
         raise InputError(f"run '{run.name}' is too short to be forecast window by window")
-    run = with_own_drive(model, run, cut)
-    own = with_own_phases(model, run, cut)
-    return one_ahead(null(BodiesWindows(own, [run], cut, [], Declared()), POLICY), run)
+    gain, offset = 1 + told.of("gain", run), told.of("offset", run)
+    true = (run.readings - offset) / gain
+    run = replace(run, readings=true, weight=run.weight * gain, noise=run.noise / gain)
+    run = with_own_drive(told.model, run, cut)
+    own = with_own_phases(told.model, run, cut)
+    made = one_ahead(null(BodiesWindows(own, [run], cut, [], Declared()), POLICY), run)
+    return replace(made, off=made.off * gain, readings=made.readings * gain + offset)
 
 
 def _row(run: BodiesData, recording: Recording, was: Ahead, now: Ahead) -> RunError:

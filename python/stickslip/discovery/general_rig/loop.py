@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
-from stickslip.discovery.general_rig.errors import error_block
+from stickslip.discovery.general_rig.errors import Told, error_block
 from stickslip.discovery.general_rig.result import GeneralFound, RigView
 from stickslip.discovery.laboratory import outcome as usual
 from stickslip.discovery.laboratory.search import Searched, search
@@ -80,9 +80,10 @@ def _found(
     declared, chosen, (began, out) = case.model(), found.chosen, so_far
     before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
     tell("forecasting the validate runs")
-    error, forecasts = error_block(before, after, validate, case.validate)
+    was, now = Told(before, outcome.sensors(bench, found.null)), Told(after, outcome.sensors(bench, chosen))
+    error, forecasts = error_block(was, now, validate, case.validate)
     effects = outcome.effects(bench, found)
-    was, now = (outcome.left(bench, one.fit) for one in (found.null, chosen))
+    left = [outcome.left(bench, one.fit) for one in (found.null, chosen)]
     return GeneralFound(
         title=case.title,
         verdict=Verdict.effect_found if effects else Verdict.no_effect,
@@ -91,14 +92,14 @@ def _found(
         after=after,
         law=usual.law(chosen.fit),
         law_before=usual.law(found.null.fit),
-        residual_before=usual.described(was),
-        residual_after=usual.described(now),
+        residual_before=usual.described(left[0]),
+        residual_after=usual.described(left[1]),
         error=error,
         ranking=outcome.ranking(found),
         experiments=(),
         gate=usual.gate(found),
         runs=(),
-        spectrum=spectrum(was, now),
+        spectrum=spectrum(*left),
         messages=(*_left_out(out, bench), *outcome.remarks(bench, chosen, error)),
         seconds=time.monotonic() - began,
         scatter=outcome.scatter(chosen.fit),

@@ -67,6 +67,14 @@ def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
     )
 
 
+def sensors(bench: GeneralBench, trial: Trial) -> dict[str, float]:
+    """Return the gains, less 1, and the offsets of a hypothesis, as its fit names them; not one that is an effect."""
+    values, wrong = trial.fit.values(), trial.freed.name if trial.freed is not None else ""
+    names = [f"gain.{one}" for one in bench.data[0].channels if one != wrong]
+    names += [f"offset.{one}" for one in bench.data[0].channels]
+    return {name: values[name] for name in names if name in values}
+
+
 def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
     """Return the effects of the verdict, in order of weight."""
     named = list(outcome.effects(bench, replace(found, chosen=replace(found.chosen, freed=None))))
