@@ -1,10 +1,14 @@
 """Forecasts as distributions: the band holds 95 % of the readings to come, whatever scatters."""
 
+import math
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from scattering import DT, RIG, record, scaled
+from stickslip.likelihoods.band import band
 
 NOISE = 1e-3
 
@@ -94,3 +98,14 @@ def test_a_block_on_a_belt_has_the_band_of_its_own_channel() -> None:
     real = force[2500 : 2500 + len(found)]
     inside = (found["spring_force_low"] <= real) & (real <= found["spring_force_high"])
     assert 0.9 < inside.mean() <= 1.0
+
+
+@pytest.mark.parametrize("members", [60, 200])
+@pytest.mark.parametrize("noise", [0.0, 0.3, 3.0])
+def test_the_band_holds_what_its_members_stand_for(members: int, noise: float) -> None:
+    """Members drawn from a normal distribution, of which a further one is within the band 95 times of 100."""
+    rng = np.random.default_rng(7)
+    low, high = band(2.0 + rng.standard_normal((members, 4000, 1)), np.array([noise]), rng)
+    spread = NormalDist(2.0, math.hypot(1.0, noise))
+    held = np.mean([spread.cdf(b) - spread.cdf(a) for a, b in zip(low[:, 0], high[:, 0], strict=True)])
+    assert held == pytest.approx(0.95, abs=0.006)

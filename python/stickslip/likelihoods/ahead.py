@@ -19,7 +19,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin
 from stickslip.likelihoods.members import Events, Flown, Members
-from stickslip.likelihoods.memory import KINETIC, memory
+from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.shared import Declared
@@ -86,7 +86,9 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     cut = timed(cut, known.windows.motions(known.at, known.own))
     rng = np.random.default_rng(seed)
     rest = float(np.median([one.rest for one in cut]))
-    found, _ = memory(fit, KINETIC)
+    found, error = memory(fit, KINETIC)
+    # the runs of the fit tell the correlation poorly: every member has one that may be the true one
+    like = np.clip(found + error * rng.standard_normal(DRAWN + 1), 0.0, MOST)
     out = []
     least = fit.windows.policy.fewest_stuck
     for start, stop in _spans(run, cycles, min(one.start for one in cut) + least):
@@ -97,7 +99,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
         root = factor(fit.population, windows.places)[0]
         events = Events(
             root,
-            np.full(DRAWN + 1, found),
+            like,
             np.zeros((DRAWN + 1, windows.effects)),
             np.ones(DRAWN + 1),
             1,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from statistics import NormalDist
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,8 +31,21 @@ def band(whole: Floats, noise: Floats, rng: np.random.Generator) -> tuple[Floats
     rng : draws it
     """
     sides = []
+    middle = whole.mean(axis=0)
+    whole = middle + _outward(len(whole)) * (whole - middle)
     for channel in range(whole.shape[2]):
         draws = rng.standard_normal((FRESH, *whole.shape[:2])) * noise[channel] + whole[None, :, :, channel]
         sides.append(np.quantile(draws.reshape(-1, whole.shape[1]), TAILS, axis=0))
     low, high = np.stack(sides, axis=-1)
     return low, high
+
+
+def _outward(members: int) -> float:
+    """
+    Return how much wider than so few members what they stand for is.
+
+    A further member lies beyond the quantiles of `members` of them more often than beyond those of the distribution:
+    between the ends, each the rth from outside, it is with probability 1 - 2 r/(members + 1).
+    """
+    normal, rank = NormalDist(), math.floor(TAILS[0] * members) + 1
+    return normal.inv_cdf(TAILS[1]) / normal.inv_cdf(1 - rank / (members + 1))
