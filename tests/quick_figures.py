@@ -3,6 +3,7 @@
 import io
 from pathlib import Path
 
+import pytest
 from matplotlib.figure import Figure
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="10pt" height="10pt"></svg>'
@@ -19,3 +20,9 @@ def saved_empty(_: Figure, to: Path | io.IOBase, **__: object) -> None:
 def not_saved(*_: object, **__: object) -> None:
     """In the place of `Figure.savefig`: an error."""
     raise RuntimeError("no figure today")
+
+
+def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let figures be neither laid out nor drawn, only saved empty."""
+    monkeypatch.setattr(Figure, "draw_without_rendering", lambda _: None)
+    monkeypatch.setattr(Figure, "savefig", saved_empty)

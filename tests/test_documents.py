@@ -13,7 +13,6 @@ from click.testing import CliRunner
 import stickslip as ss
 from effects_page import PAGE, page
 from stickslip.cli.commands import main
-from stickslip.data import example
 from website.sources import MADE
 
 ROOT = Path(__file__).parent.parent
@@ -26,14 +25,6 @@ def snippets(name: str, language: str) -> list[str]:
 
 
 README = (ROOT / "README.md").read_text()
-
-
-def test_the_slider_of_the_readme_has_the_numbers_that_it_says() -> None:
-    found = ss.identify(ss.load_case(example("paper_slider")), belt_speed="plateau")
-    weight = 0.0307 * 9.81
-    told = f"{found.diagnostics['static_mean'] / weight:.3f} at breakaway and "
-    told += f"{found.diagnostics['kinetic_mean'] / weight:.3f} in sliding, from {found.diagnostics['events']:.0f} slips"
-    assert told in README
 
 
 def test_the_readme_shows_every_command_with_options_it_has() -> None:

@@ -17,14 +17,14 @@ from matplotlib.figure import Figure
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from quick_figures import not_saved, saved_empty
+from quick_figures import not_saved, quickly
 from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
 from stickslip.files import RECORD, folder
 from stickslip.fitted.readings import reading_rate
 from stickslip.shown.report import motion, words
 from stickslip.shown.report.contents import contents
-from stickslip.shown.report.page import page
+from stickslip.shown.report.page import draw, page
 from stickslip.shown.report.write import NAMES, fill, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
@@ -174,7 +174,7 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     found, case = made(tmp_path)
     out = tmp_path / "out"
     (out / "figures").mkdir(parents=True)
-    monkeypatch.setattr(Figure, "savefig", saved_empty)
+    quickly(monkeypatch)
     (out / "mine.txt").write_text("kept", encoding="utf-8")
     (out / "report.json").write_text("mine", encoding="utf-8")
     with pytest.raises(ss.InputError, match=r"holds 'report.json', which no former result put there"):
@@ -201,7 +201,7 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
     with pytest.raises(RuntimeError, match="no figure"):
         write_report(found, case, tmp_path / "out")
     assert all((figures / name).exists() for name in (*old, *mine))
-    monkeypatch.setattr(Figure, "savefig", saved_empty)
+    quickly(monkeypatch)
     said = write_report(found, case, tmp_path / "out")
     assert not [name for name in old if (figures / name).exists()]
     assert all((figures / name).exists() for name in mine)
@@ -239,14 +239,30 @@ def test_an_interrupt_while_drawing_ends_the_processes_and_leaves_nothing(
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_same_result_same_files(
+def test_processes_draw_what_one_draws(
     written: dict[str, Written], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one = written["effect_found"]
+    # two figures: a process takes seconds to start, and the others are drawn in the same way
+    monkeypatch.setattr("stickslip.shown.report.page.FIGURES", dict.fromkeys(("portrait", "ranking")))
     monkeypatch.setattr(Workers, "at_hand", lambda: Workers(2))
-    fill(tmp_path, one.found, one.case)
-    for name in ("report.html", "report.json", "figures/portrait.svg"):
-        assert (tmp_path / name).read_bytes() == (one.out / name).read_bytes()
+    drawn = draw(one.found, one.case, tmp_path)
+    text = (one.out / "report.html").read_text(encoding="utf-8")
+    for name, saved in drawn.items():
+        assert saved.svg.read_bytes() == (one.out / f"figures/{name}.svg").read_bytes()
+        assert saved.live.document in text
+
+
+def test_same_result_same_files(
+    written: dict[str, Written], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = written["no_effect"]
+    quickly(monkeypatch)
+    for name in ("once", "again"):
+        (tmp_path / name).mkdir()
+        fill(tmp_path / name, one.found, one.case)
+    for name in ("report.html", "report.json", "model_after.toml"):
+        assert (tmp_path / "once" / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
 
 
 @pytest.mark.parametrize(

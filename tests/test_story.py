@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
-from quick_figures import saved_empty
+from quick_figures import quickly
 from stickslip.cli import rotated_portrait as story
 from stickslip.discovery.result import Found
 
@@ -62,7 +61,7 @@ def test_told_with_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         return found_by_hand.found(hand)
 
     monkeypatch.setattr(ss, "discover", search)
-    monkeypatch.setattr(Figure, "savefig", saved_empty)
+    quickly(monkeypatch)
     out = StringIO()
     told = story.story(tmp_path / "demo", Console(file=out, width=100))
     assert all(path.is_file() for path in told.paths)

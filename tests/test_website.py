@@ -127,7 +127,13 @@ def test_the_gallery_runs(path: Path) -> None:
     assert shown.figure.axes
 
 
-LONG = ("stickslip discover", "stickslip forecast found", "import stickslip as ss")  # the studies below
+LONG = (  # the studies below
+    "stickslip identify",
+    "stickslip compare",
+    "stickslip discover",
+    "stickslip forecast found",
+    "import stickslip as ss",
+)
 
 
 @pytest.mark.parametrize("page", ["tutorial"])
@@ -151,10 +157,10 @@ def test_the_programs_of_a_rig_print_what_its_page_says(page: Path) -> None:
 
 
 @pytest.mark.study
-def test_the_search_of_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_fit_and_the_search_of_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "examples/paper_slider/k168Nm_v1100.mat", tmp_path)
-    wanted = ("stickslip init", "stickslip discover", "stickslip forecast found")
+    wanted = ("stickslip init", *LONG[:-1])
     for step in steps(DOCS / "tutorial.md"):
         if step.text.startswith(wanted):
             Reader().follow(step)
