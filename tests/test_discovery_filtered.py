@@ -23,10 +23,12 @@ from stickslip.measured.case import Case
 TAPS = {"mean of three": np.ones(3) / 3**0.5, "first order": 0.6 ** np.arange(15) * 0.8}
 
 
-def noisy(taps: np.ndarray, effects=(), *, known: bool = True, size: float = 3 * NOISE) -> Case:
+def noisy(
+    taps: np.ndarray, effects=(), *, known: bool = True, size: float = 3 * NOISE, length: float = 40.0
+) -> Case:
     """A case whose noise has passed a filter of unit gain in power; declared as it is, or not at all."""
     rng = np.random.default_rng(9)
-    case = make_case(effects, length=60.0, dt=0.025, noise=1e-9)
+    case = make_case(effects, length=length, dt=0.025, noise=1e-9)
 
     def draw(n: int) -> np.ndarray:
         return size * np.convolve(rng.standard_normal(n + len(taps)), taps, "full")[len(taps) : n + len(taps)]
@@ -109,7 +111,7 @@ def test_a_search_thins_when_the_effect_is_found():
 
 
 def test_nothing_is_found_in_a_filter_s_noise():
-    case = noisy(TAPS["mean of three"])
+    case = noisy(TAPS["mean of three"], length=30.0)
     for run, at in zip(case.train, (300, 702, 1000), strict=False):
         run.x1[at] += 10 * 3 * NOISE  # the third is not among one in three
     found = ss.discover(case, threads=1)

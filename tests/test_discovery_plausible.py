@@ -184,9 +184,8 @@ def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
 
 
 def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:
-    case = make_case(length=40.0, speeds=(0.1, 0.1, 0.1), crosstalk=0.15)
-    found = discover(case)
-    assert [one.name for one in found.effects] == ["sensor_crosstalk"]
+    found = discover(make_case(length=30.0, speeds=(0.1, 0.1, 0.1)))
+    assert found.verdict is Verdict.no_effect
     assert any("all train runs have one belt speed: ties are wide" in one for one in found.messages)
 
 

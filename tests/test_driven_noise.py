@@ -220,7 +220,7 @@ QUIET = {
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", QUIET)
 def test_a_record_that_the_declared_law_explains_names_nothing(kind, tmp_path) -> None:
-    found = ss.discover(ss.load_case(truth.write_case(tmp_path, seconds=11.6, train=7.0, **QUIET[kind])))
+    found = ss.discover(ss.load_case(truth.write_case(tmp_path, seconds=12.8, train=7.0, **QUIET[kind])))
     assert found.verdict.value == "no_effect"
     assert found.effects == ()
     assert found.constants["mass"].value == pytest.approx(truth.MASS, rel=0.02)
