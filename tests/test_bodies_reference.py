@@ -259,8 +259,8 @@ def chain(law: ss.CoulombFriction, count: int = 3) -> ss.Model:
 def test_a_chain_of_blocks_keeps_its_symmetry_and_simultaneous_releases() -> None:
     law = ss.HyperbolicFriction(scale=1, decay=3)
     v = 0.2
-    t = np.linspace(0, 20, 41)
-    run = plain(chain(law), belt_speed=v, initial=[0.1, 0.4, 0.1, v, v, v], t_end=20, t_eval=t)
+    t = np.linspace(0, 17.5, 36)
+    run = plain(chain(law), belt_speed=v, initial=[0.1, 0.4, 0.1, v, v, v], t_end=17.5, t_eval=t)
     np.testing.assert_allclose(run.state[:, 0], run.state[:, 2], atol=1e-9)
     pairs = [sorted(one.t for one in run.changes if one.contact == j) for j in (0, 2)]
     np.testing.assert_allclose(pairs[0], pairs[1], atol=1e-9)
@@ -305,14 +305,14 @@ def test_what_sticks_can_be_held_and_what_slips_goes_its_way() -> None:
 
 def test_a_law_may_depend_on_the_time_at_rest_and_have_a_state() -> None:
     """Static friction that grows with the rest, as the effect `static_aging` and as a formula."""
-    t = np.linspace(0, 30, 31)
+    t = np.linspace(0, 10, 11)
     block = ss.BlockOnBelt(mass=1, stiffness=1)
     aging = ss.effect("static_aging", dT=0.5, tau=3.0)
     named = ss.Model(block, friction=ss.CoulombFriction(static=1, kinetic=0.5), effects=[aging])
-    core = ss.simulate(named, belt_speed=0.1, initial=(0, 0.1), t_end=30, t_eval=t, rtol=1e-13, atol=1e-13)
+    core = ss.simulate(named, belt_speed=0.1, initial=(0.9, 0.1), t_end=10, t_eval=t, rtol=1e-13, atol=1e-13)
     own = ss.FormulaFriction(kinetic="k", static="s + dT*(1 - exp(-dwell/tau))", k=0.5, s=1, dT=0.5, tau=3)
-    run = plain(ss.Model(block, friction=own), belt_speed=0.1, initial=(0, 0.1), t_end=30, t_eval=t)
-    assert len(run.changes) == len(core.transitions)
+    run = plain(ss.Model(block, friction=own), belt_speed=0.1, initial=(0.9, 0.1), t_end=10, t_eval=t)
+    assert len(run.changes) == len(core.transitions) > 1
     np.testing.assert_allclose(run.state, core.state, atol=1e-10)
     # the same with a state that relaxes at rest and is wiped out in slip
     lazy = ss.FormulaFriction(
@@ -327,9 +327,9 @@ def test_a_law_may_depend_on_the_time_at_rest_and_have_a_state() -> None:
     with_state = plain(
         ss.Model(block, friction=lazy),
         belt_speed=0.1,
-        initial=(0, 0.1),
-        t_end=15,
-        t_eval=t[:16],
+        initial=(0.9, 0.1),
+        t_end=5.2,  # just after the release: in slip this law is stiff
+        t_eval=[5.2],
         max_step=0.02,
     )
     assert with_state.changes[0].t == pytest.approx(run.changes[0].t, abs=1e-9)

@@ -9,23 +9,30 @@ from click.testing import CliRunner
 
 from stickslip.cli.commands import COMMANDS, main
 
+CODE = (
+    "from stickslip.cli.commands import main; main(prog_name='stickslip', complete_var='_STICKSLIP_COMPLETE')"
+)
 
-def completed(words: str, count: int, cwd=None) -> list[str]:
-    """What bash would offer for the word at `count`."""
-    environment = {
-        **os.environ,
-        "_STICKSLIP_COMPLETE": "bash_complete",
-        "COMP_WORDS": words,
-        "COMP_CWORD": str(count),
-    }
-    code = (
-        "import sys; from stickslip.cli.commands import main; "
-        "main(prog_name='stickslip', complete_var='_STICKSLIP_COMPLETE')"
-    )
+
+def asked(words: str, count: int) -> dict[str, str]:
+    """What bash tells of the word at `count`."""
+    return {"_STICKSLIP_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(count)}
+
+
+def completed(words: str, count: int) -> list[str]:
+    """What bash would offer for it."""
+    return CliRunner().invoke(main, prog_name="stickslip", env=asked(words, count)).stdout.split()
+
+
+def test_the_program_completes() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True, cwd=cwd
+        [sys.executable, "-c", CODE],
+        env={**os.environ, **asked("stickslip dis", 1)},
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    return done.stdout.split()
+    assert done.stdout.split() == ["plain,discover"]
 
 
 def test_commands_are_completed() -> None:
