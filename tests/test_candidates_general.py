@@ -79,6 +79,7 @@ def test_one_that_acts_on_no_place_of_the_rig_is_refused() -> None:
         ss.discover([chain(20, 6.0)], friction=LAWS, candidates=[lost])
 
 
+@pytest.mark.study
 def test_what_acts_is_named_by_its_formula_with_an_interval_that_covers() -> None:
     def damped(_: float, z: Floats) -> Floats:
         return np.array([-FADING * z[0] ** 2 * z[2], 0.0])

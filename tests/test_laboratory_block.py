@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from quick_figures import quickly
 from scattering import MASS, STIFFNESS, block_case
 from stickslip.shown.report.write import write_report
 
@@ -28,7 +29,9 @@ def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
     assert found.error.after < 1.3 * found.error.floor
 
 
-def test_a_damping_is_named_and_the_error_falls_to_the_noise(tmp_path: Path) -> None:
+def test_a_damping_is_named_and_the_error_falls_to_the_noise(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     c = 2.0
     case = ss.load_case(
         block_case(
@@ -48,6 +51,7 @@ def test_a_damping_is_named_and_the_error_falls_to_the_noise(tmp_path: Path) -> 
     assert number.high is not None
     assert number.low < c < number.high
     assert found.error.after < 1.3 * found.error.floor
+    quickly(monkeypatch)
     write_report(found, case, tmp_path / "out")
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
     assert report["effects"][0]["name"] == "block_viscous_damping"
@@ -74,6 +78,7 @@ def test_a_wrong_mass_is_named_and_nothing_beside_it(tmp_path: Path) -> None:
     assert found.error.after < found.error.before
 
 
+@pytest.mark.study
 def test_a_hum_of_its_sensor_is_told_with_its_period(tmp_path: Path) -> None:
     w, size = 314.0, 3 * 0.008
     path = block_case(
@@ -104,6 +109,7 @@ def test_a_wave_of_the_belt_comes_with_its_length(tmp_path: Path) -> None:
     assert all(math.isfinite(one) for one in (found.error.before, found.error.after, found.error.floor))
 
 
+@pytest.mark.study
 def test_a_curved_sensor_is_named(tmp_path: Path) -> None:
     q = -8.5
     path = block_case(tmp_path, few=True, seed=0, scatter=0.025, off=NEARLY, read=lambda _, x: x + q * x**2)
