@@ -256,6 +256,7 @@ def chain(law: ss.CoulombFriction, count: int = 3) -> ss.Model:
     return ss.Model(rig, friction=law)
 
 
+@pytest.mark.slow
 def test_a_chain_of_blocks_keeps_its_symmetry_and_simultaneous_releases() -> None:
     law = ss.HyperbolicFriction(scale=1, decay=3)
     v = 0.2

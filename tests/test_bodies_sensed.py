@@ -14,7 +14,7 @@ from stickslip.simulated.reference.integrate import advance
 
 Floats = NDArray[np.float64]
 LASTS = 1.2
-TIMES = np.linspace(0.0, LASTS, 97)
+TIMES = np.linspace(0.0, LASTS, 49)
 
 WAVY = ss.BodiesRig(
     body={"block": ss.Body(mass=1.0), "arm": ss.Body(inertia=0.02)},

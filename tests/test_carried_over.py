@@ -83,8 +83,8 @@ def test_it_forecasts_from_the_past_alone() -> None:
 
 def test_a_phase_is_known_from_the_windows_before() -> None:
     model = PLAIN.with_effects([FORCED])
-    t = np.arange(0.0, 160.0, DT)
-    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0.0, 0.0), t_end=160.0, t_eval=t)
+    t = np.arange(0.0, 110.0, DT)
+    run = ss.simulate(model, belt_speed=0.1, initial=(0.1, 0.1, 0.0, 0.0), t_end=110.0, t_eval=t)
     noisy = run.state[:, [0, 2]] + NOISE * np.random.default_rng(5).standard_normal((len(t), 2))
     columns = {"t": t, "x1": noisy[:, 0], "y1": noisy[:, 1]}
     one = ss.load_recording(columns, PLAIN.rig, belt_speed=0.1, noise={"x1": NOISE, "y1": NOISE})

@@ -56,6 +56,7 @@ def hummed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_what_acts_is_named_at_its_place_with_an_interval_that_covers(hummed: Path) -> None:
     report = json.loads((hummed / "found" / "report.json").read_text())
     jsonschema.validate(report, json.loads(SCHEMA.read_text()))

@@ -175,6 +175,7 @@ def test_a_belt_channel_that_the_block_contradicts_is_left_out() -> None:
     assert all((run.weight[:, 2] > 0).all() for run in data)
 
 
+@pytest.mark.slow
 def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
     case = make_case(length=40.0)
     found = discover(replace(case, runs=(case.runs[0], case.runs[-1])))

@@ -29,6 +29,7 @@ def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
     assert found.error.after < 1.3 * found.error.floor
 
 
+@pytest.mark.slow
 def test_a_damping_is_named_and_the_error_falls_to_the_noise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,6 +16,7 @@ import pytest
 import stickslip as ss
 from browser import chromium
 from every_object import BLOCK, COULOMB, MODEL, block_run, bodies, objects
+from quick_figures import quickly
 from stickslip.objects import Drawn, Sampled, same
 
 NO_INSTANCES = {"InputError", "ModelWarning", "NoLimitCycleError", "Status", "StickslipError"}
@@ -184,10 +185,11 @@ def test_what_a_file_is_called_is_text_and_no_markup() -> None:
     assert "script" not in Outline(evil._repr_html_()).tags
 
 
-def test_a_found_writes_its_report(tmp_path) -> None:
+def test_a_found_writes_its_report(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     found, case = example("Found"), example("Case")
     with pytest.raises(ss.InputError, match="holds no case"):
         found.write_report(tmp_path / "none")
+    quickly(monkeypatch)
     written = replace(found, case=case).write_report(tmp_path / "out")
     assert written[0] == tmp_path / "out" / "report.html"
     assert all(one.stat().st_size > 0 for one in written)
