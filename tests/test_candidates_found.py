@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from quick_figures import quickly
 from scattering import block_case, case
 from stickslip.discovery.laboratory import block
 from stickslip.discovery.laboratory.hypothesis import term
@@ -39,6 +40,7 @@ def close(one: ss.discovery.result.Interval, true: float) -> bool:
     return one.low < true < one.high
 
 
+@pytest.mark.study
 def test_an_effect_that_is_in_no_list_is_named_by_the_user_s_own(tmp_path: Path) -> None:
     acts = ss.effect("formula", called="true", c=10.0, **DRAG)
     path = case(tmp_path, (acts,), SCATTER, OFF, 2, few=True, more=MINE)
@@ -62,7 +64,10 @@ def test_an_effect_that_is_in_no_list_is_named_by_the_user_s_own(tmp_path: Path)
     assert (swept["status"] == 0).all()
 
 
-def test_one_of_a_block_is_named_in_the_units_of_the_case(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_one_of_a_block_is_named_in_the_units_of_the_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     acts = ss.effect("formula", called="true", where="block", force="-c*x1*x2", c=400.0)
     more = '[[candidate]]\nname = "mine"\nwhere = "block"\nforce = "-c*x1*x2"\n'
     more += 'ranges.c = ["0 N s/m^2", "3000 N s/m^2"]\n'
@@ -75,8 +80,15 @@ def test_one_of_a_block_is_named_in_the_units_of_the_case(tmp_path: Path) -> Non
     assert found.model.effects[0] == read.candidates[0].replace(c=found.effects[0].parameters["c"].value)
     assert found.error.after < 1.3 * found.error.floor
     assert all(np.isfinite(run.transition_time["after"]) for run in found.error.runs)
+    quickly(monkeypatch)
+    write_report(found, read, tmp_path / "out")
+    report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
+    assert report["effects"][0]["name"] == "mine"
+    assert "mine" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert ss.load_model(tmp_path / "out" / "model_after.toml") == found.model
 
 
+@pytest.mark.study
 def test_one_that_is_an_effect_of_the_catalogue_is_tied_with_it(tmp_path: Path) -> None:
     acts = ss.effect("block_viscous_damping", c=2.0)
     more = '[[candidate]]\nname = "mine"\nwhere = "block"\nforce = "-c*deflection_rate"\nranges.c = [0, 20]\n'

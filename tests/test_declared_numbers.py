@@ -33,7 +33,7 @@ SAID = {
 )
 def test_identify_says_what_was_declared(tmp_path: Path, said: str, scatter: bool) -> None:
     text, numbers = SAID[said]
-    case = case_of(rig_of(0.01), tmp_path, friction=text, length=4.0)
+    case = case_of(rig_of(0.01), tmp_path, friction=text, length=4.0, step=2e-3 if scatter else 1e-3)
     found = ss.identify(case, scatter=scatter)
     told = {name: one.declared for name, one in found.estimates.items()}
     base = {name: numbers.get(name.removesuffix("_plus")) for name in told}
@@ -45,7 +45,7 @@ def test_identify_says_what_was_declared(tmp_path: Path, said: str, scatter: boo
 
 
 def test_a_law_given_in_the_call_is_the_declared_one(tmp_path: Path) -> None:
-    case = case_of(rig_of(0.01), tmp_path, friction=OFF, length=4.0)
+    case = case_of(rig_of(0.01), tmp_path, friction=OFF, length=4.0, step=2e-3)
     law = ss.CoulombFriction(static=5.5, kinetic=4.4)
     assert ss.identify(case, friction=law).estimates["static"].declared == 5.5
     bare = ss.identify(case.train[0], rig=case.rig, scatter=True)

@@ -83,7 +83,10 @@ def agree(law: ss.FrictionLaw, *effects: ss.Effect | ss.Tabulated, physical: lis
     np.testing.assert_allclose(theirs.state / size, ours.state, atol=1e-6)
     read = [
         reference.readings(
-            model, reference.simulate(model, belt_speed=v, initial=z, t_end=float(at[-1])), at
+            model,
+            reference.simulate(model, belt_speed=v, initial=z, t_end=float(at[-1])),
+            at,
+            interpolated=True,
         )[:, 0]
         / unit
         for model, v, z, at, unit in (

@@ -42,6 +42,7 @@ def test_process_noise_alone_is_given_no_name() -> None:
     assert [named(NOTHING, seed) for seed in range(3)] == [[]] * 3
 
 
+@pytest.mark.slow
 def test_a_silent_verdict_leaves_the_declared_model() -> None:
     found = discover(surrogate(origin(), 0), draws=DRAWS)
     assert found.verdict is Verdict.no_effect

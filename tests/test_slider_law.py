@@ -66,7 +66,7 @@ def test_a_doubtful_gain_makes_the_law_as_doubtful() -> None:
 def test_the_intervals_are_as_wide_as_the_errors() -> None:
     """With the gain held they were a third as wide: of 40 intervals half held the truth."""
     z = []
-    for seed in range(5):
+    for seed in range(4):
         choice, runs = chosen(seed)
         law = law_beside(choice.chosen, choice, runs)[1]
         for name, truth in (("static", STATIC), ("kinetic", KINETIC)):
