@@ -188,8 +188,9 @@ def test_findings_are_printed(tmp_path: Path, command: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_lag_is_found_and_removed(tmp_path: Path) -> None:
+def test_a_lag_is_found_and_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = found_by_hand.write_case(tmp_path, si=True)
+    quickly(monkeypatch)
     result = invoke("discover", path, "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))

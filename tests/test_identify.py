@@ -330,7 +330,11 @@ def test_two_directions_are_identified_one_by_one_and_joined_as_the_page_says(tm
     cases = []
     for sign, said in ((1.0, ()), (-1.0, ("-10 mm/s", "-20 mm/s", "-30 mm/s"))):
         (tmp_path / f"{sign}").mkdir()
-        cases.append(case_of(rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth, length=4.0))
+        cases.append(
+            case_of(
+                rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth, length=4.0, step=2e-3
+            )
+        )
     with pytest.raises(ss.InputError, match=r"each direction separately and join the laws: .*static_plus"):
         ss.identify([*cases[0].train, *cases[1].train], rig=cases[0].rig)
     ahead, back = (ss.identify(case) for case in cases)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from quick_figures import quickly
 from slider_cases import KINETIC, MASS, NOISE, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.discovery.slider.loop import discover
 from stickslip.measured.findings import FindingKind
@@ -39,14 +40,17 @@ def test_without_sticks_no_speed_is_told() -> None:
         assert ridden_speed(t, x + noise, PERIOD) is None
 
 
-def test_one_run_in_a_wrong_unit_is_named_with_the_unit(tmp_path: Path) -> None:
-    case = case_of(rig_of(0.01), tmp_path, said=(10, "20 mm/s", "30 mm/s"))
+def test_one_run_in_a_wrong_unit_is_named_with_the_unit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = case_of(rig_of(0.01), tmp_path, said=(10, "20 mm/s", "30 mm/s"), length=6.0, step=2e-3)
     found = ss.identify(case)
     (said,) = [one for one in found.messages if "b10" in one]
     assert said.startswith(f"b10: no slip is used: {IN_M}: check belt_speed")
     assert said.endswith("in 'mm/s' it would be right")
     searched = discover(case, draws=5)
     assert said in searched.messages
+    quickly(monkeypatch)
     write_report(searched, case, tmp_path / "out")  # without the run that has no slip
     (finding,) = [one for one in case.runs[0].findings if one.kind is FindingKind.BELT]
     assert IN_M in str(finding)
