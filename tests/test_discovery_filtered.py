@@ -103,7 +103,7 @@ def test_an_effect_behind_it_is_not_thinned_away():
 
 @pytest.mark.study
 def test_a_search_thins_when_the_effect_is_found():
-    case = noisy(TAPS["mean of three"], (AGING,))
+    case = noisy(TAPS["mean of three"], (AGING,), length=60.0)
     found = ss.discover(case, threads=1)
     assert [one.name for one in found.effects] == ["static_aging"]
     assert found.residual_after.clean
