@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from quick_figures import quickly
 from stickslip.discovery.result import Verdict
 from stickslip.discovery.slider.choose import choose
 from stickslip.discovery.slider.loop import carried, discover
@@ -98,7 +99,7 @@ def test_two_wrong_constants_are_one_of_three_pairs() -> None:
     assert any("weigh the block" in one.what for one in found.experiments)
 
 
-def test_the_shipped_recording(tmp_path: Path) -> None:
+def test_the_shipped_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = discover(shipped(), draws=DRAWS)
     assert found.verdict is Verdict.effect_found
     effect = found.effects[0]
@@ -109,6 +110,7 @@ def test_the_shipped_recording(tmp_path: Path) -> None:
     assert found.error.after < found.error.before
     scatter = next(one for one in found.messages if "times the mean drop" in one)
     assert "events" in scatter
+    quickly(monkeypatch)
     write_report(found, shipped(), tmp_path / "out")
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
     assert report["verdict"] == "effect_found"

@@ -202,10 +202,10 @@ def test_noise_of_runs_sampled_unequally_is_that_of_one_sensor(long: Recording) 
 
 def test_a_block_on_a_belt_is_thinned_too() -> None:
     model = ss.Model(BLOCK, friction=ss.CoulombFriction(static=1.0, kinetic=0.6))
-    t = np.arange(60_000) * 0.005
+    t = np.arange(45_000) * 0.002
     run = ss.simulate(model, belt_speed=0.1, initial=(0.0, 0.1), t_end=float(t[-1]), t_eval=t)
     x = run.state[:, :1] + 1e-3 * np.random.default_rng(6).standard_normal((len(t), 1))
-    found = identify(recording(x, 0.005, BLOCK), rig=BLOCK, scatter=True)
+    found = identify(recording(x, 0.002, BLOCK), rig=BLOCK, scatter=True)
     assert [one.neighbours for one in found.thinned] == [2]
     assert found.estimates["static"].value == pytest.approx(1.0, abs=0.01)
     assert found.estimates["kinetic"].value == pytest.approx(0.6, abs=0.01)
