@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 
 import stickslip as ss
 from stickslip.errors import InputError
@@ -66,7 +66,7 @@ def test_a_sweep_gives_up_stiff_members_alone(lanes):
 
 @pytest.mark.parametrize("tau", [1e-12, 1e-9, 1e-4, 0.02, 0.1, 0.5, 3.0])
 def test_a_lag_does_not_set_the_steps_and_follows_its_equation(tau):
-    """tau m' = x1 - m along the motion, solved by scipy from the motion's dense output."""
+    """tau m' = x1 - m along the motion, in closed form where x1 is a line between dense times."""
     plain = run(t_end=20.0)
     times = np.linspace(0, 20, 401)
     lagged = run(ss.effect("sensor_lag", tau=tau), t_end=20.0, t_eval=times, initial=(*START, 0, 0, 0, 0.3))
@@ -79,11 +79,11 @@ def test_a_lag_does_not_set_the_steps_and_follows_its_equation(tau):
         return
     dense = np.linspace(0, 20, 200001)
     x1 = run(t_end=20.0, t_eval=dense).state[:, 0]
-    solved = solve_ivp(
-        lambda t, m: (np.interp(t, dense, x1) - m) / tau,
-        (0, 20), [0.3], "Radau", t_eval=times, rtol=1e-9, atol=1e-11, max_step=0.1,
-    )  # fmt: skip
-    np.testing.assert_allclose(lagged.hidden["m"], solved.y[0], atol=3e-8)
+    step = dense[1] / tau
+    kept = np.exp(-step)
+    now, before = 1 - (1 - kept) / step, (1 - kept) / step - kept
+    m, _ = scipy.signal.lfilter([now, before], [1, -kept], x1[1:], zi=[before * x1[0] + kept * 0.3])
+    np.testing.assert_allclose(lagged.hidden["m"][1:], m[499::500], atol=3e-8)
 
 
 def test_derivatives_pass_through_a_short_lag():
