@@ -133,3 +133,31 @@ def test_a_driven_slider_is_refused_in_one_line() -> None:
     result = CliRunner().invoke(main, ["check", str(Path(__file__).parent.parent / "examples/emps")])
     assert result.exit_code == 2
     assert len(result.output.splitlines()) == 1
+
+
+def test_a_direction_that_only_a_validate_run_shows_is_named(tmp_path: Path) -> None:
+    telling = can_tell(case(tmp_path, speeds=((0.005, "train"), (0.01, "train"), (-0.007, "validate"))))
+    assert said(
+        telling.lacks, "no slip with v_w > 0: nothing is told of friction that way (T_plus); train on r2"
+    )
+
+
+def test_runs_without_a_slip_are_not_told_to_run_the_other_way(tmp_path: Path) -> None:
+    telling = can_tell(case(tmp_path, speeds=SPEEDS[:2] + SPEEDS[2:], end=0.15))
+    assert not said(telling.lacks, "no slip with")
+    assert said(telling.lacks, "r0: no slip between two sticks")
+
+
+def test_long_names_of_runs_are_whole_in_the_table(tmp_path: Path) -> None:
+    case(tmp_path, speeds=((0.005, "train"), (0.01, "validate")))
+    text = (tmp_path / "rig.toml").read_text()
+    for i in (0, 1):
+        name = f"a_recording_with_a_long_name_of_day_{i}.csv"
+        (tmp_path / f"r{i}.csv").rename(tmp_path / name)
+        text = text.replace(f"r{i}.csv", name)
+    (tmp_path / "rig.toml").write_text(text)
+    printed = CliRunner().invoke(main, ["check", str(tmp_path)]).output
+    cells = "".join(line.split(" ")[0] for line in printed.splitlines())
+    assert "a_recording_with_a_long_name_of_day_0" in cells
+    assert "a_recording_with_a_long_name_of_day_1" in cells
+    assert "e+0" not in printed  # a slip of some thousand times the noise

@@ -177,3 +177,11 @@ def test_odd_names_are_written_so_that_they_are_read(tmp_path: Path) -> None:
     result = init(file, *CONSTANTS, "--title", 'say "dry" \\ wet')
     assert result.exit_code == 0, result.output
     assert ss.load_case(folder).title == 'say "dry" \\ wet'
+
+
+def test_a_column_that_cannot_be_read_is_named_rather_than_asked_for(tmp_path: Path) -> None:
+    rows = [f"{0.002 * i:.3f},{'nan' if i == 40 else 0.1 * (i % 30)}" for i in range(300)]
+    (tmp_path / "run.csv").write_text("\n".join(["Time [s],Deflection [mm]", *rows, ""]))
+    result = init(tmp_path / "run.csv", "--constant", "m=0.5", "--constant", "k=500")
+    assert result.exit_code == 2
+    assert "run.csv, column 'Deflection': line 42: nan; every sample needs a finite number" in result.output

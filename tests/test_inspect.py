@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
 from click.testing import CliRunner, Result
 
 import stickslip as ss
@@ -83,3 +84,10 @@ def test_a_file_of_simulate_says_all_of_its_units(tmp_path: Path) -> None:
     found = inspect(tmp_path / "run.csv")
     assert found.time is not None
     assert found.time.name == "t"
+
+
+def test_a_file_that_says_nothing_of_itself_ends_its_line(tmp_path: Path) -> None:
+    scipy.io.savemat(tmp_path / "run.mat", {"t": np.arange(20) * 0.5, "F": np.sin(np.arange(20.0))})
+    printed = run(tmp_path / "run.mat").output
+    assert printed.splitlines()[0].endswith("a MATLAB file")
+    assert "2 samples in 1, of a unit that the file does not say" in printed

@@ -45,8 +45,8 @@ def runs_table(told: Telling, case: Case) -> Table:
     """The runs, a row each."""
     belt = scales(case.rig, case.channels)["belt"]
     table = Table(box=SIMPLE, pad_edge=False, show_edge=False)
-    table.add_column("run")
-    table.add_column("role")
+    table.add_column("run", overflow="fold")  # the ends of names tell runs apart
+    table.add_column("role", no_wrap=True)
     for name in ("belt speed", "sticks", "slips", "samples a slip", "slip over noise"):
         table.add_column(name, justify="right")
     for one in told.looks:
@@ -57,7 +57,7 @@ def runs_table(told: Telling, case: Case) -> Table:
             str(one.sticks),
             str(one.minus + one.plus),
             f"{one.samples:g}",
-            f"{one.size:.3g}",
+            f"{one.size:.3g}" if one.size < 100 else f"{one.size:.0f}",
         )
     return table
 

@@ -38,7 +38,7 @@ def inspect(file: Path, figure: Path | None) -> None:
     drawn = [] if figure is None else _targets(figure, file)
     found = look(file)
     console.print(
-        f"{file}: {found.contents.kind}; {'; '.join(found.contents.facts)}", markup=False, soft_wrap=True
+        f"{file}: {'; '.join([found.contents.kind, *found.contents.facts])}", markup=False, soft_wrap=True
     )
     console.print(columns_table(found))
     for line in _of_time(found):
@@ -89,7 +89,7 @@ def _of_time(found: Inspection) -> list[str]:
         return []
     t, unit = found.time.values, found.time.unit
     own = "" if unit is None else f" {unit}"
-    rate = f"{found.rate:.6g} samples in 1{own or ' of it'}"
+    rate = f"{found.rate:.6g} samples in 1{own or ', of a unit that the file does not say'}"
     if unit is not None and same_dimension(unit, "s"):
         rate = f"{found.rate / in_si(unit, 's', what='a time'):.6g} samples a second"
     return [f"{found.time.head} lasts {t[-1] - t[0]:.6g}{own} in steps of {1 / found.rate:.6g}{own}: {rate}"]

@@ -111,7 +111,7 @@ def can_tell(case: Case) -> Telling:
     train = [one for one, look in zip(looked, looks, strict=True) if look.role == "train"]
     law = case.friction if case.declared_law is not None or isinstance(case.rig, Rig) else CoulombFriction()
     hidden, alike, judged = _ties(train, law, two_degree=isinstance(case.rig, Rig))
-    told, lacks = _of_branches([one for one in looks if one.role == "train"], law)
+    told, lacks = _of_branches(looks, law)
     lacks += [*_of_roles(looks), *(words for one in looks for words in _of_run(one))]
     return Telling(looks, tuple(told), tuple(lacks), hidden, alike, judged)
 
@@ -133,17 +133,21 @@ def _look(one: Measured, role: str, rig: AnyRig) -> Look:
     )
 
 
-def _of_branches(train: Sequence[Look], law: FrictionLaw) -> tuple[list[str], list[str]]:
+def _of_branches(looks: Sequence[Look], law: FrictionLaw) -> tuple[list[str], list[str]]:
     """What is told of both directions of slip, and what is not."""
     told, lacks = [], []
-    branches: tuple[tuple[Branch, str, int], ...] = (
-        ("minus", "v_w < 0", sum(one.minus for one in train)),
-        ("plus", "v_w > 0", sum(one.plus for one in train)),
-    )
-    for name, which, count in branches:
-        numbers = len(law_parameters(law)[name])
+    if not any(one.minus + one.plus for one in looks):
+        return [], []  # what each run says of it is enough
+    branches: tuple[tuple[Branch, str], ...] = (("minus", "v_w < 0"), ("plus", "v_w > 0"))
+    for name, which in branches:
+        numbers, count = (
+            len(law_parameters(law)[name]),
+            sum(getattr(one, name) for one in looks if one.role == "train"),
+        )
         if not count:
-            lacks.append(f"no slip with {which}: nothing is told of T_{name}; run the belt the other way too")
+            others = [one.name for one in looks if getattr(one, name)]
+            remedy = f"train on {others[0]}, which has some" if others else "run the belt the other way too"
+            lacks.append(f"no slip with {which}: nothing is told of friction that way (T_{name}); {remedy}")
         elif count <= numbers:
             slips = "1 slip" if count == 1 else f"{count} slips"
             lacks.append(

@@ -244,9 +244,9 @@ def _found(
 
     @cache
     def alone() -> Identified:
-        from stickslip.fitted.slip_levels import identify_events
+        from stickslip.fitted.both_ways import identify_slips
 
-        return identify_events(
+        return identify_slips(
             material.runs,
             material.rig,
             declared=material.friction,

@@ -131,7 +131,7 @@ def event_messages(
     preference: float,
     events: Events,
     unit: str,
-    declared: bool,
+    declared: bool | None,
     better: str | None = None,
     how: str = "fitted one by one",
 ) -> tuple[str, ...]:
@@ -144,7 +144,7 @@ def event_messages(
     unit
         Written behind forces.
     declared
-        Whether the numbers of the direction never visited are declared ones.
+        Whether the numbers of the direction never visited are declared ones; None: it is visited by other runs.
     better
         What BIC would have chosen, where the kind was declared; None where it chose.
     how
@@ -170,16 +170,19 @@ def event_messages(
         "numbers or their intervals; is the belt's speed right, does the block stick between them, is the "
         "noise too large?"
     )
-    return (
-        *((doubt,) if share > POOR else ()),
-        f"{len(events.t)} slips {how}; {chosen}",
-        f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
-        f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
-        f"a single slip is reproduced to {percent(share)} of its amplitude (median)",
+    unseen = (
         f"branch T_{other} was never visited: its numbers are unidentified, "
         + (
             "the declared ones are kept"
             if declared
             else f"T_{branch}'s are repeated, as its own are not declared"
         ),
+    )
+    return (
+        *((doubt,) if share > POOR else ()),
+        f"{len(events.t)} slips {how}; {chosen}",
+        f"breakaway force: median {q[1]:.4g}{unit}, 90 % of slips between {q[0]:.4g} and {q[2]:.4g}{unit}",
+        f"drop at breakaway: {drop.mean():.4g}{unit}, {drop.std(ddof=1):.2g}{unit} (1 sigma) from slip to slip",
+        f"a single slip is reproduced to {percent(share)} of its amplitude (median)",
+        *(unseen if declared is not None else ()),
     )

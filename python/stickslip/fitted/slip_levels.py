@@ -100,8 +100,10 @@ def identify_events(
     unit: str = "",
     undeclared: Sequence[str] = (),
     why_idle: Callable[[int], str],
+    kind: Kind | None = None,
+    both: bool = False,
 ) -> Identified:
-    """Identify Coulomb or hyperbolic friction from the slips of a block on a belt.
+    """Identify Coulomb or hyperbolic friction from the slips of a block on a belt that runs one way.
 
     Parameters
     ----------
@@ -119,6 +121,10 @@ def identify_events(
         Numbers of `declared` that are the library's defaults.
     why_idle : callable
         Says, for the number of a run, why no slip of it is used.
+    kind : "coulomb" or "hyperbolic", optional
+        What all runs have chosen, those of the other direction too.
+    both : bool
+        Whether the other direction is identified from further runs: nothing is said of it then.
 
     Returns
     -------
@@ -127,7 +133,7 @@ def identify_events(
     Raises
     ------
     InputError
-        If the rig has two degrees of freedom, or fewer than three slips are found.
+        If the rig has two degrees of freedom, the belt does not run one way, or fewer than three slips are found.
     """
     if not isinstance(rig, BlockOnBelt):
         raise InputError("slips are fitted one by one only for a BlockOnBelt; use scatter=False")
@@ -145,7 +151,8 @@ def identify_events(
     }
     idle = tuple(f"{r.name}: no slip is used: {why[i]}" for i, r in enumerate(runs) if i not in used)
     if len(slips) < 3:
-        raise InputError("; ".join([f"{len(slips)} slips found; at least 3 are needed", *idle]))
+        count = "1 slip" if len(slips) == 1 else f"{len(slips)} slips"
+        raise InputError("; ".join([f"{count} found; at least 3 are needed", *idle]))
     speed = float(np.median([s.speed for s in slips]))
     falling, decay, profile = hyperbolic(speed, coulomb, rig, noise, simulator, tell)
     # three numbers a slip in both laws; the hyperbolic one has one more for all
@@ -154,11 +161,11 @@ def identify_events(
     preference = gain - float(np.log(readings))
     tell("bootstrap", 0.85)
     told = DeclaredLaw(declared, frozenset(undeclared))
-    if (told.kind or preferred(preference)) == "hyperbolic":
+    if (kind or told.kind or preferred(preference)) == "hyperbolic":
         choice = _Choice("hyperbolic", falling, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    found = _conclude(runs, rig, branch, choice, slips, noise, told, unit)
+    found = _conclude(runs, rig, branch, choice, slips, noise, told, unit, both=both)
     return replace(found, messages=(*found.messages, *idle))
 
 
@@ -171,8 +178,7 @@ def _branch(runs: Sequence[Measured]) -> Branch:
     directions = {np.sign(r.belt_speed) for r in runs}
     if len(directions) != 1 or 0.0 in directions:
         raise InputError(
-            "slips are fitted one by one for one belt direction; identify each direction separately and join the laws: "
-            "the runs of a negative belt speed give static_plus and kinetic_plus"
+            "a belt at rest has no slips to fit one by one; identify its runs alone, as ring-downs"
         )
     return "minus" if directions == {1.0} else "plus"
 
@@ -263,6 +269,8 @@ def _conclude(
     noise: Array,
     declared: DeclaredLaw,
     unit: str,
+    *,
+    both: bool,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
     level = levels(shot)
@@ -298,7 +306,7 @@ def _conclude(
             preference,
             events,
             unit,
-            known is not None,
+            None if both else known is not None,
             better=preferred(preference) if declared.kind else None,
         ),
     )
@@ -345,6 +353,12 @@ def _law(
     return MAKE[kind](**{n: e.value for n, e in estimates.items()}), estimates
 
 
+def plateau_over_set_point(runs: Sequence[Measured]) -> float:
+    """Return the mean ratio of the runs whose sticks last long enough to show a speed; nan without any."""
+    seen = [run.plateau / run.set_point for run in runs if np.isfinite(run.plateau)]
+    return float(np.mean(seen)) if seen else float("nan")
+
+
 def _diagnostics(
     runs: Sequence[Measured], shot: Shot, preference: float, events: Events, rig: BlockOnBelt
 ) -> dict[str, float]:
@@ -355,7 +369,7 @@ def _diagnostics(
         "level_correlation_events": correlation_length(events.static),
         "rms_residual": float(np.median(events.rms)),
         "rms_residual_of_amplitude": float(np.median(events.rms / events.amplitude)),
-        "plateau_over_set_point": float(np.nanmean([r.plateau / r.set_point for r in runs])),
+        "plateau_over_set_point": plateau_over_set_point(runs),
         "stiffness": rig.stiffness,
         "runs": float(len(runs)),
         "windows": float(len(shot.windows)),

@@ -182,6 +182,8 @@ class Case(Drawn):
         runs = tuple(run for run in self.runs if run.role == role)
         if not runs:
             words = f"no [[run]] has role = '{role}'; give it to at least one"
+            if len(self.runs) == 1:
+                words += ", or give the one run twice: its beginning with `to`, the rest with `from`"
             raise InputError(words, place=Place(str(self.path)))
         return runs
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.declared.units import DIMENSIONS, Channel, is_angle, is_electric, same_dimension
-from stickslip.errors import InputError, did_you_mean, number
+from stickslip.errors import InputError, Place, did_you_mean, number
 from stickslip.measured.heads import unit_in
 from stickslip.measured.inspection import Column, Inspection
 from stickslip.measured.lacking import LackingError
@@ -130,9 +130,12 @@ def _measures(name: str, unit: str) -> bool:
 
 
 def _must_not_lack(name: str, kind: str, found: Inspection) -> None:
-    """Ask for a channel that the rig cannot do without."""
+    """Ask for a channel that the rig cannot do without, or say why its column cannot be read."""
     if name == "belt" or (name == "spring_force" and kind == "block_on_belt"):
         return
+    for one in found.columns:
+        if one.values is None and one.unit is not None and _measures(name, one.unit):
+            raise InputError(one.doubt, place=Place(str(found.path), column=one.head))
     either = "x1 or spring_force" if kind == "block_on_belt" and name == "x1" else name
     there = ", ".join(one.head for one in found.columns)
     raise LackingError(f"the column of {either}; there are {there}", option="--channel", begins=f"{name}=")
