@@ -166,3 +166,13 @@ def test_too_short_a_record_is_refused() -> None:
     ]
     with pytest.raises(InputError, match="12 are needed to see how friction scatters"):
         ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
+
+
+def test_a_channel_that_never_changes_is_refused() -> None:
+    """Sizes of effects there overflowed."""
+    case = CASES["pin"]()
+    t, read = recorded(case, 70, lasts=4.0)
+    read[:, 1] = 0.0
+    runs = [recording(case, t, read), recording(case, t, read, role="validate")]
+    with pytest.raises(InputError, match=r"across.* reads the same at all times"):
+        ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]

@@ -42,7 +42,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     Raises
     ------
     InputError
-        A law has states of its own; the runs are too short.
+        A law has states of its own; the runs are too short; a channel never changes.
     StickslipError
         No law of the declared kind moves the rig like the readings.
     """
@@ -50,6 +50,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     declared = case.model()
     plain = Model(declared.rig, friction=declared.friction)
     bench = bench_of(plain, case.train, case.uncertainty, candidates=case.candidates)
+    _moving(bench.data)
     if len(bench.stretches) < bench.policy.fewest_windows:
         words = f"the train runs hold {len(bench.stretches)} windows, from stick to stick or a natural period long"
         raise InputError(f"{words}; {bench.policy.fewest_windows} are needed to see how friction scatters")
@@ -67,6 +68,13 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         words = "laws of this kind do not move the rig like the readings; are rig, units and speeds right?"
         raise StickslipError(words)
     return _found(case, bench, found, validate, tell, (began, len(every.stretches) - len(bench.stretches)))
+
+
+def _moving(runs: Sequence[BodiesData]) -> None:
+    """Refuse runs in which a channel never changes: how large anything is there, they do not say."""
+    for c, name in enumerate(runs[0].channels):
+        if name != "belt" and not any(np.ptp(run.readings[:, c]) for run in runs):
+            raise InputError("reads the same at all times; leave it out, or see to its sensor", key=name)
 
 
 def _found(
