@@ -10,6 +10,8 @@ import pytest
 
 import stickslip as ss
 from discover_cases import make_case
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import of_term, term
@@ -121,3 +123,35 @@ def test_a_contact_that_its_score_promises_nothing_stays_a_candidate(bench: Belt
     (one,) = [c for c in screened(bench, fit, ()).ranked if c.term.name == "contact_compliance"]
     assert one.gain == 0
     assert one.worth(len(bench.stretches)) < 0
+
+
+@pytest.mark.parametrize("swells", [False, True])
+def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, swells: bool
+) -> None:
+    """A law whose friction scatters by 30 % moves like no reading: draws beside it hid a peak that gained 1,475."""
+    usual = fit.windows.scatter()
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    null = Trial((), replace(fit, population=replace(usual, static=0.3) if swells else usual))
+    best = Trial((term(kind, {"k": 4.0}),), replace(fit, population=usual, deviance=fit.deviance - 1475.0))
+    asked: list[Fit] = []
+
+    def gate(_: BeltBench, at: Fit, screen: Screen, *__: object) -> Gate:
+        asked.append(at)
+        assert screen is screens[at.deviance]
+        return Gate(np.array([5.0]), 1200.0 if at.deviance == fit.deviance else 9.0)
+
+    screens = {one.fit.deviance: Screen((), ()) for one in (null, best)}
+    monkeypatch.setattr(searching, "gate", gate)
+    monkeypatch.setattr(searching, "screened", lambda _, at, *__: screens[at.deviance])
+    monkeypatch.setattr(searching, "explained", lambda _: True)
+    monkeypatch.setattr(searching, "all_full", lambda *_: ([best], ()))
+    monkeypatch.setattr(searching, "leader_anew", lambda *_: [best])
+    monkeypatch.setattr(searching, "told_by_sizes", lambda _: math.inf)
+    monkeypatch.setattr(searching, "_of_constants", lambda *_: best)
+    monkeypatch.setattr(searching, "_again", lambda _, base, __: base)
+    one = replace(bench, policy=replace(bench.policy, most_effects=1))
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    found = searching.search(one, known, lambda _: None, base=null)
+    assert [one.deviance for one in asked] == [best.deviance if swells else fit.deviance]
+    assert found.steps[0].gate.threshold == (9.0 if swells else 1200.0)

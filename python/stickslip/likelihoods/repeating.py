@@ -28,9 +28,9 @@ def explained(fit: Fit) -> bool:
 
 def swollen(fit: Fit) -> bool:
     """Return whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
-    p, policy = fit.population, fit.windows.policy
-    usual = ((p.level, policy.level_sd), (p.curve, policy.curve_sd), (p.static, policy.static_sd))
-    return any(size > centre * math.exp(policy.scatter_spread) for size, centre in usual)
+    policy = fit.windows.policy
+    usual = max(policy.level_sd, policy.curve_sd, policy.static_sd)
+    return max(fit.population.friction) > usual * math.exp(policy.scatter_spread)
 
 
 def repeats(fit: Fit) -> bool:

@@ -18,17 +18,26 @@ from stickslip.discovery.laboratory.trials import Trial, all_full, anew, leader_
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted, null
-from stickslip.likelihoods.repeating import explained, lost
+from stickslip.likelihoods.repeating import explained, lost, swollen
 
 
 @dataclass
 class Step:
-    """One step forward: the hypothesis before it, what was scored and fitted, and what scatter alone would gain."""
+    """
+    One step forward.
+
+    Parameters
+    ----------
+    base, screen, trials : the hypothesis before it, what was scored beside it, and what was fitted
+    gate : what scatter alone would gain
+    beside : what was scored beside the best of the trials, where the gate is from there
+    """
 
     base: Trial
     screen: Screen
     trials: list[Trial]
     gate: Gate
+    beside: Screen | None = None
 
 
 @dataclass
@@ -68,8 +77,9 @@ def search(
         tell("fitting the declared law, its constants and its scatter")
         base = Trial((), null(bench.windows(), bench.policy, twice=True))
     out = Searched(base, base)
+    screen: Screen | None = None
     while len(base.terms) < bench.policy.most_effects:
-        step, base = _forward(bench, base, tell, seed, workers)
+        step, base = _forward(bench, base, tell, seed, workers, screen)
         if not base.terms:
             out.null = base
         out.steps.append(step)
@@ -78,6 +88,7 @@ def search(
         if not passing:
             break
         base = min(passing, key=Trial.whole)
+        screen = step.beside if base is min(step.trials, key=Trial.whole) else None
     out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell, workers))
     return out
 
@@ -126,13 +137,21 @@ def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) ->
 
 
 def _forward(
-    bench: Bench, base: Trial, tell: Callable[[str], None], seed: int, workers: Workers
+    bench: Bench,
+    base: Trial,
+    tell: Callable[[str], None],
+    seed: int,
+    workers: Workers,
+    scored: Screen | None = None,
 ) -> tuple[Step, Trial]:
-    """Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second."""
+    """
+    Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second.
+
+    What is `scored` beside it already is not scored again.
+    """
     trials: list[Trial] = []
     for turn in range(2):
-        tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
-        screen = screened(bench, base.fit, base.terms, workers)
+        screen = _scored(bench, base, tell, workers) if scored is None or turn else scored
         worthy = _worthy(bench, screen)
         tell(f"fitting {', '.join(one.term.name for one in worthy)}")
         fits, done = all_full(bench, base, worthy, workers)
@@ -148,8 +167,17 @@ def _forward(
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    best_fit = min([base, *trials], key=Trial.whole).fit
-    return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best_fit)), base
+    best = min([base, *trials], key=Trial.whole)
+    if not (swollen(base.fit) and explained(best.fit) and not swollen(best.fit)):
+        return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best.fit)), base
+    # what scatter would do to motions that are not those of the readings, nobody asks
+    beside = _scored(bench, best, tell, workers)
+    return Step(base, screen, trials, gate(bench, best.fit, beside, seed, best.fit), beside), base
+
+
+def _scored(bench: Bench, base: Trial, tell: Callable[[str], None], workers: Workers) -> Screen:
+    tell("scoring every effect" + (f" beside {' and '.join(base.names)}" if base.terms else ""))
+    return screened(bench, base.fit, base.terms, workers)
 
 
 def _worthy(bench: Bench, screen: Screen) -> list[Candidate]:
