@@ -183,7 +183,7 @@ class Case(Drawn):
         if not runs:
             words = f"no [[run]] has role = '{role}'; give it to at least one"
             if len(self.runs) == 1:
-                words += ", or give the one run twice: its beginning with `to`, the rest with `from`"
+                words += ", or give the one run twice, to = ... and from = ..."
             raise InputError(words, place=Place(str(self.path)))
         return runs
 

@@ -28,14 +28,9 @@ class BeltSpeed:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import stickslip as ss
-    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
-    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
-    >>> t = np.arange(0, 6, 0.002)
-    >>> x = ss.simulate(model, belt_speed=0.01, t_end=6, t_eval=t).x1
-    >>> x = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)  # m
-    >>> found = ss.signals.find_belt_speed(t, x, set_point=0.01)
+    >>> from stickslip import data, signals
+    >>> t, x = data.stick_slip()  # s, m; the belt runs at 0.01 m/s
+    >>> found = signals.find_belt_speed(t, x, set_point=0.01)
     >>> print(f"{found.share:.0%} of the windows ride the belt")
     71% of the windows ride the belt
     """
@@ -77,14 +72,9 @@ def find_belt_speed(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import stickslip as ss
-    >>> rig = ss.BlockOnBelt(mass=0.5, stiffness=500)  # kg, N/m
-    >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))  # N
-    >>> t = np.arange(0, 6, 0.002)
-    >>> x = ss.simulate(model, belt_speed=0.01, t_end=6, t_eval=t).x1
-    >>> x = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)  # m
-    >>> found = ss.signals.find_belt_speed(t, 1.1 * x, set_point=0.01)  # a sensor 10 % off
+    >>> from stickslip import data, signals
+    >>> t, x = data.stick_slip()  # s, m; the belt runs at 0.01 m/s
+    >>> found = signals.find_belt_speed(t, 1.1 * x, set_point=0.01)  # a sensor 10 % off
     >>> print(f"{found.speed:.4f} m/s")
     0.0110 m/s
     """
