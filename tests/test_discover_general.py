@@ -1,6 +1,7 @@
 """`discover` on rigs of bodies and matrices, against records of a simulator written apart."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -17,7 +18,9 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
 from stickslip.discovery.general_rig.kinds import Sizes
 from stickslip.discovery.general_rig.result import GeneralFound
+from stickslip.discovery.laboratory import search as search_of
 from stickslip.discovery.laboratory.hypothesis import label
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import Verdict
 from stickslip.errors import InputError
 from stickslip.likelihoods.fit import null
@@ -176,3 +179,22 @@ def test_a_channel_that_never_changes_is_refused() -> None:
     runs = [recording(case, t, read), recording(case, t, read, role="validate")]
     with pytest.raises(InputError, match=r"across.* reads the same at all times"):
         ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
+
+
+def test_a_constant_beside_which_nothing_moves_is_no_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its fit went astray from a null that explained nothing, and the whole search was given up."""
+    own = bench("pin", lasts=3.0)
+    assert isinstance(own.model.rig, ss.MatricesRig)
+    K = 1.3 * np.array(own.model.rig.K)
+    rig = replace(own.model.rig, K=K)
+    off = replace(
+        own, model=ss.Model(rig, friction=own.model.friction), policy=replace(own.policy, most_effects=0)
+    )
+    base = Trial((), null(off.windows(), off.policy))
+    known = Uncertainty.usual(rig, channels=("along", "across"))
+
+    def fails(*_: object, **__: object) -> None:
+        raise FloatingPointError
+
+    monkeypatch.setattr(search_of, "fitted", fails)
+    assert search_of.search(off, known, lambda _: None, base=base).chosen is base

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -18,6 +19,7 @@ from stickslip.discovery.laboratory.trials import Trial, all_full, anew, leader_
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted, null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import explained, lost, swollen
 
 
@@ -128,12 +130,21 @@ def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) ->
     """A hypothesis fitted with one constant free; itself if that constant is as declared after all."""
     free = replace(bench, declared=wrong.declared)
     first = replace(trial.fit, windows=free.windows(trial.terms))
-    fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
+    fit = _from(bench, first)
+    if fit is None:
+        return trial
     # what the readings say of it where it is free
     again = next((one for one in freed(bench, fit, known) if one.name == wrong.name), wrong)
     terms = terms_at(trial.terms, fit.windows, fit.at)
     found = replace(again, gain=wrong.gain, rivals=wrong.rivals)
     return Trial(terms, fit, trial.known, found) if again.beyond else trial
+
+
+def _from(bench: Bench, start: Fit) -> Fit | None:
+    """A start beside a hypothesis, fitted; None where it ends at numbers that no window can be simulated with."""
+    with suppress(FloatingPointError):
+        return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
+    return None
 
 
 def _forward(
@@ -210,8 +221,8 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     p = len(base.fit.at)
     at = windows.bounded(best.fit.at[:p])
     first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
-    fit = fitted(first, bench.policy, bench.policy.candidate_steps, held=2)
-    if fit.deviance >= base.fit.deviance or lost(fit):
+    fit = _from(bench, first)
+    if fit is None or fit.deviance >= base.fit.deviance or lost(fit):
         return base
     return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 
