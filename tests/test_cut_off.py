@@ -71,6 +71,18 @@ def test_a_file_without_a_last_line_end_is_read_where_its_last_number_is_whole(
     assert not said(run)
 
 
+@pytest.mark.parametrize(
+    "head", ["t,x", "# recorded in room 3\nt,x", "t,x\ns,mm", "Gain,12.5\nDate,today\nt,x"]
+)
+def test_lines_above_the_rows_do_not_tell_how_numbers_are_written(tmp_path: Path, head: str) -> None:
+    text = "\n".join([head, *FIXED])
+    run = load(tmp_path / "run.csv", text.encode())
+    assert len(run) == 40
+    assert not said(run)
+    with pytest.raises(ss.InputError, match=r"'-0.0560' ends the file, with fewer digits"):
+        load(tmp_path / "run.csv", text[:-2].encode())
+
+
 def test_a_column_that_nobody_asks_for_may_be_cut(tmp_path: Path) -> None:
     rows = [f"{row},{k}" for k, row in enumerate(SHORT)]
     assert not said(load(tmp_path / "run.csv", "\n".join(["t,x,count", *rows]).encode()))

@@ -11,10 +11,11 @@ import re
 from collections.abc import Sequence
 
 from stickslip.errors import InputError, Place, quoted
-from stickslip.measured.readers.dialect import Layout, bare, cells_of, opened
+from stickslip.measured.readers.dialect import Layout, bare, cells_of, opened, rows_from
 
 TAIL = 1 << 16  # bytes at the end that are looked at
 ALIKE = 20  # rows that must be written alike before a last one that is shorter is refused
+_END = re.compile(r"\r\n|\r|\n")
 _NUMBER = re.compile(r"[+-]?\d*(?:[.,](\d*))?([eE][+-]?\d*)?")
 _PAIR = re.compile(
     r"\W*(.+?)[\s\"':=;,]+(\d+)\W*(?:points|samples)?\W*", re.IGNORECASE
@@ -49,7 +50,7 @@ COUNTS = {  # the names under which instruments write how many samples there are
 
 def unended(layout: Layout) -> bool:
     """Say whether the last line of a file has no line end."""
-    return bool(tail := _tail(layout)) and not tail.endswith(("\n", "\r"))
+    return _is_unended(_tail(layout))
 
 
 def last_number(layout: Layout, names: Sequence[str]) -> tuple[str, ...]:
@@ -65,16 +66,16 @@ def last_number(layout: Layout, names: Sequence[str]) -> tuple[str, ...]:
     InputError
         It is cut short: it has fewer decimals than all above it.
     """
-    if not unended(layout):
+    if not _is_unended(tail := _tail(layout)):
         return ()
-    *above, last = _tail(layout).splitlines()
+    *above, last = _END.split(tail)
     cells = cells_of(text, layout.delimiter) if (text := bare(last, layout.delimiter)) else []
     if not cells or not cells[-1] or last[-1] in '" \t' or len(cells) > len(layout.header):
         return ()  # something that follows the number shows its end
     at, cell = len(cells) - 1, cells[-1]
     if layout.header[at] not in names:
         return ()
-    texts = [bare(line, layout.delimiter) for line in above[1:]]  # the first may be half a line
+    texts = [bare(line, layout.delimiter) for line in above]
     rows = [cells_of(one, layout.delimiter) for one in texts if one]
     others = [row[at] for row in rows if at < len(row) and row[at]]
     forms = {_form(one) for one in others}
@@ -100,15 +101,20 @@ def told_count(layout: Layout, count: int) -> tuple[str, ...]:
     return ()
 
 
+def _is_unended(tail: str) -> bool:
+    return bool(tail) and not tail.endswith(("\n", "\r"))
+
+
 def _tail(layout: Layout) -> str:
-    """The end of a file, from somewhere in a line on."""
+    """The last rows of a file, as it is written."""
     width = {"utf-16": 2, "utf-32": 4}.get(layout.encoding[:6], 1)
-    size = os.path.getsize(layout.path)
-    begin = max(layout.mark, size - TAIL)
+    first, size = rows_from(layout), os.path.getsize(layout.path)
+    begin = max(first, size - TAIL)
     begin += -(begin - layout.mark) % width
     with layout.path.open("rb") as stream:
         stream.seek(begin)
-        return stream.read().decode(layout.encoding, errors="ignore")
+        text = stream.read().decode(layout.encoding, errors="ignore")
+    return text if begin <= first else _END.split(text, maxsplit=1)[-1]  # it began somewhere in a line
 
 
 def _form(cell: str) -> tuple[int, ...] | int:

@@ -79,6 +79,15 @@ def opened(file: Path, encoding: str, mark: int, newline: str | None = None) -> 
     return stream
 
 
+def rows_from(layout: Layout) -> int:
+    """Return the byte at which the rows begin."""
+    at = layout.mark
+    with opened(layout.path, layout.encoding, layout.mark, newline="") as stream:
+        for _ in range(layout.first - 1):
+            at += len(stream.readline().encode(layout.encoding))
+    return at
+
+
 def bare(line: str, delimiter: str) -> str:
     """Return a row without comment and line end; separators stay, those at its ends too: cells that are empty."""
     text = line.partition("#")[0].strip("\r\n " if delimiter == "\t" else None)

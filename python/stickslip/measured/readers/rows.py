@@ -12,7 +12,7 @@ from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
 from stickslip.measured.readers.cut_off import last_number, told_count, unended
-from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened
+from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened, rows_from
 from stickslip.measured.readers.memory import ratio
 
 
@@ -81,7 +81,7 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> d
     places = [layout.header.index(name) for name in names]
     try:
         with layout.path.open("rb") as stream:
-            stream.seek(_offset(layout))
+            stream.seek(rows_from(layout))  # quotation marks above would bind
             frame = pd.read_csv(
                 stream,
                 sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
@@ -103,15 +103,6 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> d
         words = f"{count} lines but {len(frame)} rows: a quotation mark is opened and not closed on its line"
         raise InputError(words, place=Place(str(layout.path)))
     return {name: frame[place].to_numpy(dtype=np.float64) for name, place in zip(names, places, strict=True)}
-
-
-def _offset(layout: Layout) -> int:
-    """The byte at which the rows begin: pandas is not shown what stands above, where quotation marks would bind."""
-    at = layout.mark
-    with opened(layout.path, layout.encoding, layout.mark, newline="") as stream:
-        for _ in range(layout.first - 1):
-            at += len(stream.readline().encode(layout.encoding))
-    return at
 
 
 def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
