@@ -283,7 +283,7 @@ def test_effects_and_laws_that_do_not_go_with_a_rig_are_refused() -> None:
         ss.Model(ss.BlockOnBelt(), friction={"a": STRIBECK})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="of a driven slider is coulomb"):
         ss.Model(ss.DrivenSlider(mass=1), friction=STRIBECK)
-    with pytest.raises(InputError, match="nondimensional; give it bare"):
+    with pytest.raises(InputError, match="nondimensional: give it bare"):
         ss.Model(GENERAL[1].rig, friction=ss.StribeckFriction(F_c="1 N", F_s=2, v_s=0.1))  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"F_c: is a torque"):
         ss.Model(ss.BlockOnBelt(), friction=ss.StribeckFriction(F_c="1 N m", F_s=2, v_s=0.1))  # type: ignore[arg-type]

@@ -60,7 +60,7 @@ def test_an_effect_is_named_through_the_scatter(tmp_path: Path) -> None:
     assert number.high is not None
     assert number.low < 1.0 < number.high
     assert found.scatter["kinetic"].value == pytest.approx(SCATTER, rel=0.35)
-    assert found.error.after < 1.2 * found.error.before  # of one short run, whose events are drawn
+    assert found.error.after < 1.2 * found.error.floor  # of one short run, whose events are drawn
 
 
 def test_a_constant_beyond_three_of_its_uncertainties_is_named_and_mended(tmp_path: Path) -> None:
