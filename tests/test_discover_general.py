@@ -19,6 +19,7 @@ from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_sin
 from stickslip.discovery.general_rig.kinds import Sizes
 from stickslip.discovery.general_rig.result import GeneralFound
 from stickslip.discovery.laboratory import search as search_of
+from stickslip.discovery.laboratory import trials as trials_of
 from stickslip.discovery.laboratory.hypothesis import label
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import Verdict
@@ -196,5 +197,5 @@ def test_a_constant_beside_which_nothing_moves_is_no_finding(monkeypatch: pytest
     def fails(*_: object, **__: object) -> None:
         raise FloatingPointError
 
-    monkeypatch.setattr(search_of, "fitted", fails)
+    monkeypatch.setattr(trials_of, "fitted", fails)
     assert search_of.search(off, known, lambda _: None, base=base).chosen is base

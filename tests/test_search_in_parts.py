@@ -12,6 +12,7 @@ import stickslip as ss
 from discover_cases import make_case
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import search as searching
+from stickslip.discovery.laboratory import trials as trying
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import of_term, term
@@ -155,3 +156,29 @@ def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     found = searching.search(one, known, lambda _: None, base=null)
     assert [one.deviance for one in asked] == [best.deviance if swells else fit.deviance]
     assert found.steps[0].gate.threshold == (9.0 if swells else 1200.0)
+
+
+def test_no_effect_is_taken_away_where_nothing_moves_without_it(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fit that ends at numbers no window can be simulated with gave up the whole search."""
+    kinds = {one.name: one for one in bench.kinds()}
+    terms = (
+        term(kinds["spring_cubic_k1"], {"k": 4.0}),
+        term(kinds["pivot_dry_friction"], {"f": 0.1, "v_c": 0.0}),
+    )
+    windows = bench.windows(terms)
+    at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
+    both = Trial(terms, replace(fit, windows=windows, at=at))
+
+    def fails(*_: object, **__: object) -> None:
+        raise FloatingPointError
+
+    monkeypatch.setattr(trying, "fitted", fails)
+    monkeypatch.setattr(searching, "_of_constants", lambda *given: given[-1])
+    one = replace(bench, policy=replace(bench.policy, most_effects=2))
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    assert searching.search(one, known, lambda _: None, base=both).chosen is both
+    # nor does a number that the leader may do without
+    one_less = Trial(terms[:1], fit)
+    assert trying.leader_anew(bench, one_less, [both], done=("pivot_dry_friction",)) == [both]

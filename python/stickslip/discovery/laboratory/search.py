@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -15,11 +14,10 @@ from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.discovery.laboratory.trials import Trial, all_full, anew, leader_anew
+from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_near, leader_anew
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
-from stickslip.likelihoods.fit import begun, fitted, null
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit import begun, null
 from stickslip.likelihoods.repeating import explained, lost, swollen
 
 
@@ -130,7 +128,7 @@ def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) ->
     """A hypothesis fitted with one constant free; itself if that constant is as declared after all."""
     free = replace(bench, declared=wrong.declared)
     first = replace(trial.fit, windows=free.windows(trial.terms))
-    fit = _from(bench, first)
+    fit = from_near(bench, first)
     if fit is None:
         return trial
     # what the readings say of it where it is free
@@ -138,13 +136,6 @@ def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) ->
     terms = terms_at(trial.terms, fit.windows, fit.at)
     found = replace(again, gain=wrong.gain, rivals=wrong.rivals)
     return Trial(terms, fit, trial.known, found) if again.beyond else trial
-
-
-def _from(bench: Bench, start: Fit) -> Fit | None:
-    """A start beside a hypothesis, fitted; None where it ends at numbers that no window can be simulated with."""
-    with suppress(FloatingPointError):
-        return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
-    return None
 
 
 def _forward(
@@ -221,7 +212,7 @@ def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
     p = len(base.fit.at)
     at = windows.bounded(best.fit.at[:p])
     first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
-    fit = _from(bench, first)
+    fit = from_near(bench, first)
     if fit is None or fit.deviance >= base.fit.deviance or lost(fit):
         return base
     return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
@@ -234,10 +225,15 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
         less = workers.map(partial(without, bench, chosen), range(len(chosen.terms)))
         tried = [*out.trials, *(step.base for step in out.steps)]
         # a fit that begins beside the effect that it is to do without may go astray: what was fitted before is as good
-        out.without = rivals = {
-            name: min((one, *_alike(one, tried)), key=lambda t: t.deviance)
+        every = {
+            name: [*([] if one is None else [one]), *_alike({*chosen.names} - {name}, tried)]
             for name, one in zip(chosen.names, less, strict=True)
         }
+        out.without = rivals = {
+            name: min(some, key=lambda t: t.deviance) for name, some in every.items() if some
+        }
+        if not rivals:
+            break
         best = min(rivals.values(), key=Trial.worth)
         if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
@@ -245,9 +241,9 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
     return chosen
 
 
-def _alike(one: Trial, tried: Sequence[Trial]) -> list[Trial]:
-    """What was tried with the same effects."""
-    return [t for t in tried if t.freed is None and sorted(t.names) == sorted(one.names)]
+def _alike(names: Collection[str], tried: Sequence[Trial]) -> list[Trial]:
+    """What was tried with these effects."""
+    return [t for t in tried if t.freed is None and sorted(t.names) == sorted(names)]
 
 
 def _refitted(bench: Bench, trial: Trial) -> Trial:
@@ -258,21 +254,12 @@ def _refitted(bench: Bench, trial: Trial) -> Trial:
     return trial
 
 
-def without(bench: Bench, trial: Trial, index: int) -> Trial:
-    """Return a hypothesis without one of its effects."""
+def without(bench: Bench, trial: Trial, index: int) -> Trial | None:
+    """Return a hypothesis without one of its effects, None where no window can be simulated without it."""
     terms = tuple(one for i, one in enumerate(trial.terms) if i != index)
     windows = bench.windows(terms)
     gone = trial.terms[index].name + "."
     kept = [i for i, n in enumerate(trial.fit.windows.numbers) if not n.name.startswith(gone)]
-    fit = fitted(
-        replace(
-            trial.fit,
-            windows=windows,
-            at=trial.fit.at[kept],
-            own=own_in(trial.fit.own, trial.fit.windows, windows),
-        ),
-        bench.policy,
-        bench.policy.candidate_steps,
-        held=2,
-    )
-    return Trial(terms_at(terms, windows, fit.at), fit, trial.known)
+    own = own_in(trial.fit.own, trial.fit.windows, windows)
+    fit = from_near(bench, replace(trial.fit, windows=windows, at=trial.fit.at[kept], own=own))
+    return None if fit is None else Trial(terms_at(terms, windows, fit.at), fit, trial.known)

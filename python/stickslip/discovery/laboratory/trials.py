@@ -92,12 +92,17 @@ def _promised(base: Trial, candidate: Candidate) -> float:
 
 def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
     """A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it."""
+    return from_near(bench, _start(bench, base, candidate))
+
+
+def from_near(bench: Bench, start: Fit) -> Fit | None:
+    """A start beside a hypothesis, fitted; None where it ends at numbers that no window can be simulated with."""
     with suppress(FloatingPointError):
-        return fitted(_beside(bench, base, candidate), bench.policy, bench.policy.candidate_steps, held=2)
+        return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
     return None
 
 
-def _beside(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
+def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
     """The best start of a candidate."""
     best: tuple[float, Fit] | None = None
     for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
@@ -151,7 +156,7 @@ def leader_anew(
         if fit is not None and fit.deviance < leader.fit.deviance:
             leader = _trial(bench, base, fit, term)
     fuller = workers.map(partial(_fuller, bench, base, leader), _optional_starts(term))
-    return [min((leader, *fuller), key=Trial.worth), *rest]
+    return [min((leader, *(one for one in fuller if one is not None)), key=Trial.worth), *rest]
 
 
 def anew(bench: Bench, start: Fit) -> Fit | None:
@@ -172,16 +177,17 @@ def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
             yield more
 
 
-def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial:
-    """The leader with numbers that its effect may do without; no score reaches them from 0."""
+def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) -> Trial | None:
+    """The leader with numbers that its effect may do without, None where no window can be simulated with them.
+
+    No score reaches them from 0.
+    """
     term = replace(leader.terms[-1], effect=leader.terms[-1].effect.replace(**more))
     windows = bench.windows((*leader.terms[:-1], term))
     found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
     at = np.array([found.get((n.name, n.run), n.start) for n in windows.numbers])
-    fit = fitted(
-        replace(leader.fit, windows=windows, at=at), bench.policy, bench.policy.candidate_steps, held=2
-    )
-    return _trial(bench, base, fit, term)
+    fit = from_near(bench, replace(leader.fit, windows=windows, at=at))
+    return None if fit is None else _trial(bench, base, fit, term)
 
 
 def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
