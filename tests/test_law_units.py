@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -77,6 +79,30 @@ def test_a_file_says_the_same(kind: str, tmp_path: Path) -> None:
         f'[rig]\nkind = "block_on_belt"\nm = "1200 g"\nk = "3 N/cm"\n[friction]\nkind = "{kind}"\n{numbers}\n'
     )
     assert ss.load_model(file).friction == ALL_LAWS[kind](**bare)
+
+
+def test_a_law_made_of_another_keeps_its_units() -> None:
+    """Newtons of the first were taken to be the model's numbers in the second, and nothing was said."""
+    rig = ss.Rig.from_si(**SI)
+    law = ss.PaperFriction(T_s_minus="20 N", T_min_minus="4 N")
+    for made in (
+        replace(law, T_min_plus=0.5),
+        law.with_numbers({"T_min_plus": 0.5}),
+        ss.PaperFriction(**{**law.numbers, "T_min_plus": 0.5}),
+        replace(pickle.loads(pickle.dumps(copy.deepcopy(law))), T_min_plus=0.5),
+    ):
+        there, own = (ss.Model(rig, friction=one).friction.numbers for one in (made, law))
+        assert there == {**own, "T_min_plus": 0.5}
+    turning = ss.TabulatedFriction(speeds=[0, 1], forces=["2 N m", "1 N m"])
+    with pytest.raises(ss.InputError, match="forces: is a torque"):
+        ss.Model(ss.BlockOnBelt(), friction=replace(turning, speeds=[0, 2]))
+
+
+def test_a_list_has_units_of_one_dimension() -> None:
+    with pytest.raises(
+        ss.InputError, match="forces: has units of a contact that slides and of one that turns"
+    ):
+        ss.TabulatedFriction(speeds=[0, 1], forces=["2 N", "1 N m"])
 
 
 def test_a_torque_is_for_a_contact_that_turns_alone() -> None:

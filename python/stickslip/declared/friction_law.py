@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.declared.dimensions import Dimension
-from stickslip.declared.law_numbers import law_number, measure_of
+from stickslip.declared.law_numbers import Sized, law_number, measure_of
 from stickslip.errors import number
 from stickslip.objects import Drawn
 
@@ -153,7 +153,9 @@ def check_numbers(law: FrictionLaw, bounds: Mapping[str, Mapping[str, float]]) -
             continue
         size, unit = law_number(name, value, measure_of(law.dimensions, name))
         limits = bounds.get(name, bounds.get(own, {}))
+        size = number(name, size, **limits)  # type: ignore[arg-type]
         if unit is not None:
             units[name] = unit
-        object.__setattr__(law, name, number(name, size, **limits))  # type: ignore[arg-type]
+            size = Sized(size, unit)
+        object.__setattr__(law, name, size)
     object.__setattr__(law, "_units", units)

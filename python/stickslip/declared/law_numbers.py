@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Self
 
 from stickslip.declared.dimensions import Dimension
 from stickslip.declared.formula.dimension import Dimensions, dimensions, said
@@ -10,6 +11,18 @@ from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError
 
 Size = float | str  # bare, or with a unit
+
+
+class Sized(float):
+    """A number in SI that was given with a unit, which stays with it: a law made of another's numbers has it too."""
+
+    unit: str | None
+
+    def __new__(cls, size: float, unit: str | None = None) -> Self:
+        """Make it; copies and pickles bring the unit afterwards."""
+        made = super().__new__(cls, size)
+        made.unit = unit
+        return made
 
 
 def of_contact(what: Dimension, rotation: bool) -> Dimensions:
@@ -36,7 +49,7 @@ def law_number(name: str, given: object, what: Dimension) -> tuple[float, str | 
     InputError
         Not a finite number, or a unit of something else.
     """
-    size, unit = quantity(name, given)
+    size, unit = (float(given), given.unit) if isinstance(given, Sized) else quantity(name, given)
     if unit is None:
         return size, None
     sliding, turning = of_contact(what, False), of_contact(what, True)

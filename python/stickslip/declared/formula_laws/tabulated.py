@@ -11,10 +11,11 @@ import scipy
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
+from stickslip.declared.formula.dimension import dimensions
 from stickslip.declared.formula.tree import Name, Number, Tree
 from stickslip.declared.formula_law import LawByFormula, piecewise_cubic
 from stickslip.declared.law_form import BranchForm, LawForm
-from stickslip.declared.law_numbers import Size, law_number, measure_of
+from stickslip.declared.law_numbers import Size, Sized, law_number, measure_of
 from stickslip.errors import InputError, number
 
 
@@ -100,9 +101,15 @@ class TabulatedFriction(LawByFormula):
         what = measure_of(self.dimensions, name)
         own = name if name.startswith("static") else f"{name}[{{}}]"
         read = [law_number(own.format(i), one, what) for i, one in enumerate(values)]
-        if unit := next((unit for _, unit in read if unit is not None), None):
-            units[name] = unit
-        return tuple(number(own.format(i), size, least=0.0) for i, (size, _) in enumerate(read))
+        given = [unit for _, unit in read if unit is not None]
+        if given:
+            units[name] = given[0]
+        if any(dimensions(unit) != dimensions(given[0]) for unit in given):
+            raise InputError("has units of a contact that slides and of one that turns", key=name)
+        sizes = [number(own.format(i), size, least=0.0) for i, (size, _) in enumerate(read)]
+        return tuple(
+            size if unit is None else Sized(size, unit) for size, (_, unit) in zip(sizes, read, strict=True)
+        )
 
     def _side(self, plus: bool) -> tuple[Sequence[float], Sequence[float], float | None]:
         if not plus:
