@@ -163,8 +163,8 @@ def _forward(
             fits, done = [*fits, *more], (*done, *failed)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
-        fell, best = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
-        stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - best)
+        fell, least = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
+        stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - least)
         base = again if fell > 0 else base
         if not stuck or turn:
             break
