@@ -134,6 +134,7 @@ def event_messages(
     declared: bool | None,
     better: str | None = None,
     how: str = "fitted one by one",
+    shared: bool = False,
 ) -> tuple[str, ...]:
     """Say what slips fitted one by one were like.
 
@@ -149,6 +150,8 @@ def event_messages(
         What BIC would have chosen, where the kind was declared; None where it chose.
     how
         The slips were fitted.
+    shared
+        Whether the runs of both directions have chosen together, and these alone would have chosen another.
     """
     drop = events.static - events.kinetic
     other = "plus" if branch == "minus" else "minus"
@@ -159,8 +162,11 @@ def event_messages(
         "hyperbolic": "friction falls with speed rather than at once",
     }[kind]
     bic = f"(BIC, Coulomb minus hyperbolic: {preference:.1f})"
+    alone = f"{kind} law chosen by BIC (Coulomb minus hyperbolic: {preference:.1f}): {why}"
+    if shared:
+        alone = f"{kind} law, chosen by BIC of both directions together {bic.replace('(', '(here ', 1)}"
     chosen = {
-        None: f"{kind} law chosen by BIC (Coulomb minus hyperbolic: {preference:.1f}): {why}",
+        None: alone,
         kind: f"{kind} law, as declared {bic}",
     }.get(better, f"{kind} law, as declared; a {better} law fits better {bic}: declare that, or no law")
     q = np.quantile(events.static, [0.05, 0.5, 0.95])

@@ -165,7 +165,7 @@ def identify_events(
         choice = _Choice("hyperbolic", falling, {"decay": decay}, profile, preference)
     else:
         choice = _Choice("coulomb", coulomb, {}, None, preference)
-    found = _conclude(runs, rig, branch, choice, slips, noise, told, unit, both=both)
+    found = _conclude(runs, rig, branch, choice, slips, noise, told, unit, both=both, shared=kind is not None)
     return replace(found, messages=(*found.messages, *idle))
 
 
@@ -271,6 +271,7 @@ def _conclude(
     unit: str,
     *,
     both: bool,
+    shared: bool,
 ) -> Identified:
     kind, shot, preference = choice.kind, choice.shot, choice.preference
     level = levels(shot)
@@ -308,6 +309,7 @@ def _conclude(
             unit,
             None if both else known is not None,
             better=preferred(preference) if declared.kind else None,
+            shared=shared,
         ),
     )
 
