@@ -30,7 +30,7 @@ def swollen(fit: Fit) -> bool:
     """Return whether friction scatters by more than the prior's width: what is lacking may pose as scatter."""
     policy = fit.windows.policy
     usual = max(policy.level_sd, policy.curve_sd, policy.static_sd)
-    return max(fit.population.friction) > usual * math.exp(policy.scatter_spread)
+    return bool(max(fit.population.friction) > usual * math.exp(policy.scatter_spread))
 
 
 def repeats(fit: Fit) -> bool:
