@@ -98,6 +98,16 @@ def test_a_law_made_of_another_keeps_its_units() -> None:
         ss.Model(ss.BlockOnBelt(), friction=replace(turning, speeds=[0, 2]))
 
 
+def test_newtons_and_numbers_of_the_model_are_compared_in_it() -> None:
+    """A static limit of 1 N is 2 in a model whose force is 0.5 N, more than the 1.42 that slip has at least."""
+    rig = ss.Rig.from_si(m=1.0, J=0.01, r=0.1, k1=100.0, k2=50.0, k3=20.0, c1=0.1, c2=0.1, length=0.01)
+    law = ss.PaperFriction(T_s_minus="1 N")
+    assert ss.Model(rig, friction=law).friction.static_limits == (2.0, 3.63)
+    for unfit, on in ((ss.PaperFriction(T_s_minus="0.5 N"), rig), (law, ss.BlockOnBelt())):
+        with pytest.raises(ss.InputError, match=r"T_min_minus = 1.42: above the static limit T_s_minus = 1"):
+            ss.Model(on, friction=unfit)
+
+
 def test_a_list_has_units_of_one_dimension() -> None:
     with pytest.raises(
         ss.InputError, match="forces: has units of a contact that slides and of one that turns"

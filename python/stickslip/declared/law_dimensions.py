@@ -19,8 +19,14 @@ def check_law(law: FrictionLaw, rotation: bool) -> None:
     Raises
     ------
     InputError
-        A number or a formula measures something else.
+        A number or a formula measures something else, or bare ones do not go with those that have a unit.
     """
+    _check_units(law, rotation)
+    if law.declared_units and not isinstance(law, FormulaFriction):
+        law.with_numbers({name: float(size) for name, size in law.numbers.items()})
+
+
+def _check_units(law: FrictionLaw, rotation: bool) -> None:
     if isinstance(law, FormulaFriction):
         if law.declared_units or any(one.unit != "1" for _, one in law.states):
             _check_formulas(law, law.form(), rotation)
@@ -41,9 +47,10 @@ def in_model(law: FrictionLaw, rig: AnyRig) -> FrictionLaw:
     if isinstance(rig, GeneralRig) or not law.declared_units:  # the model of such a rig asks each contact
         return law
     given = law.declared_units
-    check_law(law, rotation=False)
     if not isinstance(rig, Rig):
+        check_law(law, rotation=False)
         return law
+    _check_units(law, rotation=False)
     name = next(iter(given))
     if rig.scales is None:
         words = "has a unit, but the rig is nondimensional: give it bare, or declare the rig in SI"

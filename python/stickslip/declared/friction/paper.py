@@ -117,6 +117,8 @@ class PaperFriction(FrictionLaw):
         bounds |= {"t1": {"above": 0}, "t2": {"above": 0}, "v_w_max": {"above": 0}, "v_w_min": {"below": 0}}
         check_numbers(self, bounds)
         for side in ("minus", "plus"):
+            if (f"T_s_{side}" in self.declared_units) != (f"T_min_{side}" in self.declared_units):
+                continue  # newtons and a number of the model: they are compared in it
             limit, floor = getattr(self, f"T_s_{side}"), getattr(self, f"T_min_{side}")
             if floor > limit:
                 words = f"above the static limit T_s_{side} = {limit:g}; friction must not grow on slipping"
