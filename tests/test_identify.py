@@ -325,24 +325,6 @@ def test_a_backward_belt_repeats_its_own_direction_where_the_other_is_not_declar
     assert any("T_plus's are repeated" in one for one in found.messages)
 
 
-def test_two_directions_are_identified_one_by_one_and_joined_as_the_page_says(tmp_path):
-    truth = ss.CoulombFriction(static=STATIC, kinetic=KINETIC, static_plus=5.0, kinetic_plus=3.5)
-    cases = []
-    for sign, said in ((1.0, ()), (-1.0, ("-10 mm/s", "-20 mm/s", "-30 mm/s"))):
-        (tmp_path / f"{sign}").mkdir()
-        cases.append(
-            case_of(
-                rig_of(0.01), tmp_path / f"{sign}", said=said, sign=sign, law=truth, length=4.0, step=2e-3
-            )
-        )
-    with pytest.raises(ss.InputError, match=r"each direction separately and join the laws: .*static_plus"):
-        ss.identify([*cases[0].train, *cases[1].train], rig=cases[0].rig)
-    ahead, back = (ss.identify(case) for case in cases)
-    joined = ahead.model.replace(static_plus=back.law.static_plus, kinetic_plus=back.law.kinetic_plus)
-    assert joined.friction.static_limits == pytest.approx(truth.static_limits, rel=1e-3)
-    assert joined.friction.kinetic_limits == pytest.approx(truth.kinetic_limits, rel=1e-3)
-
-
 def test_a_law_of_which_only_the_kind_is_given_has_no_size_to_hold_readings_against(tmp_path):
     case = case_of(rig_of(0.01), tmp_path, friction='kind = "coulomb"')
     assert case.undeclared == ("static", "kinetic", "static_plus", "kinetic_plus")
