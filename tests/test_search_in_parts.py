@@ -12,6 +12,7 @@ import stickslip as ss
 from discover_cases import make_case
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import search as searching
+from stickslip.discovery.laboratory import trials
 from stickslip.discovery.laboratory import trials as trying
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.gate import Gate
@@ -182,3 +183,18 @@ def test_no_effect_is_taken_away_where_nothing_moves_without_it(
     # nor does a number that the leader may do without
     one_less = Trial(terms[:1], fit)
     assert trying.leader_anew(bench, one_less, [both], done=("pivot_dry_friction",)) == [both]
+
+
+@pytest.mark.parametrize(
+    ("gain", "model", "times"), [(-50.0, True, 0), (-50.0, False, 2), (50.0, True, 2), (50.0, False, 2)]
+)
+def test_only_what_is_worth_nothing_beside_a_model_of_the_windows_is_fitted_once(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, gain: float, model: bool, times: int
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    one = Trial((term(kind, {"k": 4.0}),), replace(fit, deviance=fit.deviance - gain))
+    starts: list[Fit] = []
+    monkeypatch.setattr(trials, "explained", lambda _: model)
+    monkeypatch.setattr(trials, "anew", lambda _, start: starts.append(start))
+    assert trials.leader_anew(bench, Trial((), fit), [one]) == [one]
+    assert len(starts) == times

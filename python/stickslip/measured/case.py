@@ -1,4 +1,7 @@
-"""Cases: a declared rig and its recorded runs, as a folder with `rig.toml` holds them."""
+"""Cases: a declared rig and its recorded runs, as a folder with `rig.toml` holds them.
+
+One file, as what a case is and how each key of its file becomes that are read together.
+"""
 
 from __future__ import annotations
 

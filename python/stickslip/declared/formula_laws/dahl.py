@@ -59,7 +59,7 @@ class DahlFriction(LawByFormula):
     if TYPE_CHECKING:
 
         def __init__(
-            self, *, sigma0: Size, F_c: Size, sigma0_plus: Size | None = ..., F_c_plus: Size | None = None
+            self, *, sigma0: Size, F_c: Size, sigma0_plus: Size | None = ..., F_c_plus: Size | None = ...
         ) -> None: ...
 
     def __post_init__(self) -> None:

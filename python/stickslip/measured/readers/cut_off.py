@@ -17,35 +17,15 @@ TAIL = 1 << 16  # bytes at the end that are looked at
 ALIKE = 20  # rows that must be written alike before a last one that is shorter is refused
 _END = re.compile(r"\r\n|\r|\n")
 _NUMBER = re.compile(r"[+-]?\d*(?:[.,](\d*))?([eE][+-]?\d*)?")
-_PAIR = re.compile(
-    r"\W*(.+?)[\s\"':=;,]+(\d+)\W*(?:points|samples)?\W*", re.IGNORECASE
-)  # a name and a whole number
+# a name and a whole number
+_PAIR = re.compile(r"\W*(.+?)[\s\"':=;,]+(\d+)\W*(?:points|samples)?\W*", re.IGNORECASE)
+_MANY, _WHAT = ("number of", "no. of", "no of"), ("samples", "points", "rows", "scans")
 COUNTS = {  # the names under which instruments write how many samples there are
-    *(
-        "record length",
-        "recordlength",
-        "samples",
-        "points",
-        "rows",
-        "scans",
-        "sample count",
-        "samplecount",
-        "n_samples",
-    ),
-    *(
-        f"{many} {what}"
-        for many in ("number of", "no. of", "no of")
-        for what in ("samples", "points", "rows", "scans")
-    ),
-    *(
-        "number of values",
-        "number of records",
-        "anzahl messwerte",
-        "anzahl der messwerte",
-        "anzahl werte",
-        "messwerte",
-    ),
-}
+    *_WHAT, *(f"{many} {what}" for many in _MANY for what in _WHAT),
+    "record length", "recordlength", "sample count", "samplecount", "n_samples",
+    "number of values", "number of records",
+    "anzahl messwerte", "anzahl der messwerte", "anzahl werte", "messwerte",
+}  # fmt: skip
 
 
 def unended(layout: Layout) -> bool:
