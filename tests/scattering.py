@@ -187,6 +187,7 @@ def block_case(
     seed: int,
     scatter: float = 0.02,
     length: float | None = None,
+    memory: float = 0.0,
     off: Mapping[str, float] = {},
     read: Callable[[Floats, Floats], Floats] = lambda _, x: x,
 ) -> Path:
@@ -200,6 +201,7 @@ def block_case(
     more : text of further tables
     seed : of scatter and noise
     scatter : relative, of every event; along the belt where it has a `length`
+    memory : correlation of events that follow each other
     off : declared over true `mass` and `stiffness`, and the sensor's `gain`, less 1
     read : what the sensor makes of times and deflections
     """
@@ -224,7 +226,9 @@ def block_case(
                 for one in effects
             ),
         )
-        t, x = block_record(turned, speed, 8 if few else 15, scatter if length is None else 0.0, rng, surface)
+        t, x = block_record(
+            turned, speed, 8 if few else 15, scatter if length is None else 0.0, rng, surface, memory
+        )
         force = STIFFNESS * read(t, x) * (1 + off.get("gain", 0.0)) + FORCE_NOISE * rng.standard_normal(
             len(t)
         )

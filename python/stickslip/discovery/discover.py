@@ -6,8 +6,6 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
-
 from stickslip import arguments
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction_law import FrictionLaw
@@ -23,6 +21,7 @@ from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
+from stickslip.likelihoods.one_thread import one_thread
 from stickslip.measured.case import Case
 from stickslip.measured.memory_case import Columns, case_in_memory, with_candidates
 from stickslip.measured.recording import Recording
@@ -146,31 +145,30 @@ def _discover_case(
     return replace(found, case=case, thinned=less, messages=(*sentences(less), *found.messages))
 
 
+@one_thread
 def _searched(
     case: Case, copied: tuple[str, ...], tell: Callable[[str], None], threads: int | None, seed: int
 ) -> Found:
     """What is found by the search for the case's rig."""
-    # products of many small matrices: threads that wait for each other cost far more
-    with threadpool_limits(1):
-        if isinstance(case.rig, DrivenSlider):
-            return driven.discover(case, tell=tell, seed=seed)
-        # first, as a case that is refused starts no processes
-        checked = _checked(case, copied) if isinstance(case.rig, Rig) else None
-        count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
-        workers = Workers(count, __name__)
-        try:
-            if checked is not None:
-                return two_degree.discover(case, *checked, tell, workers, seed)
-            if isinstance(case.rig, GeneralRig):
-                return general_rig.discover(case, tell, seed, workers)
-            found = block.discover(case, tell, seed, workers)
-            if found is not None:
-                return found
-            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-            return replace(found, messages=(*found.messages, *block.untold(case)))
-        except BaseException:
-            workers.stop()
-            raise
+    if isinstance(case.rig, DrivenSlider):
+        return driven.discover(case, tell=tell, seed=seed)
+    # first, as a case that is refused starts no processes
+    checked = _checked(case, copied) if isinstance(case.rig, Rig) else None
+    count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
+    workers = Workers(count, __name__)
+    try:
+        if checked is not None:
+            return two_degree.discover(case, *checked, tell, workers, seed)
+        if isinstance(case.rig, GeneralRig):
+            return general_rig.discover(case, tell, seed, workers)
+        found = block.discover(case, tell, seed, workers)
+        if found is not None:
+            return found
+        found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+        return replace(found, messages=(*found.messages, *block.untold(case)))
+    except BaseException:
+        workers.stop()
+        raise
 
 
 def _checked(case: Case, copied: tuple[str, ...]) -> tuple[list[Data], tuple[str, ...]]:

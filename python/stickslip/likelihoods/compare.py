@@ -12,10 +12,12 @@ from stickslip.fitted import compare as named
 from stickslip.fitted.compare import Comparison
 from stickslip.fitted.identify import BeltSpeed
 from stickslip.likelihoods.bodies_compare import RigComparison, compare_bodies
+from stickslip.likelihoods.one_thread import one_thread
 from stickslip.measured.recording import Recording
 
 
 @explained
+@one_thread
 def compare(
     model: Model,
     recording: Recording,

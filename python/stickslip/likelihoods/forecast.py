@@ -21,6 +21,7 @@ from stickslip.fitted.forecast import Expected, follow
 from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.bodies_forecast import forecast_bodies
 from stickslip.likelihoods.ensemble import Distribution, distribution
+from stickslip.likelihoods.one_thread import one_thread
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.scaled import scaled
@@ -34,6 +35,7 @@ Z = 1.96  # standard deviations that hold 95 %
 
 
 @explained
+@one_thread
 def forecast(
     model: Model,
     recording: Recording,

@@ -16,6 +16,7 @@ from stickslip.fitted.shooting import Simulator
 from stickslip.likelihoods.bodies_identify import identify_bodies
 from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.identified_rig import IdentifiedRig
+from stickslip.likelihoods.one_thread import one_thread
 from stickslip.likelihoods.scattered import scattered
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.case import Case, Recording
@@ -23,6 +24,7 @@ from stickslip.simulated.simulate import simulate
 
 
 @explained
+@one_thread
 def identify(
     source: Case | Recording | Sequence[Recording],
     *,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.remembered import remembered
 from stickslip.likelihoods.repeating import explained
 from stickslip.likelihoods.single_windows import settled
 
@@ -55,9 +56,18 @@ class Trial:
         effects = sum(n.name.rpartition(".")[0] in self.names for n in self.fit.windows.numbers)
         return effects + (self.freed is not None)
 
-    def whole(self) -> float:
-        """Return -2 log evidence, the price of its numbers included: by it rivals are held against each other."""
+    @cached_property
+    def remembered(self) -> float:
+        """What its deviance falls by where friction of neighbouring events is as alike as it shows them."""
+        return remembered(self.fit)
+
+    def independent(self) -> float:
+        """Return -2 log evidence with every event by itself, as a score has it, the price of its numbers included."""
         return self.fit.deviance + self.numbers() * math.log(len(self.fit.own))
+
+    def whole(self) -> float:
+        """Return -2 log evidence with events that remember: by it rivals are held against each other."""
+        return self.independent() - self.remembered
 
     def worth(self) -> float:
         """Return the same less what of its gain is no finding: by it one passes the gate."""

@@ -100,7 +100,7 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
     """
     found, count = verdicts.searched, len(verdicts.bench.stretches)
     hum = humming(left)
-    if hum is None or hum.worth(count) <= found.null.whole() - found.chosen.whole():
+    if hum is None or hum.worth(count) <= found.null.independent() - found.chosen.independent():
         return verdicts
     least = found.steps[0].gate.threshold
     return replace(verdicts, curve=replace(hum, threshold=least), beside=False)
@@ -113,7 +113,7 @@ def _curve(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
     chosen = found.chosen
-    named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
+    named = 0.0 if lost(chosen.fit) else alone.independent() - chosen.independent()
     return _proven(bench, alone, best) if best.worth(count) > max(best.threshold, named) else None
 
 
