@@ -33,6 +33,17 @@ class Past:
 
 
 DERIVED = (X2, BELT, LAGGED, Z)
+OF_EFFECTS = {BELT: "belt_load_droop.k", LAGGED: "sensor_lag.tau", Z: "contact_compliance.k"}
+
+
+def acting(values: Mapping[str, float]) -> list[int]:
+    """Return the places in `DERIVED` of the states that a model with these numbers has."""
+    return [i for i, state in enumerate(DERIVED) if OF_EFFECTS.get(state) in (None, *values)]
+
+
+def simple(values: Mapping[str, float]) -> bool:
+    """Return whether all that is derived is the speed of a belt that is even."""
+    return acting(values) == [0] and "belt_speed_ripple.a" not in values
 
 
 def lagged(t: Floats, x: Floats, tau: float) -> Floats:

@@ -7,7 +7,7 @@ beside that is as large, but far less than what friction's own scatter does, and
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -63,31 +63,45 @@ def times(t: Floats, shapes: Floats) -> Floats:
 
 
 def ridden(
-    speed: Floats, mode: NDArray[np.int8] | NDArray[np.bool_], belt_speed: float, passed: Floats
+    speed: Floats,
+    mode: NDArray[np.int8] | NDArray[np.bool_],
+    belt_speed: float,
+    passed: Floats,
+    begins: Sequence[int] | NDArray[np.int64] = (0,),
 ) -> Floats:
     """
     Return the derivatives of the block's place by the knots' relative speeds, (n, count).
 
     Parameters
     ----------
-    speed, mode : (n,) the block's speed at a window's samples, and 0 where it sticks
+    speed, mode : (n,) the block's speed at the samples of windows one after the other, and 0 where it sticks
     belt_speed : of the belt
     passed : (n, count) of `times`
+    begins : where each window begins
     """
-    come = belt_speed * passed
-    out = np.zeros_like(come)
-    ahead = np.zeros(come.shape[1])  # place of the block in the last stick, less that of the belt since
-    edges = np.flatnonzero(np.diff((mode != 0).astype(int))) + 1
-    for a, b in zip([0, *edges], [*edges, len(speed)], strict=True):
-        if mode[a] == 0:
-            out[a:b] = ahead + come[a:b] - come[a]
+    out = belt_speed * passed
+    sticks = mode == 0
+    edges = np.flatnonzero(np.diff(sticks)) + 1
+    ahead = np.zeros(out.shape[1])  # place of the block in the last stick, less that of the belt since
+    first = {int(one) for one in begins}
+    cuts = sorted(first.union(edges.tolist()))
+    for a, b in zip(cuts, [*cuts[1:], len(speed)], strict=True):
+        if a in first:
+            ahead = np.zeros(out.shape[1])
+        if sticks[a]:
+            out[a:b] += ahead - out[a]
             ahead = out[b - 1]
         else:  # the slip is the same, by as much sooner as the belt was ahead
             out[a:b] = (speed[a:b] / belt_speed)[:, None] * ahead
     return out
 
 
-def leg(place: Floats, step: float, values: Mapping[str, float]) -> Floats:
+def leg(
+    place: Floats,
+    step: float,
+    values: Mapping[str, float],
+    offset: NDArray[np.int64] | None = None,
+) -> Floats:
     """
     Return the derivatives of y1 that follow from those of the block's place, (n, count): the leg is a linear filter.
 
@@ -96,8 +110,18 @@ def leg(place: Floats, step: float, values: Mapping[str, float]) -> Floats:
     place : (n, count) of `ridden`
     step : between samples
     values : numbers of the rig of (2.1)
+    offset : (w + 1,) where windows begin and end, if there are several
     """
-    return _filtered((-values["eta1"], -1.0), place, step, values)
+    over = -values["eta1"], -1.0
+    if offset is None:
+        return _filtered(over, place, step, values)
+    # side by side, each as long as the longest: a filter sees nothing of what comes later
+    lengths = np.diff(offset)
+    window = np.repeat(np.arange(len(lengths)), lengths)
+    row = np.arange(len(place)) - offset[window]
+    beside = np.zeros((int(lengths.max()), len(lengths), place.shape[1]))
+    beside[row, window] = place
+    return np.asarray(_filtered(over, beside, step, values)[row, window])
 
 
 def pushed(force: Floats, step: float, values: Mapping[str, float]) -> Floats:

@@ -21,7 +21,7 @@ from stickslip.fitted.means import instants, pooled
 from stickslip.fitted.readings import Chain, Slopes, no_slopes, through_formula
 from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
-from stickslip.likelihoods.begun import DERIVED, Past, derived, lagged
+from stickslip.likelihoods.begun import DERIVED, Past, acting, derived, lagged, simple
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -36,6 +36,7 @@ from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X2, Z
 Floats = NDArray[np.float64]
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
 NEARBY = 1e-6  # step of the derivatives of the derived states
+ALIKE = 1e-8  # of those derivatives over the largest: they are the same in all windows
 
 
 class BeltWindows(EventWindows[Data, Stretch]):
@@ -108,6 +109,11 @@ class BeltWindows(EventWindows[Data, Stretch]):
         every = [self.data[w.run].t[w.start : w.stop] for w in self.stretches]
         shapes = [belt_waves.hats(t, self.policy.knots) for t in every]
         return [(one, belt_waves.times(t, one)) for t, one in zip(every, shapes, strict=True)]
+
+    @cached_property
+    def sampling(self) -> list[float]:
+        """Time between the samples of each run, as usual."""
+        return [float(np.median(np.diff(run.t))) for run in self.data]
 
     def scatter(self) -> Population:
         """See `EventWindows.scatter`."""
@@ -218,14 +224,14 @@ class _Run:
 
     def blocks(self) -> list[Floats | None]:
         """Simulate, read, weigh."""
-        seeds, owner = self._seeds()
-        raw = self._simulated(self._derived(self.values, self.own), seeds)
         p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
+        seeds, owner, apart = self._seeds(columns)
+        raw = self._simulated(self._derived(self.values, self.own), seeds, owner, columns + len(apart))
         slopes = {}
         for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
-            folded = np.zeros((len(self.samples), columns))
-            folded[:, owner[owner >= 0]] = one[:, owner >= 0]
-            self._chained(folded, one[:, owner < 0])
+            folded = one[:, :columns]
+            if apart:
+                self._chained(folded, one[:, columns:], apart)
             if self.local and self.of.beyond:  # what sticks has no speed of its own
                 beyond = slice(p + len(self.of.sensors.begins), p + self.of.begins)
                 folded[:, beyond] *= np.repeat(self.slips, self.lengths)[:, None]
@@ -237,14 +243,15 @@ class _Run:
         if self.whole:
             self._own_belt(chain, np.asarray(raw["state"]), np.asarray(raw["mode"]))
         self._stretched(chain)
-        for i, j in enumerate(self.shared):
-            chain.slopes[:, :, i] *= self.of.numbers[j].slope(float(self.at[j]))
+        by = np.array([self.of.numbers[j].slope(float(self.at[j])) for j in self.shared])
+        chain.slopes[:, :, : len(by)] *= by
         self._gains(chain)
         return self._weighed(chain, np.asarray(raw["outcome"]) == _core.Outcome.finished)
 
     def motions(self) -> list[Motion | None]:
         """Simulate and read."""
-        raw = self._simulated(self._derived(self.values, self.own), np.zeros((0, WIDTH + COUNT)))
+        none = np.zeros((0, WIDTH + COUNT)), np.zeros(0, dtype=np.int32)
+        raw = self._simulated(self._derived(self.values, self.own), *none, 0)
         chain = self._read(state := np.asarray(raw["state"]), no_slopes(len(self.samples)), ())
         self._own_belt(chain, state, mode := np.asarray(raw["mode"]))
         self._gains(chain)
@@ -278,13 +285,14 @@ class _Run:
 
     def _parameters(self) -> Floats:
         """Return the core's numbers, one set a window."""
-        of, rows = self.of, np.tile(self.lowered.parameters, (len(self.places), 1))
+        of, same = self.of, self.lowered.parameters.copy()
         for j, one in enumerate(of.numbers):
             if self.active(j):
                 value = one.value(float(self.at[j]))
-                rows[:, list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
+                same[list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
                     one.name, 1.0
                 )
+        rows = np.tile(same, (len(self.places), 1))
         if of.aging is not None:
             rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
         rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic] + self.added
@@ -298,8 +306,10 @@ class _Run:
         """Return what of a growing static limit is there at the breakaway."""
         return -np.expm1(-np.maximum([w.rest for w in self.places], AT_ONCE) / tau)
 
-    def _simulated(self, derived: Floats, seeds: Floats) -> dict[str, object]:
-        """Run the core."""
+    def _simulated(
+        self, derived: Floats, seeds: Floats, owner: NDArray[np.int32], columns: int
+    ) -> dict[str, object]:
+        """Run the core: the slopes of each seed are in the column of its owner."""
         policy = self.of.policy
         initial = np.zeros((len(self.places), COUNT))
         begins = self.of.sensors.begins
@@ -317,8 +327,8 @@ class _Run:
             rtol=policy.tolerance,
             atol=0.01 * policy.tolerance,
             seeds=seeds,
-            column=np.arange(len(seeds), dtype=np.int32),
-            columns=len(seeds),
+            column=owner,
+            columns=columns,
             kept=self.of.kept,
             max_transitions=policy.most_transitions,
             max_steps=policy.most_integration_steps,
@@ -327,31 +337,34 @@ class _Run:
         )
         return dict(pooled(raw, self.data.half > 0, self.lengths))
 
-    def _seeds(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Return seeds and the column each belongs to; -1 for those of the derived states."""
-        rows, owner = [], []
+    def _seeds(self, columns: int) -> tuple[Floats, NDArray[np.int32], list[int]]:
+        """
+        Return seeds, the column of each, and which of the derived states have seeds of their own after the columns.
+
+        What moves a derived state alike in all windows moves it by its own seed.
+        """
+        rows: dict[int, dict[int, float]] = {}
         for i, j in enumerate(self.shared):
             name = self.of.numbers[j].name
             places = self.lowered.slots.get(name, ()) if self.active(j) else ()
             if places:
-                row = np.zeros(WIDTH + COUNT)
-                row[list(places)] = self.lowered.factors.get(name, 1.0)
-                rows.append(row)
-                owner.append(i)
+                rows[i] = dict.fromkeys(places, self.lowered.factors.get(name, 1.0))
         if self.local:
-            for k, entry, size in self._entries():
-                row = np.zeros(WIDTH + COUNT)
-                row[entry] = size
-                rows.append(row)
-                owner.append(len(self.shared) + k)
-        if self._rates:
-            for state in DERIVED:
-                row = np.zeros(WIDTH + COUNT)
-                row[WIDTH + state] = 1.0
-                rows.append(row)
-                owner.append(-1)
-        seeds = np.array(rows) if rows else np.zeros((0, WIDTH + COUNT))
-        return seeds, np.array(owner, dtype=np.int64)
+            rows |= {len(self.shared) + k: {entry: size} for k, entry, size in self._entries()}
+        apart = list[int]()
+        for place in acting(self.values):
+            state = WIDTH + DERIVED[place]
+            moved = {i: rate[:, place] for i, rate in self._rates.items() if rate[:, place].any()}
+            if any(np.ptp(rate) > ALIKE * np.abs(rate).max() for rate in moved.values()):
+                rows[columns + len(apart)] = {state: 1.0}
+                apart.append(place)
+                continue
+            for i, rate in moved.items():
+                rows.setdefault(i, {})[state] = float(rate.mean())
+        seeds = np.zeros((len(rows), WIDTH + COUNT))
+        for row, entries in zip(seeds, rows.values(), strict=True):
+            row[[*entries]] = [*entries.values()]
+        return seeds, np.array([*rows], dtype=np.int32), apart
 
     def _entries(self) -> Iterator[tuple[int, int, float]]:
         """Own numbers that are numbers of the core: which, where, and how large one is there."""
@@ -362,16 +375,17 @@ class _Run:
         yield from ((of.begins + 1 + k, entry, 1.0) for k, entry in enumerate(of.curve))
         yield of.own - 1, SLOTS["belt_speed"], self.data.belt_speed
 
-    def _chained(self, folded: Floats, along: Floats) -> None:
-        """Add what reaches a state through the derived states at the start."""
+    def _chained(self, folded: Floats, along: Floats, apart: list[int]) -> None:
+        """Add what reaches a state through the derived states at the start that have seeds of their own."""
         for column, rate in self._rates.items():
-            folded[:, column] += (along * np.repeat(rate, self.lengths, axis=0)).sum(axis=1)
+            folded[:, column] += (along * np.repeat(rate[:, apart], self.lengths, axis=0)).sum(axis=1)
 
     @cached_property
     def _rates(self) -> dict[int, Floats]:
         """Derivatives of the derived states by column, (w, 4) each, where they are any."""
         out, here = {}, self._derived(self.values, self.own)
-        for i, j in enumerate(self.shared):
+        plain = simple(self.values)
+        for i, j in enumerate(() if plain else self.shared):
             name = self.of.numbers[j].name
             if name not in self.values or not self.active(j) or name in self.of.sensors.gains:
                 continue
@@ -379,7 +393,8 @@ class _Run:
             moved = self._derived({**self.values, name: self.values[name] + step}, self.own)
             if (moved != here).any():
                 out[i] = (moved - here) / step
-        for k in (*range(len(self.of.sensors.begins)), self.of.own - 1) if self.local else ():
+        begins = () if plain else range(len(self.of.sensors.begins))
+        for k in (*begins, self.of.own - 1) if self.local else ():
             nudge = np.zeros(self.of.own)
             nudge[k] = NEARBY
             moved = self._derived(self.values, self.own + nudge)
@@ -390,26 +405,25 @@ class _Run:
         """Let the window's own belt be seen: where the block rides it, and by its own sensor."""
         v_b, k = self.data.belt_speed, self.of.policy.knots
         waves = slice(chain.slopes.shape[2] - 1 - k, chain.slopes.shape[2] - 1)
-        step = float(np.median(np.diff(self.data.t)))
-        lines = [self.of.lines[i] for i in self.chosen]
-        for a, b, own, (shapes, passed) in zip(
-            self.offset[:-1], self.offset[1:], self.own, lines, strict=True
-        ):
-            line = own[-1 - k : -1]
-            if not self.local:  # the line itself is all that is asked for
-                shapes, passed, line = (shapes @ line)[:, None], (passed @ line)[:, None], np.ones(1)
-            rode = ~rides(state[a:b, X2], v_b) if self.of.soft else mode[a:b]
-            shown = {0: belt_waves.ridden(state[a:b, X2], rode, v_b, passed)}
-            if "alpha2" in self.values:
-                shown[1] = belt_waves.leg(shown[0], step, self.values)
-            if chain.values.shape[1] == 3:
-                shown[2] = v_b * shapes
-                chain.values[a:b, 2] += v_b * own[-1]
-                chain.slopes[a:b, 2, -1:] += v_b if self.local else 0.0
-            for channel, columns in shown.items():
-                chain.values[a:b, channel] += columns @ line
-                if self.local:
-                    chain.slopes[a:b, channel, waves] += columns
+        shapes, passed = (
+            np.concatenate(one) for one in zip(*(self.of.lines[i] for i in self.chosen), strict=True)
+        )
+        line = np.repeat(self.own[:, -1 - k : -1], self.lengths, axis=0)
+        if not self.local:  # the line itself is all that is asked for
+            shapes, passed = (np.einsum("nk,nk->n", one, line)[:, None] for one in (shapes, passed))
+            line = np.ones((len(line), 1))
+        rode = ~rides(state[:, X2], v_b) if self.of.soft else mode
+        shown = {0: belt_waves.ridden(state[:, X2], rode, v_b, passed, self.offset[:-1])}
+        if "alpha2" in self.values:
+            shown[1] = belt_waves.leg(shown[0], self.of.sampling[self.run], self.values, self.offset)
+        if chain.values.shape[1] == 3:
+            shown[2] = v_b * shapes
+            chain.values[:, 2] += v_b * np.repeat(self.own[:, -1], self.lengths)
+            chain.slopes[:, 2, -1:] += v_b if self.local else 0.0
+        for channel, columns in shown.items():
+            chain.values[:, channel] += np.einsum("nk,nk->n", columns, line)
+            if self.local:
+                chain.slopes[:, channel, waves] += columns
 
     def _stretched(self, chain: Chain) -> None:
         """Let a window's own static limit be what is there at its breakaway, however fast it grows."""
@@ -437,10 +451,11 @@ class _Run:
                     chain.slopes[:, c, i] = plain
 
     def _weighed(self, chain: Chain, done: NDArray[np.bool_]) -> list[Floats | None]:
-        residual = (self.data.readings[self.samples] - chain.values)[:, :, None]
-        block = np.concatenate([chain.slopes, residual], axis=2)
-        block *= self.data.weight[self.samples][:, :, None]
-        good = done & np.logical_and.reduceat(np.isfinite(block).all(axis=(1, 2)), self.offset[:-1])
+        weight = self.data.weight[self.samples]
+        block = np.empty((*chain.values.shape, chain.slopes.shape[2] + 1))
+        np.multiply(chain.slopes, weight[:, :, None], out=block[:, :, :-1])
+        block[:, :, -1] = (self.data.readings[self.samples] - chain.values) * weight
+        good = done & np.isfinite(np.add.reduceat(block.sum(axis=(1, 2)), self.offset[:-1]))
         return [
             block[a:b] if ok else None
             for a, b, ok in zip(self.offset[:-1], self.offset[1:], good, strict=True)

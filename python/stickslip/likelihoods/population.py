@@ -81,7 +81,7 @@ class Population:
 
     def factor(self, places: Sequence[Floats]) -> Floats:
         """Return the factor of each run, (runs, effects, white)."""
-        return np.stack([_factor(self, one) for one in places])
+        return _factors(self, np.stack(places))
 
     def parts(self, places: Sequence[Floats]) -> dict[int, slice | list[int]]:
         """Return the white columns of each coordinate that scales some."""
@@ -120,19 +120,20 @@ def factor(population: Scatter, places: Sequence[Floats]) -> Floats:
     return population.factor(places)
 
 
-def _factor(p: Population, places: Floats) -> Floats:
-    along, belt = places[0], places[1:]
-    k = len(along)
-    out = np.zeros((2 * k + 2, 2 * k + 2))
-    out[STATIC, 0] = p.static
-    out[1 : k + 1, 1] = p.level
-    out[1 : k + 1, 2 : k + 2] = p.curve * _root(along, p.length)
-    out[k + 1 :, k + 2 :] = p.belt * belt
+def _factors(p: Population, places: Floats) -> Floats:
+    """The factors of runs, (runs, effects, white); places (runs, 2 + k, k)."""
+    along, belt = places[:, 0], places[:, 1:]
+    k = along.shape[1]
+    out = np.zeros((len(places), 2 * k + 2, 2 * k + 2))
+    out[:, STATIC, 0] = p.static
+    out[:, 1 : k + 1, 1] = p.level
+    out[:, 1 : k + 1, 2 : k + 2] = p.curve * _root(along, p.length)
+    out[:, k + 1 :, k + 2 :] = p.belt * belt
     return out
 
 
 def _root(places: Floats, length: float) -> Floats:
-    """Return the symmetric root of a Matern kernel of order 3/2: once differentiable, as worn surfaces are not more."""
-    gap = np.sqrt(3.0) * np.abs(places[:, None] - places[None]) / length
+    """Return symmetric roots of Matern kernels of order 3/2: once differentiable, as worn surfaces are not more."""
+    gap = np.sqrt(3.0) * np.abs(places[:, :, None] - places[:, None]) / length
     values, vectors = np.linalg.eigh((1 + gap) * np.exp(-gap))
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[:, None] @ vectors.transpose(0, 2, 1))

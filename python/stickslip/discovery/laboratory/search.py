@@ -18,6 +18,7 @@ from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_ne
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import explained, lost, swollen
 
 
@@ -170,11 +171,18 @@ def _forward(
             break
     tell("asking what scatter alone would gain")
     best = min([base, *trials], key=Trial.whole)
-    if not (swollen(base.fit) and explained(best.fit) and not swollen(best.fit)):
+    if _usual(base.fit):  # records of it are those that its own scatter makes
+        return Step(base, screen, trials, gate(bench, base.fit, screen, seed, base.fit)), base
+    if not (swollen(base.fit) and _usual(best.fit)):
         return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best.fit)), base
     # what scatter would do to motions that are not those of the readings, nobody asks
     beside = _scored(bench, best, tell, workers)
     return Step(base, screen, trials, gate(bench, best.fit, beside, seed, best.fit), beside), base
+
+
+def _usual(fit: Fit) -> bool:
+    """Whether a fit is a model of its windows, with no more scatter than friction has."""
+    return explained(fit) and not swollen(fit)
 
 
 def _scored(bench: Bench, base: Trial, tell: Callable[[str], None], workers: Workers) -> Screen:

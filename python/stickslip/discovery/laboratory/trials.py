@@ -136,9 +136,10 @@ def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
 def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     """A hypothesis and one term more, as fitted."""
     found = terms_at((*base.terms, term), fit.windows, fit.at)
-    return Trial(
-        found, fit, base.known + _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
-    )
+    known = _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
+    if known > 0:  # what events that remember make of waves is no finding, but is counted once
+        known = max(known - max(base.remembered - remembered(fit), 0.0), 0.0)
+    return Trial(found, fit, base.known + known)
 
 
 def leader_anew(
