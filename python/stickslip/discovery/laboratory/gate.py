@@ -48,9 +48,8 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     ----------
     bench, fit, screen : the hypothesis, and what was scored beside it
     seed : of the draws
-    best : the best rival's fit. What a hypothesis lacks swells its own scatter and noise; records are drawn, and
-        scored, with those of the best rival, and with what its events remember: a drift that is lacking looks like
-        memory
+    best : the fit whose scatter, noise and memory of events the records have: the hypothesis's own, where it is a
+        model of the windows; else its best rival's, as what it lacks swells its own, and a drift looks like memory
     tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
