@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 import pytest
@@ -20,6 +19,5 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_configure() -> None:
-    """Where tests run side by side a search starts no processes beside its own, unless it is asked for."""
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        sys.modules[discover.__module__].MOST_CORES = 1  # type: ignore[attr-defined]
+    """A search starts no processes beside its own, unless it is asked for: tests run side by side, and patch."""
+    sys.modules[discover.__module__].MOST_CORES = 1  # type: ignore[attr-defined]

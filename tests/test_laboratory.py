@@ -13,9 +13,11 @@ from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.discovery.laboratory.two_degree import bench_of
+from stickslip.discovery.laboratory.waves import Wave, Waves, wave_columns
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import begin
+from stickslip.likelihoods.score import score
 
 SCATTER, OFF = 0.02, 0.008
 
@@ -136,3 +138,27 @@ def test_a_run_that_has_no_window_is_drawn_nothing(tmp_path: Path) -> None:
     drawn = bench.drawn(plain, like, np.random.default_rng(1), belt=True)
     assert drawn[others[0]].any()
     assert not drawn[last].any()
+
+
+def test_a_wave_of_the_readings_is_asked_as_those_of_the_draws_are(tmp_path: Path) -> None:
+    """What one gains with scatter estimated anew, draws do not show: a smooth field had the name of a seam."""
+    read = ss.load_case(case(tmp_path, (), 0.02, 0.0, 4, few=True))
+    bench = bench_of(read, prepare(read.train))
+    plain = null(bench.windows(), bench.policy)
+    (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
+    w = 2 * np.pi / 4.0
+    seams = Waves(bench, kind, [Wave(w, wave_columns(bench, plain, (), kind, w))])
+    seams.apart = seams.step  # one frequency: a half of it further down
+    screen, runs = Screen((), (seams,)), len(bench.data)
+    found = gate(bench, plain, screen, 0, plain)
+    assert found.waves is not None
+    made = wave_columns(bench, plain, (), kind, w - 0.5 * seams.step)
+    place = [[2 * s.run, 2 * s.run + 1] for s in bench.stretches]
+    held, free = (
+        score(plain, made, bench.policy, place=place, count=2 * runs, refit=one).gain for one in (False, True)
+    )
+    gained = found.waves["belt_seam"] + seams.count * np.log(len(bench.stretches))
+    assert gained == pytest.approx(held, rel=0.02)
+    assert gained < 0.98 * free
+    other = replace(plain)  # the same numbers, of another hypothesis
+    assert gate(bench, plain, screen, 0, other).waves is None

@@ -8,16 +8,16 @@ as slow waves in time: the windows of the fit are independent, and all of it may
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.hypothesis import Bench, label
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
-from stickslip.discovery.laboratory.waves import Wave
+from stickslip.discovery.laboratory.waves import Wave, Waves
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
 
@@ -34,10 +34,13 @@ class Gate:
     ----------
     draws : (n,) largest gain of any effect
     threshold : what is exceeded by one of `1/false_alarm` such records
+    waves : by name what each periodic effect gains of the readings as of a draw, prices paid; None where the records
+        are drawn with the scatter of another hypothesis
     """
 
     draws: Floats
     threshold: float
+    waves: Mapping[str, float] | None = None
 
 
 def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
@@ -53,16 +56,23 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
-    like = tuple(memory(best, k) for k in (KINETIC, STATIC))
+    like, own = tuple(memory(best, k) for k in (KINETIC, STATIC)), best is fit
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit, tight)
     drawn = _drawn(bench, fit, null, screen, like, rng)
-    count, most = len(bench.stretches), np.zeros(bench.policy.draws)
-    shared = null.shared_pull(drawn, bench.policy.draws)
+    # the readings themselves are the last of the records
+    shared = np.column_stack([null.shared_pull(drawn, bench.policy.draws), null.pull])
+    records = [
+        None if one is None or right is None else np.column_stack([one, right])
+        for one, right in zip(drawn, null.rights, strict=True)
+    ]
+    count, most, waves = len(bench.stretches), np.zeros(bench.policy.draws), dict[str, float]()
     for one in screen.scored:
-        gains = one.gains(null, drawn, shared)
-        most = np.maximum(most, gains - one.count * math.log(count))
-    return Gate(most, _quantile(most, bench.policy.false_alarm))
+        gains = one.gains(null, records, shared) - one.count * math.log(count)
+        most = np.maximum(most, gains[:-1])
+        if isinstance(one, Waves):
+            waves[label(one.kind)] = float(gains[-1])
+    return Gate(most, _quantile(most, bench.policy.false_alarm), waves if own else None)
 
 
 def _quantile(best: Floats, probability: float) -> float:

@@ -177,7 +177,7 @@ def evidence(found: Searched, name: str) -> Evidence:
     unseen, without = (held_out(one, best.population, best.noise) for one in (best, base.fit))
     ratio = math.sqrt(unseen / without)
     words += f"; error on windows held out falls to {ratio:.3g} of what it was"
-    return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, step.gate.threshold, words)
+    return Evidence(gain, step.worth(base, found.chosen), ratio, fall, label, step.gate.threshold, words)
 
 
 def _own(numbers: Mapping[str, Interval], name: str) -> dict[str, Interval]:
@@ -298,7 +298,7 @@ def per_reading(fit: Fit) -> float:
 def gate(found: Searched) -> Gate:
     """Return the first step's gate."""
     step = found.steps[0]
-    best = max([found.null.worth() - t.worth() for t in step.trials] + [0.0])
+    best = max([step.gained(t) for t in step.trials] + [0.0])
     over = step.gate.draws > step.gate.threshold
     return Gate(best, step.gate.threshold, float(np.mean(over)), step.gate.draws)
 

@@ -40,6 +40,20 @@ class Step:
     gate: Gate
     beside: Screen | None = None
 
+    def worth(self, less: Trial, more: Trial) -> float:
+        """
+        Return what a hypothesis is worth over one without its last effect, as the gate of this step has it.
+
+        Where draws scatter as the hypothesis does, that is all that a wave gains; where they scatter otherwise, what
+        is beyond waves that such scatter is made of.
+        """
+        return less.worth() - more.worth() if self.gate.waves is None else less.whole() - more.whole()
+
+    def gained(self, trial: Trial) -> float:
+        """Return what a trial of this step gains, a wave no more than the gate's draws would show of it."""
+        drawn = (self.gate.waves or {}).get(trial.names[-1], math.inf)
+        return min(self.worth(self.base, trial), drawn)
+
 
 @dataclass
 class Searched:
@@ -85,7 +99,7 @@ def search(
             out.null = base
         out.steps.append(step)
         least = step.gate.threshold
-        passing = [t for t in step.trials if min(base.worth() - t.worth(), told_by_sizes(t)) > least]
+        passing = [t for t in step.trials if min(step.gained(t), told_by_sizes(t)) > least]
         if not passing:
             break
         base = min(passing, key=Trial.whole)
@@ -242,8 +256,8 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
         }
         if not rivals:
             break
-        best = min(rivals.values(), key=Trial.worth)
-        if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
+        last, best = out.steps[-1], min(rivals.values(), key=Trial.whole)
+        if last.worth(best, chosen) > last.gate.threshold:
             break
         chosen = _refitted(bench, best)
     return chosen
