@@ -14,7 +14,7 @@ from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
 from stickslip.simulated.reference import integrate as reference
 from test_acts import made
 
-NOISE, SPAN, DT, SEEN = 1e-3, 60.0, 0.04, 1250
+NOISE, SPAN, DT, SEEN = 1e-3, 45.0, 0.04, 875
 RIGS = {
     "two_degree": (
         ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +34,12 @@ class Gate:
     ----------
     draws : (n,) largest gain of any effect
     threshold : what is exceeded by one of `1/false_alarm` such records
-    waves : by name what each periodic effect gains of the readings as of a draw, prices paid; None where the records
-        are drawn with the scatter of another hypothesis
+    waves : by name what each periodic effect gains of the readings as of a draw, scatter held and prices paid
     """
 
     draws: Floats
     threshold: float
-    waves: Mapping[str, float] | None = None
+    waves: Mapping[str, float] = field(default_factory=dict)
 
 
 def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
@@ -51,12 +50,13 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     ----------
     bench, fit, screen : the hypothesis, and what was scored beside it
     seed : of the draws
-    best : the fit whose scatter, noise and memory of events the records have: the hypothesis's own, where it is a
-        model of the windows; else its best rival's, as what it lacks swells its own, and a drift looks like memory
+    best : the fit whose scatter, noise and memory of events the records have. What a hypothesis lacks swells its own,
+        and a drift that is lacking looks like memory: they are those of its best rival, or its own where it is asked
+        what all of its scatter could be
     tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
-    like, own = tuple(memory(best, k) for k in (KINETIC, STATIC)), best is fit
+    like = tuple(memory(best, k) for k in (KINETIC, STATIC))
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit, tight)
     drawn = _drawn(bench, fit, null, screen, like, rng)
@@ -72,7 +72,7 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
         most = np.maximum(most, gains[:-1])
         if isinstance(one, Waves):
             waves[label(one.kind)] = float(gains[-1])
-    return Gate(most, _quantile(most, bench.policy.false_alarm), waves if own else None)
+    return Gate(most, _quantile(most, bench.policy.false_alarm), waves)
 
 
 def _quantile(best: Floats, probability: float) -> float:

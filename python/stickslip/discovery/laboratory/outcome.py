@@ -177,7 +177,7 @@ def evidence(found: Searched, name: str) -> Evidence:
     unseen, without = (held_out(one, best.population, best.noise) for one in (best, base.fit))
     ratio = math.sqrt(unseen / without)
     words += f"; error on windows held out falls to {ratio:.3g} of what it was"
-    return Evidence(gain, step.worth(base, found.chosen), ratio, fall, label, step.gate.threshold, words)
+    return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, step.gate.threshold, words)
 
 
 def _own(numbers: Mapping[str, Interval], name: str) -> dict[str, Interval]:
@@ -296,11 +296,15 @@ def per_reading(fit: Fit) -> float:
 
 
 def gate(found: Searched) -> Gate:
-    """Return the first step's gate."""
+    """Return the first step's gate, that of its own scatter where this turned the best away."""
     step = found.steps[0]
-    best = max([step.gained(t) for t in step.trials] + [0.0])
-    over = step.gate.draws > step.gate.threshold
-    return Gate(best, step.gate.threshold, float(np.mean(over)), step.gate.draws)
+    best = max(step.trials, key=lambda t: step.base.worth() - t.worth(), default=None)
+    asked = step.gate
+    if best is not None and step.own is not None and not step.passes(best):
+        asked = step.own
+    over = asked.draws > asked.threshold
+    gained = 0.0 if best is None else max(step.gained(best), 0.0)
+    return Gate(gained, asked.threshold, float(np.mean(over)), asked.draws)
 
 
 def scatter(fit: Fit) -> Mapping[str, Interval]:

@@ -32,6 +32,7 @@ class Step:
     base, screen, trials : the hypothesis before it, what was scored beside it, and what was fitted
     gate : what scatter alone would gain
     beside : what was scored beside the best of the trials, where the gate is from there
+    own : what scatter would gain that is all the base's own, where a wave passes the gate otherwise
     """
 
     base: Trial
@@ -39,20 +40,19 @@ class Step:
     trials: list[Trial]
     gate: Gate
     beside: Screen | None = None
-
-    def worth(self, less: Trial, more: Trial) -> float:
-        """
-        Return what a hypothesis is worth over one without its last effect, as the gate of this step has it.
-
-        Where draws scatter as the hypothesis does, that is all that a wave gains; where they scatter otherwise, what
-        is beyond waves that such scatter is made of.
-        """
-        return less.worth() - more.worth() if self.gate.waves is None else less.whole() - more.whole()
+    own: Gate | None = None
 
     def gained(self, trial: Trial) -> float:
-        """Return what a trial of this step gains, a wave no more than the gate's draws would show of it."""
-        drawn = (self.gate.waves or {}).get(trial.names[-1], math.inf)
-        return min(self.worth(self.base, trial), drawn)
+        """Return what a trial gains, as a gate has it; a wave no more than draws of all the scatter show of it."""
+        drawn = math.inf if self.own is None else self.own.waves.get(trial.names[-1], math.inf)
+        return min(self.base.worth() - trial.worth(), drawn)
+
+    def passes(self, trial: Trial) -> bool:
+        """Return whether a trial is beyond what scatter alone gains."""
+        least = self.gate.threshold
+        if self.own is not None and trial.terms[-1].kind.wave is not None:
+            least = max(least, self.own.threshold)
+        return min(self.gained(trial), told_by_sizes(trial)) > least
 
 
 @dataclass
@@ -98,8 +98,11 @@ def search(
         if not base.terms:
             out.null = base
         out.steps.append(step)
-        least = step.gate.threshold
-        passing = [t for t in step.trials if min(step.gained(t), told_by_sizes(t)) > least]
+        passing = [t for t in step.trials if step.passes(t)]
+        if any(t.terms[-1].kind.wave is not None for t in passing) and _usual(base.fit):
+            # a field along the belt is a model of the windows, and more scatter than a wave of it leaves
+            step.own = gate(bench, base.fit, step.screen, seed, base.fit)
+            passing = [t for t in passing if step.passes(t)]
         if not passing:
             break
         base = min(passing, key=Trial.whole)
@@ -185,8 +188,6 @@ def _forward(
             break
     tell("asking what scatter alone would gain")
     best = min([base, *trials], key=Trial.whole)
-    if _usual(base.fit):  # records of it are those that its own scatter makes
-        return Step(base, screen, trials, gate(bench, base.fit, screen, seed, base.fit)), base
     if not (swollen(base.fit) and _usual(best.fit)):
         return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best.fit)), base
     # what scatter would do to motions that are not those of the readings, nobody asks
@@ -256,8 +257,8 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
         }
         if not rivals:
             break
-        last, best = out.steps[-1], min(rivals.values(), key=Trial.whole)
-        if last.worth(best, chosen) > last.gate.threshold:
+        best = min(rivals.values(), key=Trial.worth)
+        if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
             break
         chosen = _refitted(bench, best)
     return chosen
