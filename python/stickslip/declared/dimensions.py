@@ -34,7 +34,7 @@ class Dimension:
         return float(scales.length**self.a * scales.omega**self.b * scales.k2**self.c)
 
 
-NUMBER = Dimension(0, 0, 0, "1")
+NUMBER, ANGLE = Dimension(0, 0, 0, "1"), Dimension(0, 0, 0, "rad")
 TIME, RATE = Dimension(0, -1, 0, "s"), Dimension(0, 1, 0, "1/s")
 ANGULAR_FREQUENCY = Dimension(0, 1, 0, "rad/s")
 LENGTH, SPEED = Dimension(1, 0, 0, "m"), Dimension(1, 1, 0, "m/s")

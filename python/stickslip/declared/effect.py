@@ -21,8 +21,10 @@ from stickslip.declared.catalogue import (
     KINDS,
     POSITION_RIPPLES,
 )
+from stickslip.declared.dimensions import ANGLE
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.formula_effect import FormulaEffect, formula_effect
+from stickslip.declared.law_numbers import Sized, law_number
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
 from stickslip.objects import Displayed, Drawn
 
@@ -56,7 +58,8 @@ class Effect(Displayed):
     where
         What it acts on: a place of the catalogue, as "x1 channel", or one of a rig of bodies or matrices.
     parameters
-        Its numbers by name, nondimensional for the rig of (2.1), otherwise in the rig's units.
+        Its numbers by name, nondimensional for the rig of (2.1), otherwise in the rig's units; in SI those that were
+        given with a unit, until it is part of a model.
 
     Examples
     --------
@@ -114,7 +117,8 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
     name
         A name of `CATALOGUE`, `CONSTANTS` or `DRIVEN`; or "formula".
     **parameters
-        Every parameter of the effect, nondimensional; a phase `phi` and a creep speed `v_c` are 0 when left out.
+        Every parameter of the effect, nondimensional on the rig of (2.1), else in SI; or with a unit (`f="2 N"`), which
+        a model turns into its own numbers. A phase `phi` and a creep speed `v_c` are 0 when left out.
         `where` puts it to a place of a rig of bodies or matrices: a body, a link, a contact, a channel.
         Of "formula": `where`; one of `force`, `factor`, `reading`; its numbers, bare in SI or with a unit ("0.1 N");
         `states` and `ranges` by name; `called`, its name in the model where there are several.
@@ -157,9 +161,10 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
             continue
         low, high = info.bounds
         bound = {"above": low} if info.open_below else {"least": low}
-        values[info.name] = number(
-            f"{name}.{info.name}", parameters[info.name], most=high, why=info.meaning, **bound
-        )
+        key = f"{name}.{info.name}"
+        size, unit = law_number(key, parameters[info.name], ANGLE if info.per_run else info.dimension)
+        size = number(key, size, most=high, why=info.meaning, **bound)
+        values[info.name] = size if unit is None else Sized(size, unit)
     return Effect(name, where, values)
 
 

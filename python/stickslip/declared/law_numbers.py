@@ -28,7 +28,8 @@ class Sized(float):
 def of_contact(what: Dimension, rotation: bool) -> Dimensions:
     """Return what a number of this dimension measures at a contact that slides, or turns."""
     length, stiffness = ("rad", "N m/rad") if rotation else ("m", "N/m")
-    return dimensions(length) ** what.a * dimensions("1/s") ** what.b * dimensions(stiffness) ** what.c
+    time = dimensions("1/s") ** what.b * dimensions("rad" if what.unit.startswith("rad") else "")
+    return dimensions(length) ** what.a * time * dimensions(stiffness) ** what.c
 
 
 def check_size(name: str, unit: str | None, what: Dimension, rotation: bool) -> None:

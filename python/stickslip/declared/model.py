@@ -25,6 +25,7 @@ from stickslip.declared.declaration import (
     rig_table,
 )
 from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulated, with_numbers
+from stickslip.declared.effect_numbers import effects_in_model
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
@@ -106,6 +107,7 @@ class Model(Drawn):
         object.__setattr__(self, "effects", tuple(listed("effects", self.effects, "effects")))
         for one in self.effects:
             must_be("effects", one, (Effect, Tabulated, FormulaEffect), "effect(name, ...) makes one")
+        object.__setattr__(self, "effects", effects_in_model(self.effects, self.rig))
         labels = [one.name if isinstance(one, Tabulated) else one.label for one in self.effects]
         for name in labels:
             if labels.count(name) > 1:

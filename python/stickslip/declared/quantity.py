@@ -9,6 +9,8 @@ from stickslip.errors import InputError, number
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
+_PER = re.compile(r"1 ?/ ?\(?[^\W\d]")  # 1/s, and no half of anything
+
 
 def with_unit(text: str) -> tuple[float, str]:
     """Return the number and the unit of "14 mm/s" or "14mm/s"; the unit is "" where there is none.
@@ -23,7 +25,7 @@ def with_unit(text: str) -> tuple[float, str]:
     if found is None:
         return float(text), ""  # nan and inf are numbers too
     unit = text[found.end() :].strip()
-    if unit != "1" and (unit[:1] in {",", ".", "'"} or unit[:1].isdigit()):
+    if unit != "1" and not _PER.match(unit) and (unit[:1] in {",", ".", "'"} or unit[:1].isdigit()):
         raise ValueError("a number goes on behind what looks like its end: a decimal comma?")
     return float(found[0]), unit
 
