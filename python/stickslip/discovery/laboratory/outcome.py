@@ -296,15 +296,14 @@ def per_reading(fit: Fit) -> float:
 
 
 def gate(found: Searched) -> Gate:
-    """Return the first step's gate, that of its own scatter where this turned the best away."""
+    """Return the first step's gate; where the best is a wave of scatter, that which turned it away."""
     step = found.steps[0]
-    best = max(step.trials, key=lambda t: step.base.worth() - t.worth(), default=None)
-    asked = step.gate
-    if best is not None and step.own is not None and not step.passes(best):
-        asked = step.own
+    best = max(step.trials, key=step.gained, default=None)
+    asked, gained = step.gate, 0.0 if best is None else step.gained(best)
+    if best is not None and step.own is not None and step.of_scatter(best):
+        asked, gained = step.own, step.own.waves[best.names[-1]]
     over = asked.draws > asked.threshold
-    gained = 0.0 if best is None else max(step.gained(best), 0.0)
-    return Gate(gained, asked.threshold, float(np.mean(over)), asked.draws)
+    return Gate(max(gained, 0.0), asked.threshold, float(np.mean(over)), asked.draws)
 
 
 def scatter(fit: Fit) -> Mapping[str, Interval]:

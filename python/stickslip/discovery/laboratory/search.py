@@ -43,16 +43,19 @@ class Step:
     own: Gate | None = None
 
     def gained(self, trial: Trial) -> float:
-        """Return what a trial gains, as a gate has it; a wave no more than draws of all the scatter show of it."""
-        drawn = math.inf if self.own is None else self.own.waves.get(trial.names[-1], math.inf)
-        return min(self.base.worth() - trial.worth(), drawn)
+        """Return what a trial gains, prices paid, and what of it is no finding."""
+        return self.base.worth() - trial.worth()
 
     def passes(self, trial: Trial) -> bool:
         """Return whether a trial is beyond what scatter alone gains."""
-        least = self.gate.threshold
-        if self.own is not None and trial.terms[-1].kind.wave is not None:
-            least = max(least, self.own.threshold)
-        return min(self.gained(trial), told_by_sizes(trial)) > least
+        beyond = min(self.gained(trial), told_by_sizes(trial)) > self.gate.threshold
+        return beyond and not self.of_scatter(trial)
+
+    def of_scatter(self, trial: Trial) -> bool:
+        """Return whether a trial is a wave that does no more than those that all of the base's own scatter makes."""
+        if self.own is None:
+            return False
+        return self.own.waves.get(trial.names[-1], math.inf) <= self.own.threshold
 
 
 @dataclass
