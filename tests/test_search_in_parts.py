@@ -175,7 +175,7 @@ def test_a_wave_is_asked_what_all_the_scatter_of_the_law_alone_could_be(
 
     def gate(_: BeltBench, __: Fit, ___: Screen, ____: int, like: Fit) -> Gate:
         asked.append(like)
-        return Gate(np.array([5.0]), 50.0 if like is null.fit else 6.0, {"belt_seam": gained})
+        return Gate(np.array([5.0]), 58.0 if like is null.fit else 6.0, {"belt_seam": gained})
 
     monkeypatch.setattr(searching, "gate", gate)
     monkeypatch.setattr(searching, "screened", lambda *_: Screen((), ()))
@@ -192,9 +192,9 @@ def test_a_wave_is_asked_what_all_the_scatter_of_the_law_alone_could_be(
     assert [like is null.fit for like in asked] == ([False, True] if usual else [False])
     told = outcome.gate(found)
     if not named:  # the report shows the gate that turned it away
-        assert (told.observed, told.threshold) == (11.0, 50.0)
+        assert (told.observed, told.threshold) == (11.0, 58.0)
     else:
-        assert 50.0 > told.observed > told.threshold == 6.0  # of its own draws a wave gains more
+        assert 58.0 > told.observed > told.threshold == 6.0  # of its own draws a wave gains more
 
 
 def test_what_a_wave_shares_with_events_that_remember_is_counted_once(
