@@ -14,8 +14,8 @@ HEAD = """# Effects: what a model may have beyond (2.1) and its friction law
 
 Made from the code by `python tests/effects_page.py`. Declare one with `ss.effect(name, **parameters)`; `stickslip
 discover` tries them all. Forces are in the bracket's units of (2.1): block terms are divided by alpha1, angle-body
-terms by alpha2. v is v_w, u = |v|, R the kinetic magnitude; all parameters are nondimensional. A phase `phi` differs
-from run to run.
+terms by alpha2. v is v_w, u = |v|, R the kinetic magnitude; parameters are nondimensional, or have a unit
+(`tau="20 ms"`), which the scales of a rig in SI turn. A phase `phi` differs from run to run.
 
 | name | where | what it adds | depends on | parameters |
 |---|---|---|---|---|
