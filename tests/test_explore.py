@@ -114,6 +114,12 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             yield process.stdout.readline().split()[1]
         finally:
             process.terminate()
+            try:
+                process.wait(timeout=10)
+            except (
+                subprocess.TimeoutExpired
+            ):  # the first is an exception, which code that is ending may swallow
+                process.kill()
 
 
 def status(url: str, **headers: str) -> int:

@@ -161,9 +161,10 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
             continue
         low, high = info.bounds
         bound = {"above": low} if info.open_below else {"least": low}
-        key = f"{name}.{info.name}"
-        size, unit = law_number(key, parameters[info.name], ANGLE if info.per_run else info.dimension)
-        size = number(key, size, most=high, why=info.meaning, **bound)
+        key, given = f"{name}.{info.name}", parameters[info.name]
+        size, unit = law_number(key, given, ANGLE if info.per_run else info.dimension)
+        # what is out of bounds is said as it was given
+        size = number(key, size if isinstance(given, str) else given, most=high, why=info.meaning, **bound)
         values[info.name] = size if unit is None else Sized(size, unit)
     return Effect(name, where, values)
 

@@ -16,8 +16,8 @@ from stickslip.likelihoods.one_thread import one_thread
 from stickslip.measured.recording import Recording
 
 
-@explained
 @one_thread
+@explained
 def compare(
     model: Model,
     recording: Recording,

@@ -34,8 +34,8 @@ Floats = NDArray[np.float64]
 Z = 1.96  # standard deviations that hold 95 %
 
 
-@explained
 @one_thread
+@explained
 def forecast(
     model: Model,
     recording: Recording,

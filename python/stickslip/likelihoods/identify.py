@@ -23,8 +23,8 @@ from stickslip.measured.case import Case, Recording
 from stickslip.simulated.simulate import simulate
 
 
-@explained
 @one_thread
+@explained
 def identify(
     source: Case | Recording | Sequence[Recording],
     *,

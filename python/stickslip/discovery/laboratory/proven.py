@@ -18,14 +18,13 @@ from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.remembered import remembered
 
 Floats = NDArray[np.float64]
 
 
 def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> float:
     """
-    Return the fall of -2 log marginal likelihood where a curve is in the model as it was scored, and events remember.
+    Return the fall of -2 log marginal likelihood where a curve is in the model as it was scored.
 
     One in the slip is there as friction of each window; of another, what it adds is taken out of the readings.
 
@@ -41,7 +40,7 @@ def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> flo
         assert isinstance(windows, BeltWindows)
         windows.added = np.array([windows.added[0] if one is None else one for one in curve.friction])
     beside = fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
-    return (fit.deviance - remembered(fit)) - (beside.deviance - remembered(beside))
+    return fit.deviance - beside.deviance
 
 
 def _less(bench: Bench, curve: Learned) -> list[Data]:
