@@ -70,7 +70,7 @@ def test_other_units_are_converted(numbers: dict[str, float | str], bare: tuple[
         ("belt_seam", {"a": "200 %", "L": "1 m"}, "must be at most 1"),
     ],
 )
-def test_what_cannot_be_is_refused_as_it_is_given(
+def test_what_cannot_be_is_refused_by_its_reason(
     name: str, numbers: dict[str, float | str], why: str
 ) -> None:
     with pytest.raises(ss.InputError, match=why):

@@ -116,9 +116,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             process.terminate()
             try:
                 process.wait(timeout=10)
-            except (
-                subprocess.TimeoutExpired
-            ):  # the first is an exception, which code that is ending may swallow
+            except subprocess.TimeoutExpired:  # its cause is not known
                 process.kill()
 
 

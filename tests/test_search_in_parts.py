@@ -13,7 +13,6 @@ from discover_cases import make_case
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome, trials
 from stickslip.discovery.laboratory import search as searching
-from stickslip.discovery.laboratory import trials as trying
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import of_term, term
@@ -233,14 +232,14 @@ def test_no_effect_is_taken_away_where_nothing_moves_without_it(
     def fails(*_: object, **__: object) -> None:
         raise FloatingPointError
 
-    monkeypatch.setattr(trying, "fitted", fails)
+    monkeypatch.setattr(trials, "fitted", fails)
     monkeypatch.setattr(searching, "_of_constants", lambda *given: given[-1])
     one = replace(bench, policy=replace(bench.policy, most_effects=2))
     known = Uncertainty(bench.model.rig, {}, {}, {})
     assert searching.search(one, known, lambda _: None, base=both).chosen is both
     # nor does a number that the leader may do without
     one_less = Trial(terms[:1], fit)
-    assert trying.leader_anew(bench, one_less, [both], done=("pivot_dry_friction",)) == [both]
+    assert trials.leader_anew(bench, one_less, [both], done=("pivot_dry_friction",)) == [both]
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,6 @@ from stickslip.declared.catalogue import (
     KINDS,
     POSITION_RIPPLES,
 )
-from stickslip.declared.dimensions import ANGLE
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.formula_effect import FormulaEffect, formula_effect
 from stickslip.declared.law_numbers import Sized, law_number
@@ -162,7 +161,7 @@ def effect(name: str, **parameters: Any) -> Effect | FormulaEffect:
         low, high = info.bounds
         bound = {"above": low} if info.open_below else {"least": low}
         key, given = f"{name}.{info.name}", parameters[info.name]
-        size, unit = law_number(key, given, ANGLE if info.per_run else info.dimension)
+        size, unit = law_number(key, given, info.given_in)
         # what is out of bounds is said as it was given
         size = number(key, size if isinstance(given, str) else given, most=high, why=info.meaning, **bound)
         values[info.name] = size if unit is None else Sized(size, unit)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from stickslip.declared.acts import Acts
-from stickslip.declared.dimensions import ANGULAR_FREQUENCY, LENGTH, NUMBER, TIME, Dimension
+from stickslip.declared.dimensions import ANGLE, ANGULAR_FREQUENCY, LENGTH, NUMBER, TIME, Dimension
 from stickslip.declared.effect_terms import Adds, Behaves
 from stickslip.errors import InputError, did_you_mean
 
@@ -66,6 +66,11 @@ class ParameterInfo:
     of_size: bool = False
     as_named: bool = False
     unit: float = 1.0
+
+    @property
+    def given_in(self) -> Dimension:
+        """What a unit of it must measure: a phase is an angle."""
+        return ANGLE if self.per_run else self.dimension
 
     @property
     def least_found(self) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from stickslip.declared.dimensions import ANGLE
 from stickslip.declared.effect import AnyEffect, Effect
 from stickslip.declared.law_numbers import Sized, check_size
 from stickslip.declared.rig import AnyRig, Rig
@@ -37,8 +36,7 @@ def _in_model(one: Effect, rig: AnyRig) -> Effect:
         raise InputError(words, key=name)
     sizes = {}
     for key, size in given.items():
-        info = one.kind.parameter(key)
-        what = ANGLE if info.per_run else info.dimension
+        what = one.kind.parameter(key).given_in
         check_size(f"{one.name}.{key}", size.unit, what, rotation=False)
         sizes[key] = float(size) / (what.size(rig.scales) if isinstance(rig, Rig) and rig.scales else 1.0)
     return one.replace(**sizes)
