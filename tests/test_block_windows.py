@@ -1,5 +1,7 @@
 """Windows of a block on a belt from mid-stick to mid-stick, with numbers of their own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -8,7 +10,7 @@ import stickslip as ss
 from differences import held_against_differences
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.block_windows import BlockSensors
+from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.stretches import stretches
@@ -126,3 +128,15 @@ def test_an_event_shows_its_levels(run: Data) -> None:
     assert np.ptp(level, axis=1).max() == 0.0
     # the damper takes a little of the fall
     assert np.abs(level).max() < 0.08
+
+
+def test_a_run_that_slides_for_long_is_no_noise(run: Data) -> None:
+    """A block that swings past the belt's speed for half a run sticks seldom; peaks of noise are no such slips."""
+    assert not drowned(run)
+    n, noise = len(run.t), float(run.noise[0])
+    often = np.arange(10, n - 10, 20)
+    swings = 40 * noise * np.sin(2 * np.pi * np.arange(n) / 20)[:, None]
+    slow = noise * np.random.default_rng(1).standard_normal((n, 1)) + run.t[:, None] * noise
+    assert not drowned(replace(run, readings=swings, slips=often))
+    assert drowned(replace(run, readings=slow, slips=often))
+    assert not drowned(replace(run, readings=slow, slips=often[:1]))

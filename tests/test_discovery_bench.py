@@ -2,10 +2,13 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+import stickslip as ss
 
 pytest.importorskip("numba")
 BENCH = Path(__file__).resolve().parents[1] / "bench" / "discovery"
@@ -18,7 +21,18 @@ RIG = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2, "
 def bench_on_path(monkeypatch):
     monkeypatch.syspath_prepend(str(BENCH))
     yield
-    for name in ("rigsim", "readings", "truths", "draw", "generate", "records", "score", "strength"):
+    for name in (
+        "rigsim",
+        "readings",
+        "truths",
+        "draw",
+        "block_draw",
+        "laboratory",
+        "generate",
+        "records",
+        "score",
+        "strength",
+    ):
         sys.modules.pop(name, None)
 
 
@@ -128,3 +142,62 @@ def test_wilson_interval():
 
     # 95 of 100: 0.8882 to 0.9785 (Wilson 1927, z = 1.96)
     assert score.wilson(95, 100) == pytest.approx((0.88825, 0.97846), abs=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "block_viscous_damping",
+        "block_quadratic_damping",
+        "spring_cubic_k1",
+        "harmonic_forcing",
+        "stribeck_peak",
+        "friction_drift",
+        "belt_seam",
+        "belt_speed_ripple",
+        "belt_load_droop",
+        "sensor_nonlinearity",
+        "sensor_drift",
+        "sensor_lag",
+        "rig_mass",
+        "rig_stiffness",
+    ],
+)
+def test_block_is_drawn_as_the_package_reads_it(tmp_path, monkeypatch, name):
+    """Without a laboratory's imperfections the truth of answers.json, in SI, moves as the drawn force reads."""
+    import block_draw
+    import laboratory
+
+    exact = laboratory.Imperfections(
+        scatter=0.0, smooth=True, length=0.5, belt=0.0, constants=dict.fromkeys((*laboratory.STATED, "eta1"), 1.0),
+        gains=(1.0, 1.0), bits=48, glitches=0.0,
+    )  # fmt: skip
+    monkeypatch.setattr(laboratory, "draw", lambda *_: exact)
+    conditions = replace(
+        block_draw.CONDITIONS, samples=301, train=(0.1,), validate=(), noise=(1e-13, 1e-12), laboratory=1.0
+    )
+    case = block_draw.draw_case(np.random.default_rng(3), [name], conditions)
+    block_draw.write_case(tmp_path / "case", case)
+    truth = block_draw.answer_of("case", "single", case)
+    (effect,), (run,) = truth["effects"], case.runs
+    declared = ss.load_case(tmp_path / "case" / "rig.toml")
+    (recorded,) = declared.train
+    numbers = effect["parameters"] | dict.fromkeys(
+        ["phi"][: len(run.phases)], next(iter(run.phases.values()), 0.0)
+    )
+    law = ss.CoulombFriction(**truth["law"])
+    model = ss.Model(declared.rig, friction=law, effects=[ss.effect(name, **numbers)])
+    w, length, lagged = case.frequency, case.length, name == "sensor_lag"
+    t, hidden = recorded.t, (0, 0, 0, run.start[7] * length) if lagged else ()
+    moved = ss.simulate(
+        model, belt_speed=run.belt_speed * length * w, t_start=run.since / w, t_end=t[-1], t_eval=t,
+        initial=(run.start[0] * length, run.start[1] * length * w, *hidden),
+    )  # fmt: skip
+    force = case.stiffness * (moved.m if lagged else moved.x1)
+    if name == "sensor_nonlinearity":
+        force = force + numbers["q"] * force**2
+    if name == "sensor_drift":
+        force = force + numbers["r"] * t
+    assert moved.mode.min() < 0 <= moved.mode.max()
+    np.testing.assert_allclose(recorded.x1 * declared.rig.stiffness, force, atol=1e-4 * np.ptp(force))

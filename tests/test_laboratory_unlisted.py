@@ -12,7 +12,7 @@ from scattering import case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
-from stickslip.discovery.laboratory.proven import proven
+from stickslip.discovery.laboratory.proven import beside
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
@@ -119,12 +119,13 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
     null = fit_of(bench, ())
     real = max(bench.curves(null.fit), key=lambda one: one.worth(len(bench.stretches)))
     assert (real.where, real.variable) == ("block", "x1")
-    assert proven(bench, null.fit, (), real) == pytest.approx(real.gain, rel=0.2)
+    gain = null.fit.deviance - beside(bench, null.fit, (), real).deviance
+    assert gain == pytest.approx(real.gain, rel=0.2)
     other = next(one for one in bench.curves(null.fit) if (one.where, one.variable) == ("x1 channel", "t"))
     flat = replace(other, size=np.zeros(len(other.size)))
-    assert proven(bench, null.fit, (), flat) == pytest.approx(0.0, abs=1.0)
+    assert beside(bench, null.fit, (), flat).deviance == pytest.approx(null.fit.deviance, abs=1.0)
     far = replace(other, size=0.05 * np.ones(len(other.size)), gain=100.0)
-    assert proven(bench, null.fit, (), far) < 0.0
+    assert beside(bench, null.fit, (), far).deviance > null.fit.deviance
 
 
 def test_the_gate_of_curves_is_drawn_for_curves(tmp_path: Path) -> None:

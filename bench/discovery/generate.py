@@ -15,6 +15,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import block_draw
 import click
 import numpy as np
 from draw import Case, Conditions, draw_case
@@ -139,13 +140,20 @@ def answer_of(name: str, group: str, case: Case, seen: tuple[float, float] | Non
 
 
 def plan(
-    rng: np.random.Generator, counts: dict[str, int], only: tuple[str, ...], laboratory: float = 0.0
+    rng: np.random.Generator,
+    counts: dict[str, int],
+    only: tuple[str, ...],
+    laboratory: float = 0.0,
+    rig: str = "two_degree",
 ) -> list[tuple[str, list[str], Conditions]]:
     """What to draw: class, effects and conditions of every case."""
-    ordinary = replace(ORDINARY, laboratory=laboratory, name="laboratory") if laboratory else ORDINARY
-    told = [n for n in LISTED if not LISTED[n].absorbed]
+    block = rig == "block"
+    ordinary = block_draw.CONDITIONS if block else ORDINARY
+    if laboratory:
+        ordinary = replace(ordinary, laboratory=laboratory, name="laboratory")
+    told = [*block_draw.LISTED] if block else [n for n in LISTED if not LISTED[n].absorbed]
     listed = [n for n in told if not only or n in only]
-    unlisted = [n for n in UNLISTED if not only or n in only]
+    unlisted = [n for n in (block_draw.UNLISTED if block else UNLISTED) if not only or n in only]
     drawn: list[tuple[str, list[str], Conditions]] = [("single", [n], ordinary) for n in listed] * counts[
         "single"
     ]
@@ -174,12 +182,18 @@ def generate(
     *,
     strength: bool = False,
     laboratory: float = 0.0,
+    rig: str = "two_degree",
 ) -> list[dict[str, Any]]:
     """Write the cases and answers.json below ``out``; returns the answers."""
     rng = np.random.default_rng(seed)
     answers = []
-    for i, (group, names, conditions) in enumerate(plan(rng, counts, only, laboratory)):
+    for i, (group, names, conditions) in enumerate(plan(rng, counts, only, laboratory, rig)):
         own = np.random.default_rng([seed, i])
+        if rig == "block":
+            block = block_draw.draw_case(own, names, conditions)
+            block_draw.write_case(out / f"case_{i:04d}", block)
+            answers.append(block_draw.answer_of(f"case_{i:04d}", group, block))
+            continue
         case = draw_case(own, names, conditions)
         seen = surviving(case) if strength and names else None
         write_case(out / f"case_{i:04d}", case, own)
@@ -198,6 +212,7 @@ def generate(
 @click.option("--odd", default=0, help="Cases under unusual conditions.")
 @click.option("--only", multiple=True, help="Limit to these effects.")
 @click.option("--laboratory", default=0.0, help="Size of a laboratory's imperfections; 1 is the usual one.")
+@click.option("--rig", type=click.Choice(["two_degree", "block"]), default="two_degree", show_default=True)
 @click.option("--strength", is_flag=True, help="Also compute what survives a refit (seconds a case).")
 def main(
     out: Path,
@@ -209,6 +224,7 @@ def main(
     odd: int,
     only: tuple[str, ...],
     laboratory: float,
+    rig: str,
     strength: bool,
 ) -> None:
     """Draw cases into OUT, which must not hold any yet."""
@@ -217,8 +233,12 @@ def main(
     out.mkdir(parents=True, exist_ok=True)
     if unknown := [n for n in only if n not in LISTED and n not in UNLISTED]:
         raise click.ClickException(f"no such effect: {', '.join(unknown)}")
+    if rig == "block" and (odd or strength or not laboratory):
+        raise click.ClickException(
+            "a block is drawn in a laboratory (--laboratory 1), without --odd and --strength."
+        )
     counts = {"single": single, "none": none_, "pairs": pairs, "unlisted": unlisted, "odd": odd}
-    answers = generate(out, seed, counts, only, strength=strength, laboratory=laboratory)
+    answers = generate(out, seed, counts, only, strength=strength, laboratory=laboratory, rig=rig)
     click.echo(f"{len(answers)} cases in {out}")
 
 

@@ -148,12 +148,13 @@ def compare(
 @click.option("--odd", default=0, show_default=True, help="Cases under unusual conditions.")
 @click.option("--only", multiple=True, help="Limit to these effects.")
 @click.option("--laboratory", default=0.0, help="Size of a laboratory's imperfections; 1 is the usual one.")
+@click.option("--rig", type=click.Choice(["two_degree", "block"]), default="two_degree", show_default=True)
 @click.option("--limit", default=300.0, show_default=True, help="Seconds after which a case is stopped.")
 @click.option("--jobs", default=1, show_default=True, help="Cases at once; times hold for 1.")
 @click.option("--rivals", "most", default=0, show_default=True, help="Cases on which rivals are run too.")
 def main(
     out: Path, cases: Path | None, seed: int, single: int, none_: int, pairs: int, unlisted: int, odd: int,
-    only: tuple[str, ...], laboratory: float, limit: float, jobs: int, most: int,
+    only: tuple[str, ...], laboratory: float, rig: str, limit: float, jobs: int, most: int,
 ) -> None:  # fmt: skip
     """Draw, discover, score; everything is left in OUT."""
     console = Console(width=None if sys.stdout.isatty() else 150)
@@ -163,7 +164,7 @@ def main(
             shutil.rmtree(cases, ignore_errors=True)  # a drawing that was stopped half way
             counts = {"single": single, "none": none_, "pairs": pairs, "unlisted": unlisted, "odd": odd}
             with console.status("drawing cases"):
-                generate(cases, seed, counts, only, laboratory=laboratory)
+                generate(cases, seed, counts, only, laboratory=laboratory, rig=rig)
     reports = out / "reports"
     discover_all(cases, reports, limit, jobs)
     scored = score(cases, reports)

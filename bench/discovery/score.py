@@ -22,9 +22,10 @@ import click
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from truths import LISTED, UNLISTED, kind
+from truths import LISTED, MISDECLARED, UNLISTED, kind
 
 Head = tuple[Sequence[str], Sequence[Sequence[str]]]
+NAMED = LISTED | MISDECLARED
 LAW_NAMES = {
     "T_s_minus": "Ts_m",
     "A1": "A1",
@@ -119,7 +120,7 @@ def group_of(answer: dict[str, Any]) -> str:
     if "class" in answer:
         return str(answer["class"])
     names = [e["name"] for e in answer["effects"]]
-    if any(n not in LISTED for n in names):
+    if any(n not in NAMED for n in names):
         return "unlisted"
     return ("none", "single", "pair")[min(len(names), 2)]
 
@@ -136,7 +137,7 @@ def _coverage(
 ) -> None:
     for effect in truth:
         found = next((e for e in report["effects"] if e["name"] == effect["name"]), None)
-        if found is None or effect["name"] not in LISTED:
+        if found is None or effect["name"] not in NAMED:
             continue
         phased = bool(kind(effect["name"]).phase)  # a sign of the amplitude is half a turn of the phase
         for name, value in effect["parameters"].items():
@@ -146,8 +147,8 @@ def _coverage(
                 scored.covered[key] = inside(found["parameters"][name], value, unsigned=unsigned)
     if scored.exact(ties=False) and group_of({"effects": truth}) != "unlisted":
         for name, interval in (report.get("law") or {}).items():
-            if name in LAW_NAMES:
-                scored.law_covered[name] = inside(interval, law[LAW_NAMES[name]])
+            if (true := law.get(LAW_NAMES.get(name, name))) is not None:
+                scored.law_covered[name] = inside(interval, true)
 
 
 def _place(scored: Scored, truth: Sequence[dict[str, Any]], report: dict[str, Any]) -> None:
@@ -189,7 +190,7 @@ def score_case(answer: dict[str, Any], folder: Path) -> Scored:
     scored.chi2 = math.nan if chi2 is None else float(chi2)
     if math.isnan(scored.seconds) and report.get("seconds") is not None:
         scored.seconds = float(report["seconds"])
-    _coverage(scored, answer["effects"], report, answer.get("rig", {}))
+    _coverage(scored, answer["effects"], report, answer.get("law") or answer.get("rig", {}))
     _place(scored, answer["effects"], report)
     return scored
 

@@ -15,7 +15,7 @@ from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
-from stickslip.likelihoods.declared_numbers import STRIDE_CONSTANT, held_loosely
+from stickslip.likelihoods.declared_numbers import FAR, FAR_GAIN, STRIDE_CONSTANT, held_loosely
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.measured.recording import Recording
@@ -61,9 +61,9 @@ class BodiesBench:
         out = []
         for name in self.declared.names:
             if name.startswith("gain."):
-                out.append(Number(name, 0.0, 0.0, math.inf))
+                out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
             else:
-                out.append(Number(name, 0.0, 0.0, math.inf, True, stride=STRIDE_CONSTANT))
+                out.append(Number(name, 0.0, 0.0, math.inf, True, low=-FAR, high=FAR, stride=STRIDE_CONSTANT))
         return out
 
     def of_sensors(self) -> list[Number]:

@@ -13,6 +13,9 @@ from stickslip.likelihoods.shared import Declared, Number
 from stickslip.measured.case import Case
 
 STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
+# Bounds of constants, in the logarithm, and of gains about 1: masses, springs and a gain that shrink together leave the
+# motion as it is, and what is further off than this is another rig.
+FAR, FAR_GAIN = math.log(2.0), 0.5
 
 
 def of_law(model: Model, policy: Policy) -> list[Number]:
@@ -40,10 +43,12 @@ def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[Number]:
     out = []
     for name in declared.names:
         if name in sensors.gains:
-            out.append(Number(name, 0.0, 0.0, math.inf))
+            out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
         else:
             at = math.log(model.parameters[name])
-            out.append(Number(name, at, at, math.inf, True, stride=STRIDE_CONSTANT))
+            out.append(
+                Number(name, at, at, math.inf, True, low=at - FAR, high=at + FAR, stride=STRIDE_CONSTANT)
+            )
     return out
 
 

@@ -61,7 +61,7 @@ class Policy:
     knee: float = 4.0
     held: int = 5
     most_steps: int = 25
-    settled: float = 1.0
+    settled: float = 0.1
     tolerance: float = 1e-7
     most_transitions: int = 300
     most_integration_steps: int = 20_000

@@ -23,7 +23,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
-from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.population import Population, factor
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.stretches import timed
 
@@ -94,9 +94,12 @@ class BeltBench(Bench):
         """
         if one.kind.where == "belt":
             return self.policy.wobble
-        p = fit.population
+        roots = factor(fit.population, fit.windows.places)[:, fit.windows.kinetic].mean(axis=1)
+        mean = math.sqrt(
+            float((roots**2).sum(axis=1).mean())
+        )  # of an event's friction, however it changes in a slip
         events = max(len(self.stretches) / len(self.data), 1.0)
-        usual = math.hypot(p.level, p.curve) * math.sqrt(2.0 / events * self._slowness(fit, one))
+        usual = mean * math.sqrt(2.0 / events * self._slowness(fit, one))
         return usual * (max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0)
 
     def _slowness(self, fit: Fit, one: Term) -> float:

@@ -8,18 +8,19 @@ as slow waves in time: the windows of the fit are independent, and all of it may
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench, label
+from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
-from stickslip.discovery.laboratory.waves import Wave, Waves
+from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
+from stickslip.likelihoods.repeating import swollen
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant
@@ -32,17 +33,24 @@ class Gate:
 
     Parameters
     ----------
-    draws : (n,) largest gain of any effect
-    threshold : what is exceeded by one of `1/false_alarm` such records
-    waves : by name what each periodic effect gains of the readings as of a draw, scatter held and prices paid
+    draws : (n,) largest gain of any effect; below 0 where none is worth its price
+    threshold : what is exceeded by one of `1/false_alarm` such records, all gates of a step together
+    observed : what the readings gain by the same measure; that of a trial is its own
     """
 
     draws: Floats
     threshold: float
-    waves: Mapping[str, float] = field(default_factory=dict)
+    observed: float = math.nan
 
 
-def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
+def gate(
+    bench: Bench,
+    fit: Fit,
+    screen: Screen,
+    seed: int,
+    best: Fit,
+    tight: bool = False,
+) -> Gate:
     """
     Return the gate of a fitted hypothesis.
 
@@ -51,48 +59,51 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     bench, fit, screen : the hypothesis, and what was scored beside it
     seed : of the draws
     best : the fit whose scatter, noise and memory of events the records have. What a hypothesis lacks swells its own,
-        and a drift that is lacking looks like memory: they are those of its best rival, or its own where it is asked
-        what all of its scatter could be
+        and a drift that is lacking looks like memory: they are those of its best rival
     tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
     like = tuple(memory(best, k) for k in (KINETIC, STATIC))
+    swelled = swollen(fit)
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit, tight)
-    drawn = _drawn(bench, fit, null, screen, like, rng)
-    # the readings themselves are the last of the records
-    shared = np.column_stack([null.shared_pull(drawn, bench.policy.draws), null.pull])
-    records = [
-        None if one is None or right is None else np.column_stack([one, right])
-        for one, right in zip(drawn, null.rights, strict=True)
-    ]
-    count, most, waves = len(bench.stretches), np.zeros(bench.policy.draws), dict[str, float]()
-    for one in screen.scored:
-        gains = one.gains(null, records, shared) - one.count * math.log(count)
-        most = np.maximum(most, gains[:-1])
-        if isinstance(one, Waves):
-            waves[label(one.kind)] = float(gains[-1])
-    return Gate(most, _quantile(most, bench.policy.false_alarm), waves)
+    drawn = records(bench, fit, null, screen, like, rng, swelled)
+    shared = null.shared_pull(drawn, bench.policy.draws)
+    count, most = len(bench.stretches), np.full(bench.policy.draws, -np.inf)
+    for one in screen.shapes:
+        most = np.maximum(most, one.gains(null, drawn, shared) - one.count * math.log(count))
+    return Gate(most, max(quantile(most, bench.policy.false_alarm / screen.gates), 0.0))
 
 
-def _quantile(best: Floats, probability: float) -> float:
-    """A quantile beyond what so few draws show, from the extreme-value distribution through their moments."""
+def quantile(best: Floats, probability: float) -> float:
+    """Return a quantile beyond what so few draws show, from the extreme-value distribution through their moments."""
     scale = float(np.std(best)) * math.sqrt(6.0) / math.pi
     place = float(np.mean(best)) - GUMBEL * scale
     return place - scale * math.log(-math.log1p(-probability))
 
 
-def _drawn(
+def records(
     bench: Bench,
     fit: Fit,
     null: Null,
     screen: Screen,
     like: Sequence[tuple[float, float]],
     rng: np.random.Generator,
+    swelled: bool = False,
 ) -> list[Floats | None]:
-    """Readings of each window less the model's, (rows, draws), as they would be if nothing were lacking."""
+    """
+    Return readings of each window less the model's, (rows, draws), as they would be if nothing were lacking.
+
+    Parameters
+    ----------
+    bench, fit, null, screen : the hypothesis, whose scatter and noise they have, and what was scored beside it
+    like : correlation from one event to the next and its error, of kinetic and of static friction
+    rng : of the draws
+    swelled : whether the motion is none of the readings', which columns of slow waves do not fit: the belt then wanders
+        in each window by itself
+    """
     draws = bench.policy.draws
-    waves = _wobble(bench, screen, rng, bench.wobble(fit.population))
+    waves = () if swelled else _wobble(bench, screen, rng, bench.wobble(fit.population))
     # the fit tells a correlation poorly: every draw has one that may be the true one
     correlations = [np.clip(found + error * rng.standard_normal(draws), 0.0, MOST) for found, error in like]
     effects = bench.drawn(fit, correlations, rng, belt=not waves)

@@ -170,14 +170,15 @@ def evidence(found: Searched, name: str) -> Evidence:
     control = min(wrong, key=lambda t: t.deviance, default=None)
     fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
     label = "" if control is None else control.names[-1]
-    words = f"lowers -2 log marginal likelihood by {gain:.4g} (scatter alone: {step.gate.threshold:.3g})"
+    asked = step.gate_of(next((t for t in step.trials if t.names[-1] == name), found.chosen))
+    words = f"lowers -2 log marginal likelihood by {gain:.4g} (scatter alone: {asked.threshold:.3g})"
     if fall is not None:
         words += f"; the best wrong effect, {label}, by {fall:.4g}"
     best = found.chosen.fit
     unseen, without = (held_out(one, best.population, best.noise) for one in (best, base.fit))
     ratio = math.sqrt(unseen / without)
     words += f"; error on windows held out falls to {ratio:.3g} of what it was"
-    return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, step.gate.threshold, words)
+    return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, asked.threshold, words)
 
 
 def _own(numbers: Mapping[str, Interval], name: str) -> dict[str, Interval]:
@@ -296,12 +297,16 @@ def per_reading(fit: Fit) -> float:
 
 
 def gate(found: Searched) -> Gate:
-    """Return the first step's gate; where the best is a wave of scatter, that which turned it away."""
+    """Return the gate of the best of the first step, and what it gains by the same measure."""
     step = found.steps[0]
     best = max(step.trials, key=step.gained, default=None)
-    asked, gained = step.gate, 0.0 if best is None else step.gained(best)
-    if best is not None and step.own is not None and step.of_scatter(best):
-        asked, gained = step.own, step.own.waves[best.names[-1]]
+    if best is None:
+        asked, gained = step.gate, 0.0
+    else:
+        asked = step.gate_of(best)
+        gained = (
+            asked.observed if best.comes_and_goes and math.isfinite(asked.observed) else step.gained(best)
+        )
     over = asked.draws > asked.threshold
     return Gate(max(gained, 0.0), asked.threshold, float(np.mean(over)), asked.draws)
 

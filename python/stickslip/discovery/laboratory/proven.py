@@ -1,4 +1,4 @@
-"""What a curve that was scored gains once all else is fitted beside it.
+"""A curve that was scored, with all else fitted beside it: what it gains is proven there.
 
 A score is of first order. Along what is all but free (a load and the level of a law) it steps far; friction that is
 larger makes the same scatter a smaller share of it, and linear windows take that for a gain.
@@ -22,9 +22,9 @@ from stickslip.likelihoods.fit_state import Fit
 Floats = NDArray[np.float64]
 
 
-def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> float:
+def beside(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> Fit:
     """
-    Return the fall of -2 log marginal likelihood where a curve is in the model as it was scored.
+    Return a hypothesis fitted with a curve in the model as it was scored.
 
     One in the slip is there as friction of each window; of another, what it adds is taken out of the readings.
 
@@ -39,8 +39,7 @@ def proven(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> flo
         windows = bench.windows(terms)
         assert isinstance(windows, BeltWindows)
         windows.added = np.array([windows.added[0] if one is None else one for one in curve.friction])
-    beside = fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
-    return fit.deviance - beside.deviance
+    return fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
 
 
 def _less(bench: Bench, curve: Learned) -> list[Data]:

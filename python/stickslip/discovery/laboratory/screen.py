@@ -84,6 +84,20 @@ class Screen:
     ranked: tuple[Candidate, ...]
     scored: tuple[Shapes | Waves, ...]
 
+    @property
+    def shapes(self) -> tuple[Shapes, ...]:
+        """The columns of effects that do not come and go."""
+        return tuple(one for one in self.scored if isinstance(one, Shapes))
+
+    @property
+    def gates(self) -> int:
+        """How many gates there are: one for all shapes, one for each effect that comes and goes."""
+        return 1 + len(self.scored) - len(self.shapes)
+
+    def wave(self, name: str) -> Waves:
+        """Return the columns of a periodic effect."""
+        return next(one for one in self.scored if isinstance(one, Waves) and label(one.kind) == name)
+
     def of_belt(self, policy: Policy) -> tuple[Wave, ...]:
         """Return the waves of the belt's speed at the frequencies that belts wobble at."""
         low, high = policy.slow

@@ -13,6 +13,7 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
+from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_near, leader_anew
 from stickslip.discovery.workers import ALONE, Workers
@@ -30,9 +31,9 @@ class Step:
     Parameters
     ----------
     base, screen, trials : the hypothesis before it, what was scored beside it, and what was fitted
-    gate : what scatter alone would gain
+    gate : what scatter alone would gain of effects that do not come and go
     beside : what was scored beside the best of the trials, where the gate is from there
-    own : what scatter would gain that is all the base's own, where a wave passes the gate otherwise
+    waves : the gates of those that come and go, by name, as far as they were asked for
     """
 
     base: Trial
@@ -40,22 +41,26 @@ class Step:
     trials: list[Trial]
     gate: Gate
     beside: Screen | None = None
-    own: Gate | None = None
+    waves: dict[str, Gate] = field(default_factory=dict)
 
     def gained(self, trial: Trial) -> float:
         """Return what a trial gains, prices paid, and what of it is no finding."""
         return self.base.worth() - trial.worth()
 
+    def gate_of(self, trial: Trial) -> Gate:
+        """Return the gate that a trial must pass."""
+        return self.waves.get(trial.names[-1], self.gate)
+
     def passes(self, trial: Trial) -> bool:
         """Return whether a trial is beyond what scatter alone gains."""
-        beyond = min(self.gained(trial), told_by_sizes(trial)) > self.gate.threshold
-        return beyond and not self.of_scatter(trial)
-
-    def of_scatter(self, trial: Trial) -> bool:
-        """Return whether a trial is a wave that does no more than those that all of the base's own scatter makes."""
-        if self.own is None:
+        if not self.promises(trial):
             return False
-        return self.own.waves.get(trial.names[-1], math.inf) <= self.own.threshold
+        own = self.waves.get(trial.names[-1])
+        return not trial.comes_and_goes or (own is not None and own.observed > own.threshold)
+
+    def promises(self, trial: Trial) -> bool:
+        """Return whether it passes the gate that is drawn for effects that do not come and go."""
+        return min(self.gained(trial), told_by_sizes(trial)) > self.gate.threshold
 
 
 @dataclass
@@ -101,17 +106,32 @@ def search(
         if not base.terms:
             out.null = base
         out.steps.append(step)
-        passing = [t for t in step.trials if step.passes(t)]
-        if any(t.terms[-1].kind.wave is not None for t in passing) and _usual(base.fit):
-            # a field along the belt is a model of the windows, and more scatter than a wave of it leaves
-            step.own = gate(bench, base.fit, step.screen, seed, base.fit)
-            passing = [t for t in passing if step.passes(t)]
-        if not passing:
+        found = _passing(bench, step, tell, seed)
+        if found is None:
             break
-        base = min(passing, key=Trial.whole)
-        screen = step.beside if base is min(step.trials, key=Trial.whole) else None
+        base = found
+        screen = step.beside if base is _leader(step) else None
     out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell, workers))
     return out
+
+
+def _passing(bench: Bench, step: Step, tell: Callable[[str], None], seed: int) -> Trial | None:
+    """The best trial that passes its gate; that of a wave is drawn when it is asked."""
+    for trial in sorted(step.trials, key=Trial.whole):
+        if trial.comes_and_goes and step.promises(trial):
+            name, base = trial.names[-1], step.base.fit
+            tell(f"asking what scatter alone would gain of {name}")
+            step.waves[name] = refitted(
+                bench, base, step.screen, name, seed, base if _usual(base) else trial.fit
+            )
+        if step.passes(trial):
+            return trial
+    return None
+
+
+def _leader(step: Step) -> Trial:
+    """The best of what does not come and go, or of what it stands beside."""
+    return min([step.base, *(t for t in step.trials if not t.comes_and_goes)], key=Trial.worth)
 
 
 def told_by_sizes(trial: Trial) -> float:
@@ -190,12 +210,15 @@ def _forward(
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    best = min([base, *trials], key=Trial.whole)
-    if not (swollen(base.fit) and _usual(best.fit)):
-        return Step(base, screen, trials, gate(bench, base.fit, screen, seed, best.fit)), base
-    # what scatter would do to motions that are not those of the readings, nobody asks
-    beside = _scored(bench, best, tell, workers)
-    return Step(base, screen, trials, gate(bench, best.fit, beside, seed, best.fit), beside), base
+    step = Step(base, screen, trials, Gate(np.zeros(0), math.inf))
+    best = _leader(step)
+    if swollen(base.fit) and _usual(best.fit):
+        # what scatter would do to motions that are not those of the readings, nobody asks
+        step.beside = _scored(bench, best, tell, workers)
+        step.gate = gate(bench, best.fit, step.beside, seed, best.fit)
+    else:
+        step.gate = gate(bench, base.fit, screen, seed, best.fit)
+    return step, base
 
 
 def _usual(fit: Fit) -> bool:

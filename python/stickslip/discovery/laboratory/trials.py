@@ -47,6 +47,11 @@ class Trial:
         return tuple(one.name for one in self.terms)
 
     @property
+    def comes_and_goes(self) -> bool:
+        """Whether its last effect is a wave."""
+        return bool(self.terms) and self.terms[-1].kind.wave is not None
+
+    @property
     def deviance(self) -> float:
         """-2 log marginal likelihood, and what of its gain is no finding."""
         return self.fit.deviance + self.known

@@ -12,11 +12,12 @@ from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.left import Left
-from stickslip.discovery.laboratory.proven import proven
+from stickslip.discovery.laboratory.proven import beside as fitted_beside
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import closed, fitted, null
+from stickslip.likelihoods.remembered import remembered
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shared import Declared
 
@@ -82,10 +83,12 @@ def searched(
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
     tell("looking for a curve that no name explains")
+    left = _left_over(bench, found, seed, workers)
+    if found.chosen.terms and left is None:  # names stand that leave nothing over
+        return Verdicts(bench, found, None)
     alone = _curve(bench, found, seed, workers)
     if alone is not None:
         return Verdicts(bench, found, alone)
-    left = _left_over(bench, found, seed, workers)
     return Verdicts(bench, found, left, left is not None)
 
 
@@ -108,13 +111,12 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
 
 def _curve(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
     """The curve that explains more than every name does, its shapes paid for."""
-    count, alone = len(bench.stretches), found.null
-    best = leading(bench, alone.fit, found.chosen.fit, seed, workers)
+    alone, chosen = found.null, found.chosen
+    best = leading(bench, alone.fit, chosen.fit, seed, workers)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
-    chosen = found.chosen
-    named = 0.0 if lost(chosen.fit) else alone.independent() - chosen.independent()
-    return _proven(bench, alone, best) if best.worth(count) > max(best.threshold, named) else None
+    named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
+    return _proven(bench, alone, best, named)
 
 
 def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
@@ -143,13 +145,18 @@ def _explained(bench: Bench, found: Searched) -> float:
     return fitted(alone, policy, held=policy.most_steps).deviance - chosen.deviance
 
 
-def _proven(bench: Bench, beside: Trial, best: Learned) -> Learned | None:
-    """A curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing."""
+def _proven(bench: Bench, beside: Trial, best: Learned, least: float = 0.0) -> Learned | None:
+    """
+    A curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
+
+    What it explains is held against what events that remember explain without it, and is worth `least` at least.
+    """
     count = len(bench.stretches)
     if best.worth(count) <= best.threshold:
         return None
     try:
-        gain = proven(bench, beside.fit, beside.terms, best)
+        there = fitted_beside(bench, beside.fit, beside.terms, best)
     except FloatingPointError:
         return None
-    return best if replace(best, gain=gain).worth(count) > best.threshold else None
+    gain = beside.fit.deviance - beside.remembered - there.deviance + remembered(there)
+    return best if replace(best, gain=gain).worth(count) > max(best.threshold, least) else None

@@ -76,16 +76,27 @@ class Waves:
 
     def best(self, null: Null) -> float:
         """Return the frequency that gains most, the population held."""
-        shared = null.pull[:, None]
-        found = [(float(g[0]), w) for w, g in self._every(null, null.rights, shared)]
-        return max(found)[1]
+        return float(self.often(null, null.rights, null.pull[:, None])[0])
 
-    def gains(self, null: Null, drawn: list[Floats | None], shared: Floats) -> Floats:
-        """Return the largest gain over all frequencies, for each draw."""
-        best = np.zeros(shared.shape[1])
-        for _, gain in self._every(null, drawn, shared):
+    def often(self, null: Null, drawn: list[Floats | None], shared: Floats) -> Floats:
+        """Return the frequency that gains most, the population held, for each draw."""
+        best, often = np.full(shared.shape[1], -np.inf), np.zeros(shared.shape[1])
+        for w, gain in self._every(null, drawn, shared):
+            often = np.where(gain > best, w, often)
             best = np.maximum(best, gain)
-        return best
+        return often
+
+    def at(self, w: float) -> Columns:
+        """Return the columns of a sine and a cosine at a frequency, turned from the nearest coarse one."""
+        near = min(self.waves, key=lambda one: abs(one.w - w))
+        turn = self._turn(w - near.w)
+        return [None if x is None else x @ each.T for x, each in zip(near.columns, turn, strict=True)]
+
+    def _turn(self, off: float) -> Floats:
+        """What turns a sine and a cosine of each window into those of another frequency, (windows, 2, 2)."""
+        c, s = np.cos(off * self.middle), np.sin(off * self.middle)
+        # sin(w t + d) = cos d sin + sin d cos, cos(w t + d) = cos d cos - sin d sin
+        return np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], 1)
 
     def _every(
         self, null: Null, rights: list[Floats | None], shared: Floats
@@ -100,9 +111,7 @@ class Waves:
 
     def _turned(self, null: Null, made: Projected, pull: Floats, shared: Floats, off: float) -> Floats:
         """Gains of a sine and a cosine in each run, turned in each window as another frequency asks."""
-        c, s = np.cos(off * self.middle), np.sin(off * self.middle)
-        # sin(w t + d) = cos d sin + sin d cos, cos(w t + d) = cos d cos - sin d sin
-        turn = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], 1)
+        turn = self._turn(off)
         cross, moved = turn @ made.cross, turn @ pull
         square = turn @ made.square @ turn.transpose(0, 2, 1)
         runs = len(self.bench.data)
