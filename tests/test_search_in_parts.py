@@ -14,6 +14,7 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome, trials, verdicts
 from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import Term, of_term, term
 from stickslip.discovery.laboratory.outcome import evidence
@@ -271,8 +272,23 @@ def test_waves_of_scatter_are_those_of_an_event_s_mean_friction(bench: BeltBench
     )
 
 
+def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fit whose friction scattered by 22 % had a mass of its own, and told that the declared one is wrong."""
+    off = Freed("alpha1", 0.2, 0.01, 0.01, 900.0, bench.declared)
+    monkeypatch.setattr(searching, "freed", lambda *_: [off])
+    monkeypatch.setattr(searching, "_with_freed", lambda _, __, trial, wrong: replace(trial, freed=wrong))
+    monkeypatch.setattr(Trial, "whole", lambda one: -900.0 if one.freed else 0.0)
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    usual = Trial((), replace(fit, population=fit.windows.scatter()))
+    lost = Trial((), replace(fit, population=replace(fit.windows.scatter(), curve=0.22)))
+    assert searching._of_constants(bench, known, usual, usual).freed == off
+    assert searching._of_constants(bench, known, lost, lost).freed is None
+
+
 def test_constants_are_sought_within_twice_and_half_of_what_is_declared(bench: BeltBench) -> None:
-    """Masses, springs and a gain may shrink together: a fit went to a quarter of a block, and nothing stood beside it."""
+    """Masses, springs and a gain may shrink together: a fit went to a quarter of a block, and found nothing else."""
     numbers = {one.name: one for one in bench.windows().numbers}
     for name in ("alpha1", "beta3", "eta1"):
         one, declared = numbers[name], bench.model.parameters[name]

@@ -43,14 +43,7 @@ class Gate:
     observed: float = math.nan
 
 
-def gate(
-    bench: Bench,
-    fit: Fit,
-    screen: Screen,
-    seed: int,
-    best: Fit,
-    tight: bool = False,
-) -> Gate:
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
     """
     Return the gate of a fitted hypothesis.
 
