@@ -53,7 +53,8 @@ def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best:
     )
     away, _ = fit.windows.prior.at(fit.at)
     observed = _gained(bench, _reading(fit, null.rights, 0), waves, waves.best(null), away) - price
-    return Gate(draws, max(quantile(draws, bench.policy.false_alarm / screen.gates), 0.0), observed)
+    # how friction is alike along the belt a fit tells poorly: a wave pays for its numbers once more
+    return Gate(draws, max(quantile(draws, bench.policy.false_alarm / screen.gates), 0.0) + price, observed)
 
 
 def _reading(fit: Fit, every: list[Floats | None], record: int) -> Fit:

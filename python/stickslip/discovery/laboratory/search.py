@@ -205,9 +205,11 @@ def _forward(
             more, failed = all_full(bench, base, others, workers)
             fits, done = [*fits, *more], (*done, *failed)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
-        again = _again(bench, base, min(trials, key=lambda one: one.deviance)) if trials else base
-        fell, least = base.deviance - again.deviance, min((t.deviance for t in trials), default=np.inf)
-        stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.deviance - least)
+        # where to stand, a wave shows as well as any: what of its gain is no finding is of no matter here
+        again = _again(bench, base, min(trials, key=lambda one: one.fit.deviance)) if trials else base
+        fell = base.fit.deviance - again.fit.deviance
+        least = min((t.fit.deviance for t in trials), default=np.inf)
+        stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.fit.deviance - least)
         base = again if fell > 0 else base
         if not stuck or turn:
             break
