@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from discover_cases import make_case
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.laboratory import outcome, trials, verdicts
+from stickslip.discovery.laboratory import block, outcome, trials, verdicts
 from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
@@ -23,7 +23,7 @@ from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.waves import SMALL, wave_columns
-from stickslip.discovery.workers import Workers
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
@@ -275,6 +275,22 @@ def test_a_wave_is_held_against_what_friction_s_own_scatter_makes_of_its_kind(
         assert waves(one, curve=0.03, length=1e-3) == pytest.approx(unit * level / math.sqrt(k), rel=1e-3)
     assert waves(fast, level=0.03) < 0.05 * waves(force, level=0.03)
     assert waves(fast, curve=0.03, length=0.2) > 5 * waves(fast, level=0.03)
+
+
+@pytest.mark.parametrize(("more", "told"), [({}, True), ({"curve": 0.15}, False), ({"belt": 0.02}, False)])
+def test_a_block_that_hardly_sticks_is_no_case_for_windows(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, more: dict[str, float], told: bool
+) -> None:
+    """Where nothing lacked, friction scattered by 13 %, the belt by all it may, and a lag was named beside it."""
+    chosen = Trial((), replace(fit, population=replace(fit.windows.scatter(), **more)))
+    found = verdicts.Verdicts(bench, Searched(chosen, chosen), None)
+    monkeypatch.setattr(block, "searched", lambda *_, **__: found)
+    monkeypatch.setattr(block, "beside_a_hum", lambda one, _: one)
+    monkeypatch.setattr(block, "left", lambda *_: None)
+    monkeypatch.setattr(block, "repeats", lambda _: False)
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    enough = replace(bench, policy=replace(bench.policy, fewest_windows=1))
+    assert (block._verdicts(enough, known, lambda _: None, 0, ALONE) is found) == told
 
 
 def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(

@@ -33,6 +33,12 @@ def swollen(fit: Fit) -> bool:
     return bool(max(fit.population.friction) > usual * math.exp(policy.scatter_spread))
 
 
+def wild(fit: Fit) -> bool:
+    """Return whether friction scatters by more than the prior's width, or the belt's speed by all that it may."""
+    belt = getattr(fit.population, "belt", 0.0)  # of rigs of bodies it is one of the sizes
+    return swollen(fit) or belt >= 0.99 * fit.windows.policy.wildest_belt
+
+
 def repeats(fit: Fit) -> bool:
     """
     Return whether every event of a run is like every other, so that what is left is noise of the readings alone.

@@ -45,7 +45,7 @@ from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.repeating import lost, repeats
+from stickslip.likelihoods.repeating import lost, repeats, wild
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
@@ -131,7 +131,8 @@ def _verdicts(
         return verdicts
     fit = verdicts.searched.chosen.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
-    if lost(fit) or (repeats(fit) and not rivals) or unexplained(fit) > bench.policy.noise_left:
+    unlike = lost(fit) or unexplained(fit) > bench.policy.noise_left
+    if unlike or ((repeats(fit) or wild(fit)) and not rivals):
         return None
     return verdicts
 
