@@ -128,12 +128,12 @@ def _prepared(recordings: Sequence[Recording]) -> list[Data] | None:
 
 
 def _of_block(material: Material, declared: Declared, units: Scaled) -> Bench | None:
-    """A block's runs in scaled numbers; None where they go both ways, or where noise passes for slips."""
+    """A block's runs in scaled numbers; None where they go both ways, or one shows no slips."""
     used = _as_used(material)
     data = _prepared([units.run(one) for one in used])
     if data is None or len({run.belt_speed > 0 for run in data}) > 1:
         return None
-    if any(drowned(run) for run in data):
+    if any(drowned(run) for run in data) or not all(run.track.slips for run in material.runs):
         return None
     channel = used[0].channel("x1")
     force = units.block().stiffness if channel == "spring_force" else None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
-from stickslip.discovery.laboratory.belt_curves import along_slip, learned
+from stickslip.discovery.laboratory.belt_curves import learned
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
 from stickslip.discovery.laboratory.learned import Learned
@@ -28,7 +28,6 @@ from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.stretches import timed
 
 Floats = NDArray[np.float64]
-TINY = 1e-6  # share added to a diagonal: friction that differs as a whole alone has no inverse
 
 
 @dataclass(frozen=True)
@@ -90,31 +89,17 @@ class BeltBench(Bench):
         """
         See `Bench.scattered`.
 
-        A wave is a curve of friction in every slip, and as large as friction's own scatter makes such a curve. Of n
-        events that differ as a whole a slow one has sqrt(2/n) of their standard deviation, more where events remember;
-        one that swings within a slip has what friction changes there. Of a belt's wobble it may have all.
+        Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation, a slow one more
+        where events remember; of a belt's wobble it may have all.
         """
         if one.kind.where == "belt":
             return self.policy.wobble
-        windows, wave = fit.windows, one.kind.wave
-        assert wave is not None
-        assert isinstance(windows, BeltWindows)
-        number = one.effect.parameters[wave.parameter]
-        roots = factor(fit.population, windows.places)[:, windows.kinetic]
-        covariance = roots @ roots.transpose(0, 2, 1)
-        k = covariance.shape[1]
-        covariance += TINY * np.trace(covariance, axis1=1, axis2=2)[:, None, None] / k * np.eye(k)
-        told = 0.0
-        for s, motion in zip(self.stretches, windows.motions(fit.at, fit.own), strict=True):
-            places, speed = windows.knots[s.run], self.data[s.run].belt_speed
-            passed = None if motion is None else along_slip(motion, places, "t", speed)
-            if passed is None:
-                continue
-            t = passed[0]
-            turn = 2 * math.pi / number * (speed * t - places) if wave.along_belt else number * t
-            both = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-            told += 0.5 * float((both * np.linalg.solve(covariance[s.run], both)).sum())
-        usual = math.sqrt(self._slowness(fit, one) * len(self.data) / max(told, TINY))
+        roots = factor(fit.population, fit.windows.places)[:, fit.windows.kinetic].mean(axis=1)
+        mean = math.sqrt(
+            float((roots**2).sum(axis=1).mean())
+        )  # of an event's friction, however it changes in a slip
+        events = max(len(self.stretches) / len(self.data), 1.0)
+        usual = mean * math.sqrt(2.0 / events * self._slowness(fit, one))
         return usual * (max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0)
 
     def _slowness(self, fit: Fit, one: Term) -> float:

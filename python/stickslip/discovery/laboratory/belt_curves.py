@@ -154,7 +154,7 @@ def _factors(
         if motion is None:
             out.append(None)
             continue
-        at = along_slip(motion, fit.windows.knots[s.run], variable, bench.data[s.run].belt_speed)
+        at = _along_slip(motion, fit.windows.knots[s.run], variable, bench.data[s.run].belt_speed)
         if at is None:
             out.append(np.zeros((bench.policy.knots, len(grid))))
             continue
@@ -167,10 +167,10 @@ def _factors(
     return out
 
 
-def along_slip(
+def _along_slip(
     motion: Motion, knots: Floats, variable: str, belt_speed: float
 ) -> tuple[Floats, Floats] | None:
-    """Return what a variable and v_w are where the slip passes the places of the friction curve, (k,) each."""
+    """What a variable and v_w are where the slip passes the places of the friction curve."""
     slips = np.flatnonzero(motion.mode != 0)
     if len(slips) < FEWEST:
         return None

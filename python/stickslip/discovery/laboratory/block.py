@@ -75,7 +75,7 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     """
     Return the train runs cut into windows, the units, and all runs.
 
-    None where runs have rigs of their own, or where a run is so slow that noise passes for slips.
+    None where runs have rigs of their own, or where a run shows no slip, or is so slow that noise passes for slips.
     """
     rig, runs = case.rig, (*case.train, *case.validate)
     if not isinstance(rig, BlockOnBelt) or any(run.rig != rig or run.belt_speed == 0 for run in runs):
@@ -83,7 +83,8 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     units = scaled(rig, case.train)
     data = prepare([units.run(one) for one in runs])
     train = data[: len(case.train)]
-    if any(drowned(one) for one in train):
+    seen = [len(prepare_events(run).track.slips) for run in case.train]
+    if not all(seen) or any(drowned(one) for one in train):
         return None
     declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
     channel = case.train[0].channel("x1")
