@@ -154,9 +154,8 @@ def draw_case(rng: np.random.Generator, names: Sequence[str], c: Conditions) -> 
         except ArithmeticError:
             continue
         told = bool(rng.random() < 0.5)
-        return BlockCase(
-            effects, values, noise, mass, frequency, length, (off[0], off[1]), told, c, runs, lab
-        )  # fmt: skip
+        both = off[0], off[1]
+        return BlockCase(effects, values, noise, mass, frequency, length, both, told, c, runs, lab)
     raise ArithmeticError(f"no bounded motion found for {names}")
 
 

@@ -20,7 +20,7 @@ import click
 import numpy as np
 from draw import Case, Conditions, draw_case
 from strength import surviving
-from truths import FORBIDDEN_PAIRS, LISTED, UNLISTED
+from truths import FORBIDDEN_PAIRS, LISTED, MISDECLARED, UNLISTED
 
 ORDINARY = Conditions()
 ODD = {
@@ -231,7 +231,7 @@ def main(
     if out.exists() and any(out.iterdir()):
         raise click.ClickException(f"{out} is not empty; name a new folder.")
     out.mkdir(parents=True, exist_ok=True)
-    if unknown := [n for n in only if n not in LISTED and n not in UNLISTED]:
+    if unknown := [n for n in only if n not in LISTED | MISDECLARED | UNLISTED]:
         raise click.ClickException(f"no such effect: {', '.join(unknown)}")
     if rig == "block" and (odd or strength or not laboratory):
         raise click.ClickException(

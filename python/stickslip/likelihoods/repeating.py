@@ -34,9 +34,8 @@ def swollen(fit: Fit) -> bool:
 
 
 def wild(fit: Fit) -> bool:
-    """Return whether friction scatters by more than the prior's width, or the belt's speed by all that it may."""
-    belt = getattr(fit.population, "belt", 0.0)  # of rigs of bodies it is one of the sizes
-    return swollen(fit) or belt >= 0.99 * fit.windows.policy.wildest_belt
+    """Return whether friction on a belt scatters by more than the prior's width, or the belt's speed by all it may."""
+    return swollen(fit) or bool(fit.population.belt >= 0.99 * fit.windows.policy.wildest_belt)
 
 
 def repeats(fit: Fit) -> bool:

@@ -95,9 +95,8 @@ class BeltBench(Bench):
         if one.kind.where == "belt":
             return self.policy.wobble
         roots = factor(fit.population, fit.windows.places)[:, fit.windows.kinetic].mean(axis=1)
-        mean = math.sqrt(
-            float((roots**2).sum(axis=1).mean())
-        )  # of an event's friction, however it changes in a slip
+        # of an event's mean friction, however it changes in a slip
+        mean = math.sqrt(float((roots**2).sum(axis=1).mean()))
         events = max(len(self.stretches) / len(self.data), 1.0)
         usual = mean * math.sqrt(2.0 / events * self._slowness(fit, one))
         return usual * (max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0)

@@ -84,9 +84,8 @@ def searched(
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
     tell("looking for a curve that no name explains")
     left = _left_over(bench, found, seed, workers)
-    if (
-        found.chosen.terms and left is None and not lost(found.chosen.fit)
-    ):  # names stand that leave nothing over
+    chosen = found.chosen
+    if chosen.terms and left is None and not lost(chosen.fit):  # names stand that leave nothing over
         return Verdicts(bench, found, None)
     alone = _curve(bench, found, seed, workers)
     if alone is not None:
