@@ -1,5 +1,7 @@
 """Windows of the rig of (2.1) from mid-stick to mid-stick, with numbers of their own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -8,8 +10,10 @@ import stickslip as ss
 from differences import held_against_differences
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.single_windows import lifted
 from stickslip.likelihoods.stretches import stretches
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
@@ -32,16 +36,20 @@ BELT, NOISE = 0.1, 1e-3
 @pytest.fixture(scope="module")
 def windows() -> BeltWindows:
     """A run that the model made, without noise."""
+    return made(recorded(MODEL, BELT), ())
+
+
+def recorded(model: ss.Model, belt: float) -> list[Data]:
+    """One run of a model, without noise."""
     t = np.arange(0.0, 60.0, 0.02)
-    run = ss.simulate(MODEL, belt_speed=BELT, initial=(0.1, 0.1, 0, 0), t_end=t[-1], t_eval=t)
+    run = ss.simulate(model, belt_speed=belt, initial=(0.1, belt, 0, 0), t_end=t[-1], t_eval=t)
     readings = run.state[:, [0, 2]]
     v = run.state[:, 1]
-    slips = [a + int(np.argmax(np.abs(v[a:b] - BELT))) for a, b in _slipping(run.mode)]
+    slips = [a + int(np.argmax(np.abs(v[a:b] - belt))) for a, b in _slipping(run.mode)]
     weight = np.full_like(readings, 1 / NOISE)
     noise, held = np.full(2, NOISE), np.zeros_like(readings, dtype=bool)
     cycle = float(np.median(np.diff(t[slips])))
-    data = [Data("run", "train", BELT, t, readings, weight, noise, v, np.array(slips), cycle, held)]
-    return made(data, ())
+    return [Data("run", "train", belt, t, readings, weight, noise, v, np.array(slips), cycle, held)]
 
 
 def made(data: list[Data], effects: tuple[ss.Effect, ...]) -> BeltWindows:
@@ -96,3 +104,25 @@ def test_a_motion_is_what_the_blocks_are_of(windows: BeltWindows) -> None:
 def test_derivatives_are_those_of_differences(windows: BeltWindows, name: str) -> None:
     beside = made(windows.data, EFFECTS[name])
     held_against_differences(beside, start(beside), name)
+
+
+def test_static_friction_is_found_above_the_kinetic_friction_below_which_it_does_not_act() -> None:
+    """With v_w > 0 kinetic friction begins at the static limit: below it a window's own limit has no slope."""
+    aged = MODEL.with_effects([ss.effect("static_aging", dT=0.3, tau=1e-3)])
+    windows = made(recorded(aged, -BELT), ())
+    fit = begin(windows)
+    fit.at[len(LAW) :] = 0.0  # no gain
+    fit.own[:, windows.begins] = -0.01
+    fit = replace(fit, blocks=windows.blocks(fit.at, fit.own))
+    static = len(windows.numbers) + windows.begins
+    for block in fit.blocks:
+        assert block is not None
+        assert 0.01 * np.linalg.norm(block[:, :, static]) < 0.01
+        assert np.mean(block[:, :, -1] ** 2) > 3.0
+    found = lifted(fit)
+    assert np.all(found.own[:, windows.begins] > 0.02)  # a part of 0.08: the prior gives the slip the rest
+    again = replace(found, blocks=windows.blocks(found.at, found.own))
+    for block in again.blocks:
+        assert block is not None
+        assert np.mean(block[:, :, -1] ** 2) < 0.1
+    assert lifted(again) is again

@@ -19,7 +19,7 @@ from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor, start
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shown_levels import shown_levels
-from stickslip.likelihoods.single_windows import polished, rescued, settled
+from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled
 from stickslip.likelihoods.variances import Estimate, estimate
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     for step in range(most):
         fit = _linearised(fit, policy)
         if step in (3, 7, 11, 15):
-            sought = rescued(fit)
+            sought = lifted(rescued(fit))
             if sought is not fit:
                 fit = _linearised(sought, policy)
         trial, cost = _stepped(fit, policy, damping, free=step >= held)

@@ -12,6 +12,7 @@ from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+HIDDEN = 1.0  # squares over the noise that a usual static friction moves the readings by: they do not show it
 SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is sought anew with
 
 
@@ -75,6 +76,32 @@ def rescued(fit: Fit) -> Fit:
         better = lost & (found < least)
         best[better], least[better] = trial[better], found[better]
     return replace(fit, own=best)
+
+
+def lifted(fit: Fit) -> Fit:
+    """
+    The fit with static friction sought above where it acts, in windows that do not show it.
+
+    A static limit below the friction of the slip that follows lets go with that, whatever it is itself. There it has no
+    slope to come back by, and the curve of the slip takes what a larger one does.
+    """
+    windows = fit.windows
+    places = windows.begins + np.array(windows.statics, dtype=np.int64)
+    columns = len(windows.numbers) + places
+    shown = np.array(
+        [np.inf if block is None else float((block[:, :, columns] ** 2).sum()) for block in fit.blocks]
+    )
+    hidden = shown * windows.policy.static_sd**2 < HIDDEN
+    if not hidden.any():
+        return fit
+    cost = Cost(fit, fit.population, fit.noise)
+    trial = fit.own.copy()
+    trial[np.ix_(hidden, places)] = windows.policy.static_sd
+    trial = polished(fit, cost, trial, hidden, 8)
+    least = np.add(*cost.of(fit.blocks, fit.own))
+    found = np.add(*cost.of(windows.blocks(fit.at, trial, hidden, shared=(), local=False), trial))
+    better = hidden & (found < least)
+    return replace(fit, own=np.where(better[:, None], trial, fit.own)) if better.any() else fit
 
 
 def _neighbours(windows: Windowed, lost: Mask) -> dict[int, list[int]]:

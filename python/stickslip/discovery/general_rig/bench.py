@@ -165,7 +165,9 @@ class GeneralBench(Bench):
         i = sizes.own.names.index(kind.where)
         return max(float(np.quantile(np.abs(run.q[:, i]), 0.995)) for run in self.data)
 
-    def drawn(self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: bool) -> Floats:
+    def drawn(
+        self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: NDArray[np.bool_]
+    ) -> Floats:
         """See `Bench.drawn`."""
         draws, names = self.policy.draws, fit.population.names
         out = np.zeros((len(self.stretches), fit.windows.effects, draws))
@@ -173,8 +175,8 @@ class GeneralBench(Bench):
             for k, own in enumerate(fit.population.of):
                 name, size = names[own], fit.population.sizes[own]
                 if name == "belt":
-                    if belt:
-                        out[members, k] = size * rng.standard_normal((len(members), draws))
+                    wandering = members[belt[members]]
+                    out[wandering, k] = size * rng.standard_normal((len(wandering), draws))
                     continue
                 found = like[1] if name.endswith(".static") else like[0]
                 out[members, k] = size * chain(len(members), found, rng)

@@ -133,8 +133,10 @@ class BeltBench(Bench):
         y = np.concatenate([run.readings[run.weight[:, 1] > 0, 1] for run in self.data])
         return float(np.quantile(np.abs(y), 0.995))
 
-    def drawn(self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: bool) -> Floats:
-        """See `Bench.drawn`; the belt's unless it is drawn as waves over the whole run."""
+    def drawn(
+        self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: NDArray[np.bool_]
+    ) -> Floats:
+        """See `Bench.drawn`; the belt's where it is not drawn as waves over the whole run."""
         p, draws = fit.population, self.policy.draws
         out = np.zeros((len(self.stretches), fit.windows.effects, draws))
         for run, members in enumerate(fit.windows.by_run):
@@ -143,7 +145,7 @@ class BeltBench(Bench):
             for j, i in enumerate(members):
                 out[i, 0] = p.static * static[j]
                 out[i, fit.windows.kinetic] = p.level * level[j] + p.curve * field[j]
-                if belt:
+                if belt[i]:
                     line = fit.windows.places[run][1:]
                     out[i, fit.windows.kinetic.stop :] = (
                         p.belt * line @ rng.standard_normal((line.shape[1], draws))

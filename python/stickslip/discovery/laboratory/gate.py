@@ -20,7 +20,6 @@ from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
-from stickslip.likelihoods.repeating import swollen
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant
@@ -57,10 +56,9 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     """
     rng = np.random.default_rng(seed)
     like = tuple(memory(best, k) for k in (KINETIC, STATIC))
-    swelled = swollen(fit)
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit, tight)
-    drawn = records(bench, fit, null, screen, like, rng, swelled)
+    drawn = records(bench, fit, null, screen, like, rng)
     shared = null.shared_pull(drawn, bench.policy.draws)
     count, most = len(bench.stretches), np.full(bench.policy.draws, -np.inf)
     for one in screen.shapes:
@@ -82,7 +80,6 @@ def records(
     screen: Screen,
     like: Sequence[tuple[float, float]],
     rng: np.random.Generator,
-    swelled: bool = False,
 ) -> list[Floats | None]:
     """
     Return readings of each window less the model's, (rows, draws), as they would be if nothing were lacking.
@@ -92,14 +89,13 @@ def records(
     bench, fit, null, screen : the hypothesis, whose scatter and noise they have, and what was scored beside it
     like : correlation from one event to the next and its error, of kinetic and of static friction
     rng : of the draws
-    swelled : whether the motion is none of the readings', which columns of slow waves do not fit: the belt then wanders
-        in each window by itself
     """
     draws = bench.policy.draws
-    waves = () if swelled else _wobble(bench, screen, rng, bench.wobble(fit.population))
+    waves = _wobble(bench, screen, rng, bench.wobble(fit.population))
+    alone = _astray(null, waves)
     # the fit tells a correlation poorly: every draw has one that may be the true one
     correlations = [np.clip(found + error * rng.standard_normal(draws), 0.0, MOST) for found, error in like]
-    effects = bench.drawn(fit, correlations, rng, belt=not waves)
+    effects = bench.drawn(fit, correlations, rng, belt=alone)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -107,7 +103,7 @@ def records(
             continue
         n = row.local.shape[0]
         made = rng.standard_normal((n, draws)) + row.effects @ effects[i]
-        for w, amplitudes in waves:
+        for w, amplitudes in () if alone[i] else waves:
             column = w.columns[i]
             if column is not None:
                 made += null.over_noise(column, i) @ amplitudes[bench.stretches[i].run]
@@ -121,6 +117,19 @@ def chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
     for j in range(1, n):
         out[j] = like * out[j - 1] + np.sqrt(1 - like**2) * out[j]
     return out
+
+
+def _astray(null: Null, waves: Sequence[tuple[Wave, Floats]]) -> NDArray[np.bool_]:
+    """
+    Return the windows that slow waves of the belt, as they are drawn, leave more of than the readings do.
+
+    There they set off other events than those of the readings, or the motion is none of theirs: a first order says
+    nothing of them, and the belt wanders by what is the window's own. It does so in all where there are no waves.
+    """
+    left = np.full(len(null.rows), 0.0 if waves else np.inf)
+    for w, amplitudes in waves:
+        left += float(np.mean(amplitudes**2)) * np.trace(null.projected(w.columns).square, axis1=1, axis2=2)
+    return left > null.left
 
 
 def _wobble(

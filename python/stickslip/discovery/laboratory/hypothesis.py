@@ -146,7 +146,9 @@ class Bench(ABC):
         """Return the size of what an effect reads, for numbers that are shares of it."""
 
     @abstractmethod
-    def drawn(self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: bool) -> Floats:
+    def drawn(
+        self, fit: Fit, like: Sequence[Floats], rng: np.random.Generator, *, belt: NDArray[np.bool_]
+    ) -> Floats:
         """
         Return random effects of all windows as scatter alone makes them, (w, effects, draws).
 
@@ -155,7 +157,7 @@ class Bench(ABC):
         fit : whose scatter it is
         like : (draws,) correlation from one event to the next, of kinetic friction and of static limits
         rng : of the draws
-        belt : whether the belt's are drawn, too
+        belt : (w,) windows whose belt is drawn, too
         """
 
     @abstractmethod

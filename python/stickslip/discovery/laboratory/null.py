@@ -108,7 +108,7 @@ class Null:
                 kept.append(None)
                 continue
             e = self.over_noise(column, i)
-            left = e - row.local @ (row.hat @ e)
+            left = _beside(row, e)
             kept.append(left)
             cross[i], square[i] = e.T @ row.shared, e.T @ left
         return Projected(kept, cross, square)
@@ -156,6 +156,11 @@ class Null:
         """What the readings leave, (n, 1) of each window."""
         return [None if row is None else row.right[:, None] for row in self.rows]
 
+    @property
+    def left(self) -> Floats:
+        """What readings leave beside the windows' own numbers, squares over the noise, (w,); 0 where one failed."""
+        return np.array([0.0 if one is None else _beside(one, one.right) @ one.right for one in self.rows])
+
     def shared_pull(self, rights: list[Floats | None], width: int) -> Floats:
         """Return products of the shared columns with draws, (p, draws)."""
         out = np.zeros((len(self.pull), width))
@@ -163,3 +168,8 @@ class Null:
             if row is not None and right is not None:
                 out += row.shared.T @ right
         return out
+
+
+def _beside(row: Row, e: Floats) -> Floats:
+    """Return columns or readings of a window, over its noise, less what its own numbers explain of them."""
+    return e - row.local @ (row.hat @ e)

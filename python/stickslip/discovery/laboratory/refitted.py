@@ -19,7 +19,6 @@ from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Waves
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, STATIC, memory
-from stickslip.likelihoods.repeating import swollen
 from stickslip.likelihoods.score import TURNS, beside, plain
 from stickslip.likelihoods.variances import estimate
 
@@ -39,11 +38,10 @@ def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best:
     best : the fit whose scatter, noise and memory of events the records have: all that the hypothesis has, for a field
         along the belt is a model of the windows; that beside the wave where the hypothesis is no model of them
     """
-    swelled = swollen(fit)
     fit = replace(fit, population=best.population, noise=best.noise)
     null, waves = Null(fit), screen.wave(name)
     like = tuple(memory(best, k) for k in (KINETIC, STATIC))
-    drawn = records(bench, fit, null, screen, like, np.random.default_rng(seed), swelled)
+    drawn = records(bench, fit, null, screen, like, np.random.default_rng(seed))
     every = [None if one is None else one[:, :RECORDS] for one in drawn]
     price = waves.count * math.log(len(bench.stretches))
     often = waves.often(null, every, null.shared_pull(every, RECORDS))
