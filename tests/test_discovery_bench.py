@@ -171,7 +171,7 @@ def test_block_is_drawn_as_the_package_reads_it(tmp_path, monkeypatch, name):
 
     exact = laboratory.Imperfections(
         scatter=0.0, smooth=True, length=0.5, belt=0.0, constants=dict.fromkeys((*laboratory.STATED, "eta1"), 1.0),
-        gains=(1.0, 1.0), bits=48, glitches=0.0,
+        time=1.0, gains=(1.0, 1.0), bits=48, glitches=0.0,
     )  # fmt: skip
     monkeypatch.setattr(laboratory, "draw", lambda *_: exact)
     conditions = replace(

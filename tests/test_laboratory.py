@@ -156,7 +156,7 @@ def test_a_window_that_a_slow_wave_makes_another_of_is_drawn_with_a_belt_of_its_
     drawn = {}
     for name, columns_of_wave in (("plain", plain), ("odd", odd)):
         screen = Screen((), (Waves(bench, ripple, [Wave(1.0, columns_of_wave)]),))
-        made = records(bench, fit, Null(fit), screen, ((0.0, 0.0),) * 2, np.random.default_rng(1))
+        made = records(bench, fit, Null(fit), screen, ((0.0, 0.0),) * 3, np.random.default_rng(1))
         drawn[name] = np.array([math.nan if one is None else np.sqrt(np.mean(one**2)) for one in made])
     assert np.all(drawn["odd"] < 2 * drawn["plain"])
 

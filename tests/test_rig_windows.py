@@ -10,6 +10,7 @@ import stickslip as ss
 from differences import held_against_differences
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.declared_numbers import BESIDE
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared, Number
@@ -28,6 +29,7 @@ EFFECTS = {
         ss.effect("sensor_delay", delay=0.1),
         ss.effect("static_aging", dT=0.4, tau=1.5),
     ),
+    "springs": (ss.effect("belt_load_droop", k=0.002, tau=0.7),),
     "memory": (ss.effect("friction_memory", tau=0.05), ss.effect("belt_seam", a=0.1, L=4.0, phi=0.2)),
 }
 BELT, NOISE = 0.1, 1e-3
@@ -52,14 +54,16 @@ def recorded(model: ss.Model, belt: float) -> list[Data]:
     return [Data("run", "train", belt, t, readings, weight, noise, v, np.array(slips), cycle, held)]
 
 
-def made(data: list[Data], effects: tuple[ss.Effect, ...]) -> BeltWindows:
-    """Windows of a run under a model with effects, all their numbers shared."""
+def made(data: list[Data], effects: tuple[ss.Effect, ...], *, beside: bool = False) -> BeltWindows:
+    """Windows of a run under a model with effects, all their numbers shared; springs `beside` alpha1, too."""
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
     numbers = [
         Number(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
         for n in LAW
     ]
     numbers += [Number(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
+    if beside:
+        numbers.append(Number(BESIDE, 0.1, 0.0, 0.2))
     for one in effects:
         numbers += [
             Number(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
@@ -102,8 +106,8 @@ def test_a_motion_is_what_the_blocks_are_of(windows: BeltWindows) -> None:
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_derivatives_are_those_of_differences(windows: BeltWindows, name: str) -> None:
-    beside = made(windows.data, EFFECTS[name])
-    held_against_differences(beside, start(beside), name)
+    of_effects = made(windows.data, EFFECTS[name], beside=name == "springs")
+    held_against_differences(of_effects, start(of_effects), name)
 
 
 def test_static_friction_is_found_above_the_kinetic_friction_below_which_it_does_not_act() -> None:

@@ -118,6 +118,18 @@ def test_numbers_of_the_model_move_with_the_constants_as_the_equations_say(
     rows = np.array([[slopes[name].get(key, 0.0) for key in known.constants] for name in slopes])
     expected = rows @ np.diag(np.array(list(known.constants.values())) ** 2) @ rows.T
     assert known.covariance(list(slopes)) == pytest.approx(expected, rel=1e-7, abs=1e-12)
+    # counted in the declared unit of time: a mass in N/(m/s^2), not in units that it makes itself
+    timed = {
+        "alpha1": {"m": 1, "k2": -1},
+        "alpha2": {"J": 1, "r": -2, "k2": -1},
+        "beta3": slopes["beta3"],
+        "eta1": {"c1": 1, "k2": -1},
+        "eta12": {"c1": d, "c2": 1 - d, "k2": -1},
+        "stiffness": {"k1": a, "k2": 1 - a, "m": -1},
+    }
+    fixed = np.array([[timed[name].get(key, 0.0) for key in known.constants] for name in timed])
+    expected = fixed @ np.diag(np.array(list(known.constants.values())) ** 2) @ fixed.T
+    assert known.on_time(list(timed)) == pytest.approx(expected, rel=1e-6, abs=1e-10)
     # and against the rig itself, made of constants that are a little off
     off = {name: si[name] * (1 + e) for name, e in zip(known.constants, errors, strict=True)}
     moved, was = numbers(ss.Rig.from_si(**(si | off))), numbers(known.rig)

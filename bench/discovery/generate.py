@@ -52,12 +52,12 @@ LAW_NAMES = {
 RIG_NAMES = {"alpha1": "a1", "alpha2": "a2", "beta3": "b3", "eta1": "e1", "eta12": "e12", "s": "coup"}
 
 
-def rig_lines(values: dict[str, float], scales: dict[str, Any]) -> list[str]:
-    """The [rig] table, nondimensional or in SI."""
+def rig_lines(values: dict[str, float], scales: dict[str, Any], time: float = 1.0) -> list[str]:
+    """The [rig] table, nondimensional or in SI with another omega by a factor."""
     if not scales["on"]:
         names = ("alpha1", "alpha2", "beta3", "eta1", "eta12")
         return [f"{n} = {values[n]:.10g}" for n in names] + ['coupling = "reciprocal"']
-    k2, w, r = scales["k2"], scales["w"], scales["r"]
+    k2, w, r = scales["k2"], scales["w"] * time, scales["r"]
     k1, k3 = k2 * (values["alpha1"] - 1.0), k2 * (values["beta3"] - 1.0)
     c1 = values["eta1"] * k2 / w
     si = {
@@ -89,9 +89,10 @@ def write_case(folder: Path, case: Case, rng: np.random.Generator) -> None:
     to_t = 1.0 / (s["w"] * TIME_UNITS[time]) if s["on"] else 1.0
     to_x = s["L"] / LENGTH_UNITS[length] if s["on"] else 1.0
     to_v = s["L"] * s["w"] / (SPEED_UNITS[speed] if has_belt else 1.0) if s["on"] else 1.0
-    off = {} if case.imperfections is None else case.imperfections.constants
+    lab = case.imperfections
+    off, clock = ({}, 1.0) if lab is None else (lab.constants, lab.time)
     stated = {name: value * off.get(name, 1.0) for name, value in case.values.items()}
-    lines = [f'title = "{folder.name}"', "", "[rig]", *rig_lines(stated, s)]
+    lines = [f'title = "{folder.name}"', "", "[rig]", *rig_lines(stated, s, clock)]
     if case.declared is not None:
         lines += [
             "",

@@ -31,6 +31,7 @@ class Imperfections:
     length : correlation length along the belt
     belt : relative standard deviation of the belt's speed
     constants : declared over true number of the rig
+    time : declared over true omega of a rig in SI, whose mass and springs say what it is
     gains : of the two sensors
     bits : of the converter over 1.5 times the range
     glitches : share of readings that are elsewhere
@@ -41,6 +42,7 @@ class Imperfections:
     length: float
     belt: float
     constants: Mapping[str, float]
+    time: float
     gains: tuple[float, float]
     bits: int
     glitches: float
@@ -55,6 +57,9 @@ def draw(rng: np.random.Generator, size: float) -> Imperfections:
     masses, dampings = rng.uniform(0.003, 0.015) * size, rng.uniform(0.05, 0.15) * size
     constants = {name: float(1 + masses * rng.standard_normal()) for name in STATED}
     constants |= {name: float(1 + dampings * rng.standard_normal()) for name in ("eta1", "eta12")}
+    # of numbers that are drawn already, so that a seed's cases stay what they were
+    own = np.random.default_rng([int(1e9 * one) for one in constants.values()])
+    time = float(1 + 0.7 * masses * own.standard_normal())  # omega^2 = (k1 + k2)/m
     gain = rng.uniform(0.002, 0.005) * size
     smooth = bool(rng.random() < 0.5)
     return Imperfections(
@@ -63,6 +68,7 @@ def draw(rng: np.random.Generator, size: float) -> Imperfections:
         length=float(np.exp(rng.uniform(*np.log((0.1, 1.0) if smooth else (0.5, 1.5))))),
         belt=float(rng.uniform(0.002, 0.008) * size),
         constants=constants,
+        time=time,
         gains=(float(1 + gain * rng.standard_normal()), float(1 + gain * rng.standard_normal())),
         bits=int(rng.choice([12, 14, 16])),
         glitches=float(rng.choice([0.0, 0.0005])),

@@ -2,7 +2,8 @@
 //
 //   x1' = x2     x2' = -kx x1 - (e1 (x2 + y2) + s y1 + T) / a1      T = sgn(v_w) R(|v_w|), v_w = x2 - v_b
 //   y1' = y2     y2' = (-b3 y1 - e12 y2 - x1 - e1 x2) / a2
-// with kx = 1 for the rig; the block on a belt has no y, kx = stiffness/mass, a1 = mass, e1 = damping.
+// with kx = 1 + stiffness/a1 for the rig; the block on a belt has no y, kx = stiffness/mass, a1 = mass,
+// e1 = damping.
 #pragma once
 
 #include "stickslip/friction.hpp"
@@ -27,7 +28,7 @@ Rig<T> make_rig(RigKind kind, const Parameters<T>& p) {
   r.over_a1 = T(1.0) / p[alpha1];
   r.e1 = p[eta1];
   r.v_b = p[belt_speed];
-  r.kx = r.two ? T(1.0) : p[stiffness] * r.over_a1;
+  r.kx = r.two ? T(1.0) + p[stiffness] * r.over_a1 : p[stiffness] * r.over_a1;
   if (r.two) {
     r.s = p[coupling];
     r.over_a2 = T(1.0) / p[alpha2];

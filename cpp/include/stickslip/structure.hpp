@@ -11,8 +11,9 @@ namespace stickslip_abi {
 
 enum class RigKind : int { two_degree = 0, block_on_belt = 1 };
 
-// Numbers of the rig (2.1); of the 1-DOF block: mass = alpha1, damping = eta1, stiffness of its own. Those of the laws and
-// of the effects follow, in the order of the files, and after these the values of a table at its knots.
+// Numbers of the rig (2.1), whose stiffness is what its block has beside alpha1; of the 1-DOF block: mass = alpha1,
+// damping = eta1, stiffness of its own. Those of the laws and of the effects follow, in the order of the files, and after
+// these the values of a table at its knots.
 enum Slot : int { alpha1, alpha2, beta3, eta1, eta12, coupling, stiffness, belt_speed, rig_slot_count };
 inline constexpr std::array<std::string_view, rig_slot_count> rig_names{
     "alpha1", "alpha2", "beta3", "eta1", "eta12", "coupling", "stiffness", "belt_speed"};

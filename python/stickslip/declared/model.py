@@ -127,7 +127,7 @@ class Model(Drawn):
                     raise InputError(f"effect '{one.name}' needs the angle body, which a BlockOnBelt has not")
         elif isinstance(self.rig, DrivenSlider):
             check_driven(self.friction, self.effects)
-        elif wrong := [one.name for one in self.effects if one.name in CONSTANTS]:
+        elif wrong := [n for n in names if n in CONSTANTS and CONSTANTS[n].corrects != "stiffness"]:
             raise InputError(
                 f"effect '{wrong[0]}' is for a BlockOnBelt; change the rig's own numbers instead"
             )

@@ -36,6 +36,8 @@ GAINS = (
     "spring_force",
     "drive",
 )  # channels whose sensor has a gain; of a general rig, its states
+# powers of the unit of time, 1/omega, that numbers of (2.1) have: in another unit they are others
+ON_TIME: Mapping[str, float] = {"alpha1": -2.0, "alpha2": -2.0, "eta1": -1.0, "eta12": -1.0, "stiffness": 2.0}
 STEP = 1e-5  # relative, of central differences: their error is its square
 
 
@@ -159,15 +161,16 @@ class Uncertainty:
     def on_time(
         self, names: Sequence[str], freed: str | None = None, wide: float = 0.0
     ) -> NDArray[np.float64]:
-        """Covariance of relative errors where the unit of time is as declared, (n, n).
+        """Covariance of relative errors of numbers that are counted in the declared unit of time, (n, n).
 
-        A fit that holds the unit of time says so: of a rig in SI a mass alone cannot be wrong then, as every period
-        would be.
+        Of a rig in SI the unit of time is in doubt as its mass and its springs are. A fit that counts time in the
+        declared one has a mass alpha1, an inertia alpha2 and dampings in that unit; what the block's springs,
+        alpha1 where it is right, are beside the mass is "stiffness".
 
         Parameters
         ----------
         names
-            As for `covariance`.
+            As for `covariance`, and "stiffness".
         freed, wide
             A constant or a gain that is not as declared, and the variance of its relative error beside its own.
 
@@ -176,16 +179,21 @@ class Uncertainty:
         InputError
             No such number.
         """
-        timed = [*names, "omega"] if "omega" in self.names else [*names]
-        whole = self.covariance(timed)
+        rows = np.array([self._row_on_time(name) for name in names]).reshape(len(names), -1)
+        own = np.array([*self.constants.values(), *self.gains.values()]) ** 2
+        whole = (rows * own) @ rows.T
         if freed is not None:
-            own = self.covariance([*timed, freed])[-1]
-            along = own[:-1] / own[-1]
+            free = self._row(freed) * own
+            along = rows @ free / float(self._row(freed) @ free)
             whole = whole + wide * np.outer(along, along)
-        if len(timed) == len(names) or whole[-1, -1] == 0:
-            return whole[: len(names), : len(names)]
-        kept, clock = whole[:-1, :-1], whole[:-1, -1]
-        return np.asarray(kept - np.outer(clock, clock) / whole[-1, -1], dtype=np.float64)
+        return np.asarray(whole, dtype=np.float64)
+
+    def _row_on_time(self, name: str) -> NDArray[np.float64]:
+        """`_row` of a number counted in the declared unit of time."""
+        if not isinstance(self.rig, Rig) or name not in ON_TIME:
+            return self._row(name)
+        along = ON_TIME[name] * self._row("omega")
+        return along if name == "stiffness" else self._row(name) + along
 
     def _row(self, name: str) -> NDArray[np.float64]:
         """Relative change of a number for a relative change of each constant and each gain."""

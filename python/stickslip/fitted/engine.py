@@ -94,8 +94,9 @@ class Engine:
         self.fixed = {n: v for n, v in hypothesis.model.parameters.items() if n not in self.names}
         self.moving = [i for i, places in enumerate(self.slots) if places]  # others bear on the reading alone
         self.seeds = np.zeros((len(self.names) + COUNT, WIDTH + COUNT))
-        for row, places in zip(self.seeds, self.slots, strict=False):
-            row[list(places)] = 1.0
+        self.factors = [self.lowered[0].factors.get(name, 1.0) for name in self.names]
+        for row, places, factor in zip(self.seeds, self.slots, self.factors, strict=False):
+            row[list(places)] = factor
         for k in range(COUNT):
             self.seeds[len(self.names) + k, WIDTH + k] = 1.0
         self.centre, self.precision = hypothesis.prior(runs)
@@ -126,9 +127,8 @@ class Engine:
             for run, columns in enumerate(self.columns):
                 picked = vector[columns].tolist()
                 values = {u.name: u.value(c) for u, c in zip(self.order, picked, strict=True)}
-                for name, places in zip(self.names, self.slots, strict=True):
-                    for place in places:
-                        numbers[run, place] = values[name]
+                for name, places, factor in zip(self.names, self.slots, self.factors, strict=True):
+                    numbers[run, list(places)] = values[name] * factor
                 every.append({**self.fixed, **values})
             self._last = (key, numbers, every)
         return self._last[1], self._last[2]

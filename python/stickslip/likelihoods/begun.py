@@ -91,7 +91,11 @@ def derived(
     past : of a lag with some time constant
     """
     x1, y1, y2 = begun[X1], begun[Y1], begun[Y2]
-    stiff = values.get("alpha1", values.get("stiffness", 0.0))
+    mass, stiff = (values.get("alpha1", 0.0) + values.get(name, 0.0) for name in ("mass", "stiffness"))
+    mass, stiff = (
+        one * (1 + values.get(f"{name}.e", 0.0))
+        for name, one in (("rig_mass", mass), ("rig_stiffness", stiff))
+    )
     damping = values.get("eta1", values.get("damping", 0.0))
     speed = belt_speed * (1 + belt)
     if "belt_speed_ripple.a" in values:
@@ -103,7 +107,7 @@ def derived(
         before = past(tau)
         rate = (before.read - before.behind) / tau
         slow = stiff * before.behind[:, 0] + damping * rate.sum(axis=1) + before.behind[:, 1]
-        slow += values.get("alpha1", values.get("mass", 0.0)) * (belt_speed - rate[:, 0]) / tau
+        slow += mass * (belt_speed - rate[:, 0]) / tau
         ramp = damping * belt_speed - tau * stiff * belt_speed
         settled = stiff * before.read[:, 0] + before.read[:, 1] + ramp
         force = stiff * x1 + damping * y2 + y1 + ramp

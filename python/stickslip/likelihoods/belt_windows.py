@@ -22,6 +22,7 @@ from stickslip.fitted.readings import Chain, Slopes, no_slopes, through_formula
 from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, Past, acting, derived, lagged, simple
+from stickslip.likelihoods.declared_numbers import BESIDE
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -71,6 +72,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.beyond = (X2, Z) if self.soft else (X2,) if self.loose else ()
         self.begins = len(sensors.begins) + len(self.beyond)
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
+        self.belt = self.effects - 1
         self.own, self.kinetics = self.begins + self.effects, ([*range(1, 1 + policy.knots)],)
         self.knots = [knots(run, policy) for run in data]
         self.places = [
@@ -93,7 +95,8 @@ class BeltWindows(EventWindows[Data, Stretch]):
             )
             for k, run in zip(self.knots, data, strict=True)
         ]
-        self.slots = self.lowered[0].slots
+        # what springs have beside alpha1 is no number of a model by itself
+        self.slots = {BESIDE: (SLOTS[BESIDE],), **self.lowered[0].slots}
         term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
         self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
@@ -289,9 +292,7 @@ class _Run:
         for j, one in enumerate(of.numbers):
             if self.active(j):
                 value = one.value(float(self.at[j]))
-                same[list(self.lowered.slots.get(one.name, ()))] = value * self.lowered.factors.get(
-                    one.name, 1.0
-                )
+                same[list(of.slots.get(one.name, ()))] = value * self.lowered.factors.get(one.name, 1.0)
         rows = np.tile(same, (len(self.places), 1))
         if of.aging is not None:
             rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
@@ -346,9 +347,10 @@ class _Run:
         rows: dict[int, dict[int, float]] = {}
         for i, j in enumerate(self.shared):
             name = self.of.numbers[j].name
-            places = self.lowered.slots.get(name, ()) if self.active(j) else ()
+            places = self.of.slots.get(name, ()) if self.active(j) else ()
             if places:
-                rows[i] = dict.fromkeys(places, self.lowered.factors.get(name, 1.0))
+                weights = np.broadcast_to(self.lowered.factors.get(name, 1.0), len(places))
+                rows[i] = dict(zip(places, weights.tolist(), strict=True))
         if self.local:
             rows |= {len(self.shared) + k: {entry: size} for k, entry, size in self._entries()}
         apart = list[int]()

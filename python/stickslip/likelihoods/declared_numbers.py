@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
+import numpy as np
+
+from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
 from stickslip.fitted.unknowns import HELD, SLIPPING
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.sensors import Sensors
@@ -16,6 +21,8 @@ STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
 # Bounds of constants, in the logarithm, and of gains about 1: masses, springs and a gain that shrink together leave the
 # motion as it is, and what is further off than this is another rig.
 FAR, FAR_GAIN = math.log(2.0), 0.5
+IN_DOUBT = frozenset({"v_w_max"})  # at which friction is least; v_w_min is told by the law's other numbers
+BESIDE = "stiffness"  # of (2.1) what the block's springs have beside alpha1, in numbers of a fit
 
 
 def of_law(model: Model, policy: Policy) -> list[Number]:
@@ -44,31 +51,63 @@ def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[Number]:
     for name in declared.names:
         if name in sensors.gains:
             out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
+        elif name not in model.parameters:
+            far = FAR_GAIN * model.parameters["alpha1"]
+            out.append(Number(name, 0.0, 0.0, math.inf, low=-far, high=far))
         else:
             at = math.log(model.parameters[name])
             out.append(
                 Number(name, at, at, math.inf, True, low=at - FAR, high=at + FAR, stride=STRIDE_CONSTANT)
             )
+    return [*out, *_speeds(model, declared)]
+
+
+def _speeds(model: Model, declared: Declared) -> list[Number]:
+    """Return speeds of the law that a fit holds, where they are counted in a unit of time that is in doubt."""
+    if BESIDE in model.parameters or BESIDE not in declared.names:
+        return []
+    place = declared.names.index(BESIDE)
+    doubt = 0.5 * math.sqrt(declared.covariance[place, place]) / model.parameters["alpha1"]
+    out = []
+    for name in sorted(IN_DOUBT.intersection(model.parameters)):
+        at = math.log(model.parameters[name])
+        out.append(Number(name, at, at, doubt, True, stride=STRIDE_CONSTANT))
     return out
 
 
 def known(case: Case) -> Declared:
-    """Return what a case says of its constants and gains, less what is exact."""
+    """
+    Return what a case says of its constants and gains, less what is exact.
+
+    Of (2.1) in SI the unit of time follows from a mass and springs that are not exact either. Time is counted in the
+    declared one: "stiffness" is what the block's springs have beside alpha1, which is its mass then.
+    """
     gains = {f"gain.{channel}": channel for channel in case.uncertainty.gains}
     numbers = case.model().parameters
     names = [n for n in numbers if n in case.uncertainty.names and n not in gains.values()]
-    every = {**{n: n for n in names}, **gains}
-    covariance = case.uncertainty.on_time(list(every.values()))
-    kept = [i for i, n in enumerate(every) if covariance[i, i] > 0 and (n in gains or numbers[n] > 0)]
+    beside = [BESIDE] if isinstance(case.rig, Rig) else []
+    every = {**{n: n for n in (*names, *beside)}, **gains}
+    size = np.array([numbers["alpha1"] if n in beside else 1.0 for n in every])
+    covariance = case.uncertainty.on_time(list(every.values())) * np.outer(size, size)
+    kept = [i for i, n in enumerate(every) if covariance[i, i] > 0 and (n not in names or numbers[n] > 0)]
     return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[kept][:, kept])
 
 
 def fitted_model(model: Model, values: Mapping[str, float]) -> Model:
-    """Return the model with the values of a fit, inside the limits that rigs and laws have."""
+    """
+    Return the model with the values of a fit, inside the limits that rigs and laws have.
+
+    Springs of (2.1) that belong to another unit of time than the declared one are the effect `rig_stiffness`.
+    """
     numbers = {k: v for k, v in values.items() if k in model.parameters}
     for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
         if low in numbers and limit in numbers:
             numbers[low] = min(numbers[low], numbers[limit])
     if "eta12" in numbers:  # two dampings, each known alone: their difference is one, too
         numbers["eta12"] = max(numbers["eta12"], numbers["eta1"])
-    return model.replace(numbers)
+    made = model.replace(numbers)
+    more = values.get(BESIDE, 0.0)
+    if not isinstance(model.rig, Rig) or more == 0:
+        return made
+    off = effect("rig_stiffness", e=more / made.parameters["alpha1"])
+    return replace(made, effects=(*made.effects, off))

@@ -60,7 +60,7 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
 
     A window's own numbers, `own` of them, are the `begins` that say where its motion begins, then its `effects`:
     random effects, with a place in each run's `places` where they have any. `kinetic` are those of kinetic friction
-    at the first contact, `kinetics` at each, `statics` those of static limits.
+    at the first contact, `kinetics` at each, `statics` those of static limits, `belt` that of the belt's mean speed.
     """
 
     begins: int
@@ -69,6 +69,7 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
     kinetic: slice
     statics: tuple[int, ...]
     kinetics: tuple[list[int], ...]
+    belt: int | None = None
     places: list[Floats]
 
     def __init__(

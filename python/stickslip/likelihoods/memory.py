@@ -12,7 +12,7 @@ from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
 MOST = 0.95
-STATIC, KINETIC = 0, 1
+STATIC, KINETIC, BELT = 0, 1, 2
 FEWEST = 4  # events of a run that a correlation can be had from
 
 
@@ -23,11 +23,12 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
     Parameters
     ----------
     fit : with the events' own friction
-    which : STATIC, the static limit, or KINETIC, the mean of the curve
+    which : STATIC, the static limit, KINETIC, the mean of the curve, or BELT, the mean speed of the window's own belt
 
     All runs and contacts together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
     """
-    every = fit.windows.statics if which == STATIC else fit.windows.kinetics
+    belt = () if fit.windows.belt is None else (fit.windows.belt,)
+    every = (fit.windows.statics, fit.windows.kinetics, belt)[which]
     series = [fit.random[:, one].mean(axis=1) for one in map(np.atleast_1d, every)]
     return correlation([u[members] for u in series for members in fit.windows.by_run])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
+from stickslip.declared.rig import Rig
 from stickslip.fitted.identified import Branch, Constant, Estimate, Events, Identified, estimate
 from stickslip.fitted.identify import Material
 from stickslip.fitted.identify_words import event_messages, number_messages
@@ -17,7 +19,7 @@ from stickslip.fitted.scatter import few
 from stickslip.fitted.slip_levels import MAKE, DeclaredLaw, Kind, preferred
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.correlated import covariance
-from stickslip.likelihoods.declared_numbers import fitted_model
+from stickslip.likelihoods.declared_numbers import BESIDE, fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.scaled import Scaled
 from stickslip.likelihoods.scatter_size import scatter
@@ -193,13 +195,16 @@ def _bare(_: str) -> float:
 
 
 def _constants(fit: Fit, declared: Declared, size: Callable[[str], float]) -> dict[str, Constant]:
-    """Constants and gains as fitted, a gain as 1 + e."""
+    """Constants and gains as fitted, a gain as 1 + e; of (2.1) the springs' stiffness as the unit of time, omega."""
     place = {n.name: i for i, n in enumerate(fit.windows.numbers)}
     wide, known = np.sqrt(np.diag(covariance(fit))), np.sqrt(np.diag(declared.covariance))
     out = {}
     for name, uncertainty in zip(declared.names, known.tolist(), strict=True):
         i = place[name]
         number, x, half = fit.windows.numbers[i], float(fit.at[i]), Z * float(wide[i])
+        if name == BESIDE and BESIDE not in _belt(fit).fixed:
+            out["omega"] = _omega(_belt(fit), x, half, uncertainty)
+            continue
         gain = name in _belt(fit).sensors.gains
         unit = 1.0 if gain else size(name)
         value, low, high, told = (
@@ -207,6 +212,17 @@ def _constants(fit: Fit, declared: Declared, size: Callable[[str], float]) -> di
         )
         out[name.removeprefix("gain.")] = Constant(value, low, high, told, uncertainty)
     return out
+
+
+def _omega(windows: BeltWindows, beside: float, half: float, known: float) -> Constant:
+    """What the springs of (2.1) beside alpha1 say of its unit of time, omega."""
+    mass, rig = windows.fixed["alpha1"], windows.model.rig
+    assert isinstance(rig, Rig)
+    assert rig.scales is not None
+    value, low, high = (
+        rig.scales.omega * math.sqrt(1 + at / mass) for at in (beside, beside - half, beside + half)
+    )
+    return Constant(value, low, high, rig.scales.omega, 0.5 * known / mass)
 
 
 def _covered(fit: Fit, size: float) -> Mapping[Branch, tuple[float, float] | None]:

@@ -27,7 +27,7 @@ from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, unknown
 from stickslip.simulated.general import General
-from stickslip.simulated.named_places import corrected
+from stickslip.simulated.named_places import corrected, stiffened
 from stickslip.simulated.placed_effects import NO_EFFECTS, Push
 
 Floats = NDArray[np.float64]
@@ -355,4 +355,4 @@ def moved_equations(model: Model, name: str, size: float) -> Equations:
     rig = copy(corrected(model))
     share = getattr(rig, name) / model.parameters[name] if model.parameters[name] else 1.0
     object.__setattr__(rig, name, size * share)  # a damping of 0 may be moved below it here
-    return equations_of(rig)[0]
+    return stiffened(model, *equations_of(rig))[0]

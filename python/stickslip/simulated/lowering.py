@@ -43,7 +43,8 @@ class _Put(Protocol):
 class Lowered:
     """A model as the core takes it; `slots` maps every public parameter name to its slots.
 
-    `factors`, where it is not 1, is by what a slot moves with its name: a rig's constant that an effect corrects.
+    `factors`, where it is not 1, is by what a slot, or each of several, moves with its name: a rig's constant that an
+    effect corrects.
     `hidden` names the states that the model's effects add. `tapes` are there where a formula acts on the motion: its
     numbers have the places of effects that the model does not have. `made_of` is what `lower` made it of, and
     makes it of again in another process.
@@ -53,7 +54,7 @@ class Lowered:
     parameters: Floats
     slots: Mapping[str, tuple[int, ...]]
     dimension: int
-    factors: Mapping[str, float] = field(default_factory=dict)
+    factors: Mapping[str, float | Floats] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
     tapes: Tapes | None = None
     made_of: tuple[Model, float] = field(kw_only=True)
@@ -166,7 +167,7 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
-    bits, table, factors = 0, None, dict[str, float]()
+    bits, table, factors = 0, None, dict[str, float | Floats]()
     for term in model.effects:
         if isinstance(term, FormulaEffect):
             continue
@@ -263,11 +264,20 @@ def _lower_law(law: FrictionLaw, put: _Put) -> int:
 
 
 def _correct(
-    term: Effect, parameters: Floats, slots: dict[str, tuple[int, ...]], factors: dict[str, float]
+    term: Effect, parameters: Floats, slots: dict[str, tuple[int, ...]], factors: dict[str, float | Floats]
 ) -> None:
     """Put the true constant of the rig in the place of the declared one; a sensor's gain moves nothing."""
     name = term.kind.corrects
     if name is None or name == "reading":
+        return
+    if (
+        "alpha1" in slots
+    ):  # it is the mass, too, by the unit of time: what the springs have beside it is apart
+        e, place = term.parameters["e"], SLOTS[name]
+        (first,) = slots["alpha1"]
+        parameters[place] = e * parameters[first]
+        slots |= {"alpha1": (first, place), f"{term.name}.e": (place,)}
+        factors |= {"alpha1": np.array([1.0, e]), f"{term.name}.e": float(parameters[first])}
         return
     (place,) = slots[f"{term.name}.e"] = slots[name]
     factors[name], factors[f"{term.name}.e"] = 1 + term.parameters["e"], float(parameters[place])

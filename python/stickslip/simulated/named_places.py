@@ -19,7 +19,7 @@ from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
-from stickslip.declared.rigs.general import ContactRow
+from stickslip.declared.rigs.general import ContactRow, Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
@@ -69,7 +69,7 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     InputError
         An effect that does not act beside a formula.
     """
-    own, order = equations_of(corrected(model))
+    own, order = stiffened(model, *equations_of(corrected(model)))
     places = Places(model.rig, own, order)
     law = form_of(law_of(model.friction, own.contacts[0]))
     acting = [one for one in model.effects if readings or not _read_alone(one)]
@@ -107,6 +107,16 @@ def corrected(model: Model) -> AnyRig:
         if name in ("mass", "stiffness")
     }
     return replace(model.rig, **own)
+
+
+def stiffened(model: Model, own: Equations, order: tuple[int, ...]) -> tuple[Equations, tuple[int, ...]]:
+    """Return equations with the springs of (2.1) as an effect corrects them: alpha1 is the mass, too."""
+    shares = [one.parameters["e"] for one in model.effects if one.name == "rig_stiffness"]
+    if not shares or not isinstance(model.rig, Rig):
+        return own, order
+    K = own.K.copy()
+    K[0, 0] *= 1 + shares[0]
+    return replace(own, K=K), order
 
 
 def _read_alone(one: AnyEffect) -> bool:

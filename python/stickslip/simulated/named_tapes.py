@@ -19,7 +19,7 @@ from stickslip.declared.formula.derivative import derivative
 from stickslip.declared.formula.tree import names
 from stickslip.declared.formula.value import value
 from stickslip.declared.model import Model
-from stickslip.declared.rig import BlockOnBelt
+from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.named_places import LAGGED as SEEN_LATE
 from stickslip.simulated.named_places import coefficients, named, parts
@@ -240,7 +240,8 @@ def _rig(model: Model, lowered: LoweredBodies, slots: Mapping[str, tuple[int, ..
             *((C, "eta1"), (C + 1, "eta1"), (C + 2, "eta1"), (C + 3, "eta12")),
             *((K, "alpha1"), (K + 3, "beta3")),
         )
-    return [(entry, place[name], 1.0) for entry, name in named_]
+    more = [(K, _core.PARAMETERS.index("stiffness"), 1.0)] if isinstance(model.rig, Rig) else []
+    return [*((entry, place[name], 1.0) for entry, name in named_), *more]
 
 
 def _numbers(lowered: LoweredBodies, slots: Mapping[str, tuple[int, ...]]) -> Entries:

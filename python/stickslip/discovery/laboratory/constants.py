@@ -1,8 +1,7 @@
 """Is a declared constant wrong by more than its uncertainty? One is freed at a time, all others as well as declared.
 
 A constant within three of its standard uncertainties is no finding, whatever it gains. Constants of an SI rig are in
-several numbers of (2.1) at once: what tells them apart is how those numbers are off together, and that the unit of time
-is as declared.
+several numbers of (2.1) at once, its unit of time among them: what tells them apart is how those are off together.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 Draws are of the linearised windows. Friction that differs along the belt is drawn as one field along a run, what
 differs from event to event with the correlation that the fit shows from one event to the next, and the belt's wobble
-as slow waves in time: the windows of the fit are independent, and all of it may look like an effect.
+as slow waves in time, or slower than events by as much as their belts are alike: the windows of the fit are
+independent, and all of it may look like an effect.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Wave
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.memory import KINETIC, MOST, STATIC, memory
+from stickslip.likelihoods.memory import BELT, KINETIC, MOST, STATIC, memory
 
 Floats = NDArray[np.float64]
 GUMBEL = 0.5772156649  # Euler's constant
@@ -55,7 +56,7 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     tight : whether the constants stay where they are while the columns are scored
     """
     rng = np.random.default_rng(seed)
-    like = tuple(memory(best, k) for k in (KINETIC, STATIC))
+    like = tuple(memory(best, k) for k in (KINETIC, STATIC, BELT))
     fit = replace(fit, population=best.population, noise=best.noise)
     null = Null(fit, tight)
     drawn = records(bench, fit, null, screen, like, rng)
@@ -87,15 +88,21 @@ def records(
     Parameters
     ----------
     bench, fit, null, screen : the hypothesis, whose scatter and noise they have, and what was scored beside it
-    like : correlation from one event to the next and its error, of kinetic and of static friction
+    like : correlation from one event to the next and its error, of kinetic and of static friction, and of the belt
     rng : of the draws
     """
     draws = bench.policy.draws
     waves = _wobble(bench, screen, rng, bench.wobble(fit.population))
     alone = _astray(null, waves)
     # the fit tells a correlation poorly: every draw has one that may be the true one
-    correlations = [np.clip(found + error * rng.standard_normal(draws), 0.0, MOST) for found, error in like]
+    (apart,) = rng.spawn(1)  # so that what is drawn of friction is the same for belts of any memory
+    *correlations, slow = (
+        np.clip(found + error * r.standard_normal(draws), 0.0, MOST)
+        for (found, error), r in zip(like, (rng, rng, apart), strict=True)
+    )
     effects = bench.drawn(fit, correlations, rng, belt=alone)
+    if (place := fit.windows.belt) is not None:
+        effects[:, place] = np.sqrt(1 - slow) * effects[:, place] + _wandering(fit, slow, apart)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -106,7 +113,7 @@ def records(
         for w, amplitudes in () if alone[i] else waves:
             column = w.columns[i]
             if column is not None:
-                made += null.over_noise(column, i) @ amplitudes[bench.stretches[i].run]
+                made += null.over_noise(column, i) @ (amplitudes[bench.stretches[i].run] * np.sqrt(1 - slow))
         out.append(made)
     return out
 
@@ -117,6 +124,24 @@ def chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
     for j in range(1, n):
         out[j] = like * out[j - 1] + np.sqrt(1 - like**2) * out[j]
     return out
+
+
+def _wandering(fit: Fit, slow: Floats, rng: np.random.Generator) -> Floats:
+    """
+    Return speeds of the belt that hardly change from one event to the next, (w, draws).
+
+    Waves within events are not alike from one to the next: as far as the belts of events are, they wander slower.
+
+    Parameters
+    ----------
+    fit : whose belt it is
+    slow : (draws,) share of the belt's variance
+    rng : of the draws
+    """
+    out = np.zeros((len(fit.own), len(slow)))
+    for members in fit.windows.by_run:
+        out[members] = chain(len(members), np.full(len(slow), MOST), rng)
+    return np.asarray(fit.population.belt * np.sqrt(slow) * out)
 
 
 def _astray(null: Null, waves: Sequence[tuple[Wave, Floats]]) -> NDArray[np.bool_]:

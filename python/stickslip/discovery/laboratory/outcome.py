@@ -38,10 +38,11 @@ from stickslip.discovery.result import (
     Z,
 )
 from stickslip.discovery.rig_numbers import PLACES
-from stickslip.likelihoods.declared_numbers import fitted_model
+from stickslip.likelihoods.declared_numbers import BESIDE, fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.held_out import held_out
 from stickslip.likelihoods.repeating import repeats
+from stickslip.likelihoods.scatter_size import scatter as scatter_size
 
 Floats = NDArray[np.float64]
 REPEATS = "every event of a run is like every other: friction does not scatter"
@@ -91,7 +92,7 @@ def model(bench: Bench, trial: Trial, declared: Model) -> Model:
     return Model(
         made.rig,
         friction=made.friction,
-        effects=tuple(effects),
+        effects=(*effects, *made.effects),
         channels=declared.channels,
         noise=declared.noise,
     )
@@ -166,7 +167,7 @@ def evidence(found: Searched, name: str) -> Evidence:
     """Return what speaks for an effect."""
     step, base = _step_of(found, name), _without(found, name)
     gain = base.deviance - found.chosen.deviance
-    wrong = [t for t in step.trials if t.names[-1] != name]
+    wrong = [t for t in step.trials if t.names[-1] not in found.chosen.names]
     control = min(wrong, key=lambda t: t.deviance, default=None)
     fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
     label = "" if control is None else control.names[-1]
@@ -193,21 +194,28 @@ def alternatives(found: Searched, name: str) -> tuple[Alternative, ...]:
     own = next((t for t in step.trials if t.names[-1] == name), None)
     if own is None:
         return ()
-    out = []
+    out, least = [], _least(found, own)
     for rival in step.trials:
-        label, delta = rival.names[-1], rival.whole() - own.whole()
+        label, delta = rival.names[-1], _least(found, rival) - least
         if label == name or delta > NEAR or label in found.chosen.names:
             continue
         tied = delta < TIED
-        reason = (
-            "fits these runs as well as the winner"
-            if tied
-            else "fits almost as well; the odds are against it"
-        )
+        reason = "fits these runs as well as the winner"
+        if not tied:
+            reason = "fits almost as well; the odds are against it"
+        elif delta < -TIED:
+            reason = "fits these runs better than the winner, but as what scatters might"
         numbers = _own(intervals(rival.fit), label)
         odds = math.exp(-0.5 * max(min(delta, 700.0), -700.0))
         out.append(Alternative(label, odds, delta, tied, False, reason, numbers))
     return tuple(sorted(out, key=lambda one: one.delta))
+
+
+def _least(found: Searched, trial: Trial) -> float:
+    """The least -2 log evidence of all that was fitted with the same effects: a step's own may have gone astray."""
+    every = [*found.trials, *found.without.values(), found.chosen]
+    alike = [t.whole() for t in every if t.freed is trial.freed and sorted(t.names) == sorted(trial.names)]
+    return min(alike, default=trial.whole())
 
 
 def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
@@ -312,34 +320,49 @@ def gate(found: Searched) -> Gate:
 
 
 def scatter(fit: Fit) -> Mapping[str, Interval]:
-    """Return the relative standard deviations of what differs from event to event, and the length it does so over.
-
-    Intervals are those of the marginal likelihood's curvature: of a standard deviation from n events, a share of
-    1/sqrt(2 n) of it.
-    """
+    """Return the relative standard deviations of what differs from event to event, as `identify` has them."""
     if repeats(fit):
         return {}
-    p = fit.population
-    kinetic = math.hypot(p.level, p.curve)
-    count = len(fit.own)
-    spread = math.exp(Z / math.sqrt(2 * count))
-    sizes = {"static": math.hypot(kinetic, p.static), "kinetic": kinetic, "belt": p.belt}
-    return {k: Interval(v, v / spread, v * spread) for k, v in sizes.items()}
+    found = scatter_size(fit, 1.0)
+    sizes = {"static": found.static, "kinetic": found.kinetic, "belt": found.belt}
+    return {k: Interval(one.value, one.low, one.high) for k, one in sizes.items()}
 
 
 def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
-    """Return what the runs say of every declared constant and gain; a gain as 1 + e."""
+    """
+    Return what the runs say of every declared constant and gain; a gain as 1 + e.
+
+    Of (2.1) in SI alpha1 is "inertia" and "stiffness", which are one number in its own unit of time alone.
+    """
     found = intervals(fit)
-    out = {}
+    out = _springs(bench, fit, found)
     for name in bench.declared.names:
         one = found.get(name)
-        if one is None:
+        if one is None or (out and name in ("alpha1", BESIDE)):
             continue
         if name.startswith("gain."):
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
             one = Interval(1 + one.value, low, high)
         out[name.removeprefix("gain.")] = one
     return out
+
+
+def _springs(bench: Bench, fit: Fit, found: Mapping[str, Interval]) -> dict[str, Interval]:
+    """What the block of (2.1) has of mass and of stiffness, where these are apart."""
+    if BESIDE not in found or BESIDE in bench.model.parameters:
+        return {}
+    assert fit.solution is not None
+    places = {n.name: i for i, n in enumerate(fit.windows.numbers)}
+    mass = fit.values().get("alpha1", bench.model.parameters["alpha1"])
+    along = np.zeros(len(fit.at))
+    along[places[BESIDE]] = 1.0
+    if "alpha1" in places:  # in its logarithm
+        along[places["alpha1"]] = mass
+    stiff, half = mass + found[BESIDE].value, Z * math.sqrt(float(along @ fit.solution.covariance @ along))
+    return {
+        "inertia": found.get("alpha1", Interval(mass, mass, mass)),
+        "stiffness": Interval(stiff, stiff - half, stiff + half),
+    }
 
 
 def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Waves
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.memory import KINETIC, STATIC, memory
+from stickslip.likelihoods.memory import BELT, KINETIC, STATIC, memory
 from stickslip.likelihoods.score import TURNS, beside, plain
 from stickslip.likelihoods.variances import estimate
 
@@ -40,7 +40,7 @@ def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best:
     """
     fit = replace(fit, population=best.population, noise=best.noise)
     null, waves = Null(fit), screen.wave(name)
-    like = tuple(memory(best, k) for k in (KINETIC, STATIC))
+    like = tuple(memory(best, k) for k in (KINETIC, STATIC, BELT))
     drawn = records(bench, fit, null, screen, like, np.random.default_rng(seed))
     every = [None if one is None else one[:, :RECORDS] for one in drawn]
     price = waves.count * math.log(len(bench.stretches))

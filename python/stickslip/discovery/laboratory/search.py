@@ -45,7 +45,7 @@ class Step:
 
     def gained(self, trial: Trial) -> float:
         """Return what a trial gains, prices paid, and what of it is no finding."""
-        return self.base.worth() - trial.worth()
+        return trial.over(self.base)
 
     def gate_of(self, trial: Trial) -> Gate:
         """Return the gate that a trial must pass."""
@@ -288,7 +288,7 @@ def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None
         if not rivals:
             break
         best = min(rivals.values(), key=Trial.worth)
-        if best.worth() - chosen.worth() > out.steps[-1].gate.threshold:
+        if chosen.over(best) > out.steps[-1].gate.threshold:
             break
         chosen = _refitted(bench, best)
     return chosen

@@ -78,6 +78,16 @@ class Trial:
         """Return the same less what of its gain is no finding: by it one passes the gate."""
         return self.whole() + self.known
 
+    def over(self, other: Trial) -> float:
+        """
+        Return what it is worth beyond another hypothesis, whether events remember or not.
+
+        Fits take every event by itself. That events are alike beside an effect does not speak for it; that they are
+        alike without it speaks against it.
+        """
+        alone = other.independent() + other.known - self.independent() - self.known
+        return min(other.worth() - self.worth(), alone)
+
 
 def all_full(
     bench: Bench, base: Trial, every: Sequence[Candidate], workers: Workers

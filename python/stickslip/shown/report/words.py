@@ -11,7 +11,7 @@ from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.discovery.errors import DRAWS
 from stickslip.discovery.residual import LIMIT
-from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Verdict
+from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Part, Residual, Verdict
 from stickslip.shown.report.units import Axes, Axis
 
 PLAIN: Mapping[str, str] = {
@@ -91,7 +91,9 @@ def headline(found: Found) -> str:
         )
     if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt):
         return "Nothing can be named: no cause stands out from friction that differs from event to event."
-    if found.verdict is Verdict.no_effect and not found.residual_after.clean:
+    if found.verdict is Verdict.no_effect and (
+        not found.residual_after.clean or _above(found.residual_after)
+    ):
         return (
             "Nothing can be named: a little is left above the noise, but no effect and no curve takes it up."
         )
@@ -192,7 +194,8 @@ def _of_the_name(found: Found, effect: FoundEffect) -> str:
         return f"{who} is NOT settled: these runs cannot tell it from {odds}.{exact}"
     if effect.alternatives:
         nearest = max(effect.alternatives, key=lambda one: one.odds)
-        return f"{who} stands: for the nearest rival, {nearest.name}, it is {_odds(nearest.odds)}."
+        against = f"{short(1 / nearest.odds, 2)} to 1" if nearest.odds > 1e-12 else "beyond 10¹² to 1"
+        return f"{who} stands: the odds against the nearest rival, {nearest.name}, are {against}."
     return (
         f"{who} stands: no rival comes near."
         if effect.evidence.control_name
@@ -217,9 +220,7 @@ def _beside_the_rest(found: Found) -> str:
 
 
 def _odds(odds: float) -> str:
-    if odds >= 0.01:
-        return f"odds {short(odds, 2)} to 1"
-    return f"1 to {short(1 / odds, 2)}" if odds > 1e-12 else "under 1 to 10¹²"
+    return f"odds {short(odds, 2)} to 1"
 
 
 def spanned(one: Interval) -> tuple[str, str]:
@@ -248,12 +249,16 @@ def short(value: float | None, digits: int = 4) -> str:
     return text.replace("-", "−")
 
 
+def _above(left: Residual) -> list[Part]:
+    """Channels in which more than noise is left: one that is taken too large in one must not hide another."""
+    return [p for p in left.parts if p.what == "channel" and p.chi2 > 1 + LIMIT * p.error]
+
+
 def clean_sentence(found: Found) -> str:
     """Whether anything is left after the cure."""
     before, after = found.residual_before, found.residual_after
     error = f"± {short(after.error, 1)}"
-    above = [p for p in after.parts if p.what == "channel" and p.chi2 > 1 + LIMIT * p.error]
-    if after.clean and above:  # a noise taken too large in one channel must not hide another
+    if after.clean and (above := _above(after)):
         names = " and ".join(f"{p.name} ({short(p.chi2)})" for p in above)
         return (
             f"Not all is noise: chi-squared per reading is {short(after.chi2)} {error} in all, but more than noise "

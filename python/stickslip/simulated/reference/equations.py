@@ -71,11 +71,14 @@ class System:
         self.two = isinstance(model.rig, Rig)
         self.e: dict[str, Mapping[str, float]] = {x.name: x.parameters for x in model.effects}
         self.rig = cast(Any, model.rig)  # either of the two, told apart by `two`
+        self.stiffer = 1.0  # of (2.1), what the block's springs are over alpha1
         ranks = {name: i for i, name in enumerate(KINDS)}
         own = sorted((x for x in model.effects if isinstance(x, Effect)), key=lambda x: ranks[x.name])
         for one in own:
             number = one.kind.corrects
-            if number and number != "reading":  # the true number is (1 + e) times the declared one
+            if self.two and number:  # alpha1 is the mass, too
+                self.stiffer = 1 + one.parameters["e"]
+            elif number and number != "reading":  # the true number is (1 + e) times the declared one
                 true = getattr(self.rig, number) * (1 + one.parameters["e"])
                 self.rig = replace(self.rig, **{number: true})
         self.adds = [(one.kind.adds, one.parameters) for one in own]
@@ -117,7 +120,7 @@ class System:
         rig, x1, y1, y2 = self.rig, z[0], self.get(z, "y1"), self.get(z, "y2")
         if self.two:
             coupling = 1.0 if rig.coupling == "reciprocal" else -1.0
-            load = rig.alpha1 * x1 + rig.eta1 * (x2 + y2) + coupling * y1
+            load = self.stiffer * rig.alpha1 * x1 + rig.eta1 * (x2 + y2) + coupling * y1
         else:
             load = rig.stiffness * x1 + rig.damping * x2
         at = self.at(t, z, x2, side)

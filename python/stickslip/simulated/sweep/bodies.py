@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -34,7 +34,6 @@ class ByName:
     """What `make_grid` asks of a lowered model, where every number goes by its name: one slot each."""
 
     known: tuple[str, ...]
-    factors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def slots(self) -> Mapping[str, tuple[int, ...]]:

@@ -24,15 +24,11 @@ CHECKED = 2000  # members of which a model is made to see that it is allowed
 
 
 class Slots(Protocol):
-    """What is asked of a lowered model: where each name goes, and by what it is multiplied there."""
+    """What is asked of a lowered model: where each name goes, and what it is multiplied by there."""
 
     @property
     def slots(self) -> Mapping[str, tuple[int, ...]]:
         """Places of a name."""
-
-    @property
-    def factors(self) -> Mapping[str, float]:
-        """What a name is multiplied by there, where that is not 1."""
 
     def seeds(self, names: Iterable[str]) -> Floats:
         """Return a row of weights a name."""
@@ -49,7 +45,7 @@ class GridColumn:
     dim: str
     values: Floats
     slots: tuple[int, ...]
-    factor: float = 1.0
+    factors: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -82,7 +78,7 @@ class Grid:
         """Return (stop - start, k) values of the members from `start` on."""
         index = dict(zip(self.sizes, np.unravel_index(np.arange(start, stop), self.shape), strict=True))
         chosen = [
-            column.values[index[column.dim]] * column.factor for column in self.columns for _ in column.slots
+            column.values[index[column.dim]] * factor for column in self.columns for factor in column.factors
         ]
         return np.ascontiguousarray(np.stack(chosen, axis=1))
 
@@ -148,9 +144,8 @@ def _varied(
     if dim in taken:
         raise InputError(f"cannot be a dimension's name, a result has it; it varies {name}", key=dim)
     full = model.full_name(name)
-    return GridColumn(
-        name, full, dim, values, _slots(name, full, model, lowered), lowered.factors.get(full, 1.0)
-    )
+    slots = _slots(name, full, model, lowered)
+    return GridColumn(name, full, dim, values, slots, tuple(lowered.seeds([full])[0, list(slots)].tolist()))
 
 
 def _column(name: str, given: object) -> tuple[str, Floats]:

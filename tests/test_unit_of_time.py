@@ -1,0 +1,146 @@
+"""A rig of (2.1) whose unit of time is not the declared one: its springs are other ones beside alpha1, the mass."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from scattering import case
+from stickslip.declared.catalogue import KINDS
+from stickslip.declared.effect import effect
+from stickslip.discovery import rig_numbers
+from stickslip.discovery.laboratory import outcome, two_degree
+from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.trials import Trial
+from stickslip.errors import InputError
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.fit import closed, null
+from stickslip.likelihoods.fit_state import begin
+from stickslip.likelihoods.policy import POLICY
+from stickslip.measured.case import Case
+
+E = 0.02
+S = np.sqrt(1 + E)  # what the unit's inverse is over the declared one
+LAW = ss.PaperFriction()
+RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+START = {"belt_speed": 0.1, "initial": (0.1, 0.1, 0, 0), "t_end": 60.0, "rtol": 1e-11, "atol": 1e-13}
+
+
+def stiff(e: float = E, alpha1: float = 16.0, *more: object) -> ss.Model:
+    rig = ss.Rig(alpha1=alpha1, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
+    return ss.Model(rig, friction=LAW, effects=[effect("rig_stiffness", e=e), *more])
+
+
+def test_it_is_the_rig_of_another_unit_of_time() -> None:
+    # the same masses, springs and dampers, counted in the unit in which omega^2 = (k1 + k2)/m
+    own = ss.Rig(alpha1=16 * S**2, alpha2=8 * S**2, beta3=4, eta1=0.1 * S, eta12=0.2 * S)
+    speeds = {name: getattr(LAW, name) / S for name in ("t1", "t2", "v_w_min", "v_w_max")}
+    law = ss.PaperFriction(**{**LAW.numbers, **speeds})
+    there = ss.simulate(
+        ss.Model(own, friction=law),
+        **{**START, "belt_speed": 0.1 / S, "initial": (0.1, 0.1 / S, 0, 0), "t_end": 60.0 * S},
+    )
+    here = ss.simulate(stiff(), **START)
+    assert len(here.transitions.t) > 8
+    np.testing.assert_allclose(here.transitions.t, there.transitions.t / S, rtol=1e-9)
+    np.testing.assert_allclose(here.state[-1], there.state[-1] * [1, S, 1, S], atol=1e-8)
+
+
+def test_the_reference_has_it() -> None:
+    slow = ss.reference.simulate(stiff(), belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=60)
+    core = ss.simulate(stiff(), **START)
+    assert np.abs(slow.transitions.t - core.transitions.t).max() < 1e-8
+    plain = ss.simulate(ss.Model(RIG, friction=LAW), **START)
+    assert np.abs(plain.state[-1] - core.state[-1]).max() > 0.01
+
+
+def test_it_acts_beside_a_formula() -> None:
+    # a formula goes the way of the general core
+    formula = ss.effect("formula", where="block", force="-c*x1", c=0.5)
+    beside = ss.simulate(stiff(E, 16.0, formula), **START)
+    alone = ss.simulate(stiff(E + 0.5 / 16), **START)
+    np.testing.assert_allclose(beside.transitions.t, alone.transitions.t, rtol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["alpha1", "rig_stiffness.e"])
+def test_derivatives(name: str) -> None:
+    h = 1e-6
+    given = {"alpha1": 16.0, "rig_stiffness.e": E}
+
+    def at(value: float) -> np.ndarray:
+        numbers = {**given, name: value}
+        return ss.simulate(stiff(numbers["rig_stiffness.e"], numbers["alpha1"]), **START).state[-1]
+
+    run = ss.simulate(stiff(), sensitivity=[name], **START)
+    step = h * given[name]
+    slope = (at(given[name] + step) - at(given[name] - step)) / (2 * step)
+    np.testing.assert_allclose(run.sensitivity[-1, :, 0], slope, rtol=1e-5, atol=1e-7)
+
+
+def test_a_rig_without_a_unit_of_time_has_none_in_doubt(tmp_path: Path) -> None:
+    read = ss.load_case(case(tmp_path, (), 0.01, 0.0, 4))
+    numbers = two_degree.bench_of(read, prepare(read.train)).windows().numbers
+    assert {"alpha1", "alpha2"} <= {n.name for n in numbers}
+    assert {"stiffness", "v_w_max"}.isdisjoint(n.name for n in numbers)
+
+
+def test_other_constants_are_numbers_of_the_rig() -> None:
+    with pytest.raises(
+        InputError, match="'rig_mass' is for a BlockOnBelt; change the rig's own numbers instead"
+    ):
+        ss.Model(RIG, friction=LAW, effects=[effect("rig_mass", e=0.1)])
+
+
+SI = {
+    "m": 8.4,
+    "J": 0.08,
+    "r": 0.14,
+    "k1": 3700.0,
+    "k2": 260.0,
+    "k3": 580.0,
+    "c1": 1.1,
+    "c2": 1.2,
+    "length": 0.028,
+}
+
+
+@pytest.mark.parametrize("more", [0.0, 0.006])
+def test_what_the_runs_say_of_it(more: float) -> None:
+    """A mass that is nearly right: the declared unit of time is held against the one that the runs have."""
+    true, declared = ss.Rig.from_si(**SI), ss.Rig.from_si(**(SI | {"m": SI["m"] * (1 + more)}))
+    rng, runs = np.random.default_rng(1), []
+    for v_b in (0.1, -0.12):
+        t = np.arange(0.0, 120.0, 0.05)  # in 1/omega of the true rig
+        run = ss.simulate(
+            ss.Model(true, friction=LAW), belt_speed=v_b, initial=(0.1, v_b, 0, 0), t_end=t[-1], t_eval=t
+        )
+        read = run.state[:, [0, 2]] * true.scales.length + 2e-5 * rng.standard_normal((t.size, 2))
+        columns = {"t": t / true.scales.omega, "x1": read[:, 0], "y1": read[:, 1]}
+        units = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "m"), "y1": ss.Channel("y1", "m")}
+        speed = v_b * true.scales.length * true.scales.omega
+        known = {"x1": 2e-5, "y1": 2e-5}
+        runs.append(ss.load_recording(columns, declared, channels=units, belt_speed=speed, noise=known))
+    read = Case("", declared, LAW, known, tuple(runs), units, Path("rig.toml"))
+    bench = two_degree.bench_of(read, prepare(read.train))
+    fit = null(bench.windows(), POLICY)
+    # a speed at which the law bends is counted in the unit of time, too, and is as much in doubt
+    speed = next(n for n in fit.windows.numbers if n.name == "v_w_max")
+    assert speed.sd == pytest.approx(read.uncertainty.relative("omega"))
+    said = outcome.constants(bench, fit)
+    assert "alpha1" not in said
+    for name, constant in (("inertia", "m"), ("stiffness", "k1")):
+        of = rig_numbers.constant(declared, name, said).of
+        low, high = of(said[name].low), of(said[name].high)
+        assert low < SI[constant] < high
+        assert high - low < 0.05 * SI[constant]
+    # and the model that it makes moves as the true one
+    made = outcome.model(bench, Trial((), fit), read.model())
+    off = next(one for one in made.effects if one.name == "rig_stiffness").parameters["e"]
+    omega = declared.scales.omega * np.sqrt(1 + off)
+    assert omega == pytest.approx(true.scales.omega, rel=1e-3)
+    assert outcome.per_reading(fit) == pytest.approx(1.0, abs=0.1)
+    # a phase of each run is a number each
+    wave = term(KINDS["harmonic_forcing"], {"a": 1e-6, "w": 1.0, "phi": 0.0}, (0.1, 0.2))
+    beside = closed(begin(bench.windows((wave,))), POLICY)
+    assert outcome.constants(bench, beside).keys() == said.keys()
