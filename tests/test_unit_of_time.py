@@ -1,6 +1,7 @@
 """A rig of (2.1) whose unit of time is not the declared one: its springs are other ones beside alpha1, the mass."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from stickslip.likelihoods.fit import closed, null
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.policy import POLICY
 from stickslip.measured.case import Case
+from stickslip.shown.report.declared import declared as declared_table
 
 E = 0.02
 S = np.sqrt(1 + E)  # what the unit's inverse is over the declared one
@@ -134,6 +136,9 @@ def test_what_the_runs_say_of_it(more: float) -> None:
         low, high = of(said[name].low), of(said[name].high)
         assert low < SI[constant] < high
         assert high - low < 0.05 * SI[constant]
+    table = declared_table(SimpleNamespace(constants=said, effects=()), read)
+    for name in ("m", "k1", "J", "k3"):
+        assert table[name]["runs"]["low"] < SI[name] < table[name]["runs"]["high"]
     # and the model that it makes moves as the true one
     made = outcome.model(bench, Trial((), fit), read.model())
     off = next(one for one in made.effects if one.name == "rig_stiffness").parameters["e"]

@@ -29,7 +29,7 @@ def declared(found: Found, case: Case) -> dict[str, Json]:
     for name, value in known.values.items():
         row: dict[str, Json] = {"value": value, "unit": _unit(name, case.rig, case.channels)}
         row["uncertainty"] = abs(value) * known.constants[name]
-        out[name] = {**row, "runs": plain(said.get(LONG.get(name, name)))}
+        out[name] = {**row, "runs": plain(said.get(name, said.get(LONG.get(name, name))))}
     for channel, share in known.gains.items():
         gain: dict[str, Json] = {"value": 1.0, "unit": "1", "uncertainty": share}
         out[channel] = {**gain, "runs": plain(said.get(channel))}
