@@ -335,10 +335,11 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
     Of (2.1) in SI alpha1 is "inertia" and "stiffness", which are one number in its own unit of time alone.
     """
     found = intervals(fit)
-    out = _springs(bench, fit, found)
+    springs = _springs(bench, fit, found)
+    out = dict(springs)
     for name in bench.declared.names:
         one = found.get(name)
-        if one is None or (out and name in ("alpha1", BESIDE)):
+        if one is None or (springs and name in ("alpha1", BESIDE)):
             continue
         if name.startswith("gain."):
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
