@@ -1,5 +1,6 @@
 """A rig of (2.1) whose unit of time is not the declared one: its springs are other ones beside alpha1, the mass."""
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import effect
 from stickslip.discovery import rig_numbers
 from stickslip.discovery.laboratory import outcome, two_degree
+from stickslip.discovery.laboratory.constants import freed
 from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.errors import InputError
@@ -107,11 +109,11 @@ SI = {
 }
 
 
-@pytest.mark.parametrize("more", [0.0, 0.006])
-def test_what_the_runs_say_of_it(more: float) -> None:
-    """A mass that is nearly right: the declared unit of time is held against the one that the runs have."""
-    true, declared = ss.Rig.from_si(**SI), ss.Rig.from_si(**(SI | {"m": SI["m"] * (1 + more)}))
+def runs_of(true: ss.Rig, declared: ss.Rig) -> Case:
+    """Runs of one rig in SI, declared as another; nothing scatters."""
     rng, runs = np.random.default_rng(1), []
+    known = {"x1": 2e-5, "y1": 2e-5}
+    units = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "m"), "y1": ss.Channel("y1", "m")}
     for v_b in (0.1, -0.12):
         t = np.arange(0.0, 120.0, 0.05)  # in 1/omega of the true rig
         run = ss.simulate(
@@ -119,11 +121,29 @@ def test_what_the_runs_say_of_it(more: float) -> None:
         )
         read = run.state[:, [0, 2]] * true.scales.length + 2e-5 * rng.standard_normal((t.size, 2))
         columns = {"t": t / true.scales.omega, "x1": read[:, 0], "y1": read[:, 1]}
-        units = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x1", "m"), "y1": ss.Channel("y1", "m")}
         speed = v_b * true.scales.length * true.scales.omega
-        known = {"x1": 2e-5, "y1": 2e-5}
         runs.append(ss.load_recording(columns, declared, channels=units, belt_speed=speed, noise=known))
-    read = Case("", declared, LAW, known, tuple(runs), units, Path("rig.toml"))
+    return Case("", declared, LAW, known, tuple(runs), units, Path("rig.toml"))
+
+
+@pytest.mark.parametrize("name", ["m", "k1"])
+def test_a_mass_and_a_spring_that_are_wrong_are_told_apart(name: str) -> None:
+    """The unit of time is off by as much for one as for the other, and what else is off tells them."""
+    off = 1.08
+    read = runs_of(ss.Rig.from_si(**SI), ss.Rig.from_si(**(SI | {name: off * SI[name]})))
+    bench = two_degree.bench_of(read, prepare(read.train))
+    first, *others = freed(bench, null(bench.windows(), POLICY), read.uncertainty)
+    assert first.name == name
+    assert first.beyond
+    assert abs(math.log1p(first.off) + math.log(off)) < 3 * first.sd < 0.05
+    assert all(one.gain < first.gain - 5 for one in others)
+
+
+@pytest.mark.parametrize("more", [0.0, 0.006])
+def test_what_the_runs_say_of_it(more: float) -> None:
+    """A mass that is nearly right: the declared unit of time is held against the one that the runs have."""
+    true, declared = ss.Rig.from_si(**SI), ss.Rig.from_si(**(SI | {"m": SI["m"] * (1 + more)}))
+    read = runs_of(true, declared)
     bench = two_degree.bench_of(read, prepare(read.train))
     fit = null(bench.windows(), POLICY)
     # a speed at which the law bends is counted in the unit of time, too, and is as much in doubt

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
@@ -87,10 +88,16 @@ def known(case: Case) -> Declared:
     names = [n for n in numbers if n in case.uncertainty.names and n not in gains.values()]
     beside = [BESIDE] if isinstance(case.rig, Rig) else []
     every = {**{n: n for n in (*names, *beside)}, **gains}
-    size = np.array([numbers["alpha1"] if n in beside else 1.0 for n in every])
+    size = sizes(case.model(), list(every))
     covariance = case.uncertainty.on_time(list(every.values())) * np.outer(size, size)
     kept = [i for i, n in enumerate(every) if covariance[i, i] > 0 and (n not in names or numbers[n] > 0)]
     return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[kept][:, kept])
+
+
+def sizes(model: Model, names: Sequence[str]) -> NDArray[np.float64]:
+    """Return what 1 of a relative error is in the coordinates of a fit, (n,): springs beside alpha1 are no share."""
+    beside = BESIDE not in model.parameters
+    return np.array([model.parameters["alpha1"] if beside and name == BESIDE else 1.0 for name in names])
 
 
 def fitted_model(model: Model, values: Mapping[str, float]) -> Model:

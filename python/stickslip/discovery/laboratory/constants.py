@@ -17,6 +17,7 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.result import Interval, Z
 from stickslip.discovery.rig_numbers import BEYOND
+from stickslip.likelihoods.declared_numbers import sizes
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.shared import Declared
 
@@ -74,13 +75,14 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
     """
     declared, wide = bench.declared, bench.policy.law_spread**2
     plain = [name.removeprefix("gain.") for name in declared.names]
+    size = np.append(sizes(bench.model, declared.names), 1.0)
     information, pull = _told(fit, declared.names)
     none = _evidence(declared.covariance, information, pull)
     out = []
     for name, own in {**known.constants, **known.gains}.items():
         if own == 0:
             continue
-        joint = known.on_time([*plain, name], name, wide)
+        joint = known.on_time([*plain, name], name, wide) * np.outer(size, size)
         covariance, along = joint[:-1, :-1], joint[-1, :-1]
         if np.abs(along).max(initial=0.0) == 0:
             continue  # in none of the numbers that are fitted
