@@ -18,7 +18,7 @@ from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.laboratory.waves import Wave, Waves, wave_columns
 from stickslip.fitted.data import prepare
-from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit import closed, null
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.score import score
 
@@ -129,6 +129,25 @@ def test_the_gate_draws_a_belt_that_wanders_where_no_waves_of_it_are_scored(tmp_
         assert np.std(line[members], axis=(0, 2)) == pytest.approx(told, rel=0.15)
     whole = bench.drawn(fit, like, np.random.default_rng(1), belt=~every)
     assert not whole[:, plain.windows.kinetic.stop :].any()
+
+
+def test_belts_of_neighbouring_events_are_drawn_as_alike_as_the_fit_shows_them(tmp_path: Path) -> None:
+    read = ss.load_case(case(tmp_path, (), 0.01, 0.0, 4))
+    bench = bench_of(read, prepare(read.train))
+    plain = closed(begin(bench.windows()), bench.policy)
+    nothing = dict.fromkeys(("level", "curve", "static"), 1e-9)
+    fit = replace(plain, population=replace(plain.population, belt=0.01, **nothing))
+    null_of, place, alike = Null(fit), plain.windows.belt, {}
+    for share in (0.0, 0.9):
+        like = ((0.0, 0.0), (0.0, 0.0), (share, 0.0))
+        drawn = records(bench, fit, null_of, Screen((), ()), like, np.random.default_rng(1))
+        columns_of = [row.effects[:, place] for row in null_of.rows]
+        belts = np.array([c @ made / (c @ c) for c, made in zip(columns_of, drawn, strict=True)])
+        pairs = [(belts[m[1:]], belts[m[:-1]]) for m in plain.windows.by_run]
+        after, before = (np.concatenate(one).ravel() for one in zip(*pairs, strict=True))
+        alike[share] = np.corrcoef(after, before)[0, 1]
+    assert abs(alike[0.0]) < 0.1
+    assert alike[0.9] > 0.5
 
 
 def test_a_run_that_has_no_window_is_drawn_nothing(tmp_path: Path) -> None:

@@ -130,3 +130,19 @@ def test_static_friction_is_found_above_the_kinetic_friction_below_which_it_does
         assert block is not None
         assert np.mean(block[:, :, -1] ** 2) < 0.1
     assert lifted(again) is again
+
+
+def test_springs_beside_alpha1_act_where_a_formula_takes_the_general_core(windows: BeltWindows) -> None:
+    """A formula that is a spring, and as much more of a spring without it: the same motion."""
+    spring = ss.effect("formula", where="block", force="-c*x1", c=0.05)
+    by_formula, alone = (made(windows.data, one, beside=True) for one in ((spring,), ()))
+    at, place = start(alone), [n.name for n in alone.numbers].index(BESIDE)
+    at[place] += 0.05
+    here, there = by_formula.motions(start(by_formula), windows.first()), alone.motions(at, windows.first())
+    still = alone.motions(start(alone), windows.first())
+    for one, same, other in zip(here, there, still, strict=True):
+        assert one is not None
+        assert same is not None
+        assert other is not None
+        np.testing.assert_allclose(one.readings, same.readings, atol=1e-4)
+        assert np.abs(one.readings - other.readings).max() > 1e-3

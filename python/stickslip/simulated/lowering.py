@@ -270,9 +270,7 @@ def _correct(
     name = term.kind.corrects
     if name is None or name == "reading":
         return
-    if (
-        "alpha1" in slots
-    ):  # it is the mass, too, by the unit of time: what the springs have beside it is apart
+    if "alpha1" in slots:  # of (2.1) the mass, too: what the springs have beside it is apart
         e, place = term.parameters["e"], SLOTS[name]
         (first,) = slots["alpha1"]
         parameters[place] = e * parameters[first]

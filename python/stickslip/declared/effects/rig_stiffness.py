@@ -6,7 +6,7 @@ from stickslip.declared.effect_kind import EffectKind, relative_error
 EFFECT = EffectKind(
     "rig_stiffness",
     "block",
-    "the spring is (1 + e) times as stiff as declared; of (2.1), k1 + k2 of the block beside its unit of time",
+    "the spring is (1 + e) times as stiff as declared; of (2.1), k1 + k2 are (1 + e) m omega^2",
     words="a spring stiffness other than the declared one",
     parameters=(relative_error(),),
     depends_on=(),

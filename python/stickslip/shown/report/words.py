@@ -250,7 +250,7 @@ def short(value: float | None, digits: int = 4) -> str:
 
 
 def _above(left: Residual) -> list[Part]:
-    """Channels in which more than noise is left: one that is taken too large in one must not hide another."""
+    """Channels in which more than noise is left: a noise taken too large in one must not hide another."""
     return [p for p in left.parts if p.what == "channel" and p.chi2 > 1 + LIMIT * p.error]
 
 
