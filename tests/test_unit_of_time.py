@@ -82,6 +82,14 @@ def test_derivatives(name: str) -> None:
     np.testing.assert_allclose(run.sensitivity[-1, :, 0], slope, rtol=1e-5, atol=1e-7)
 
 
+def test_alpha1_is_swept_with_its_springs() -> None:
+    """Mass and springs move together, as in a model of its own."""
+    given = {"belt_speed": 0.1, "initial": (0.1, 0.1, 0, 0), "t_end": 30.0}
+    swept = ss.sweep(stiff(), {"alpha1": [15.0, 17.0]}, **given).final_state
+    each = [ss.simulate(stiff(E, a), **given, rtol=1e-11, atol=1e-13).state[-1] for a in (15.0, 17.0)]
+    np.testing.assert_allclose(swept.values, each, atol=1e-6)
+
+
 def test_a_rig_without_a_unit_of_time_has_none_in_doubt(tmp_path: Path) -> None:
     read = ss.load_case(case(tmp_path, (), 0.01, 0.0, 4))
     numbers = two_degree.bench_of(read, prepare(read.train)).windows().numbers
