@@ -18,7 +18,7 @@ from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import Term, of_term, term
 from stickslip.discovery.laboratory.outcome import evidence
-from stickslip.discovery.laboratory.screen import Screen, screened
+from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.two_degree import bench_of
@@ -351,3 +351,68 @@ def test_only_what_is_worth_nothing_beside_a_model_of_the_windows_is_fitted_once
     monkeypatch.setattr(trials, "anew", lambda _, start: starts.append(start))
     assert trials.leader_anew(bench, Trial((), fit), [one]) == [one]
     assert len(starts) == times
+
+
+@pytest.mark.parametrize(
+    ("ends", "times"), [((3.0, 0.0), 1), ((-3.0, 0.0), 1), ((400.0, 0.0), 2), ((-400.0, -500.0), 2)]
+)
+def test_where_two_fits_of_the_best_end_alike_no_third_is_asked_for(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, ends: tuple[float, float], times: int
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    spring = term(kind, {"k": 4.0})
+    windows = bench.windows((spring,))
+    at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
+    near = replace(fit, windows=windows, at=at, deviance=fit.deviance - 50.0)
+    found: list[float] = []
+
+    def anew(_: BeltBench, start: Fit) -> Fit:
+        found.append(near.deviance + ends[len(found)])
+        return replace(start, deviance=found[-1], own=near.own)
+
+    monkeypatch.setattr(trials, "anew", anew)
+    monkeypatch.setattr(trials, "remembered", lambda _: 0.0)
+    (best,) = trials.leader_anew(bench, Trial((), fit), [Trial((spring,), near)])
+    assert len(found) == times
+    assert best.deviance == min(near.deviance, *found)
+
+
+@pytest.mark.parametrize(
+    ("reached", "gain", "again"),
+    [
+        (1000.0, 150.0, []),  # no promise beyond what the best, fitted anew, has
+        (110.0, 150.0, ["pivot_dry_friction"]),
+        (55.0, 62.0, []),  # as much as it promised, next to
+    ],
+)
+def test_what_comes_furthest_from_a_null_that_is_far_off_is_fitted_anew_before_the_others(
+    bench: BeltBench,
+    fit: Fit,
+    monkeypatch: pytest.MonkeyPatch,
+    reached: float,
+    gain: float,
+    again: list[str],
+) -> None:
+    kinds = {one.name: one for one in bench.kinds()}
+    step = np.zeros(len(fit.at))
+    spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 200.0, 1, step)
+    pivot = Candidate(term(kinds["pivot_dry_friction"], {"f": 0.1, "v_c": 0.0}), gain, 1, step)
+    near = {"spring_cubic_k1": 52.0, "pivot_dry_friction": 50.0}
+    asked: list[str] = []
+
+    def of(start: Fit) -> str:
+        names = {n.name.rpartition(".")[0] for n in start.windows.numbers}
+        return next(name for name in near if name in names)
+
+    def anew(_: BeltBench, start: Fit) -> Fit:
+        if asked[-1:] != [of(start)]:
+            asked.append(of(start))
+        return replace(start, deviance=fit.deviance - reached)
+
+    monkeypatch.setattr(trials, "explained", lambda _: False)
+    monkeypatch.setattr(trials, "anew", anew)
+    monkeypatch.setattr(
+        trials, "from_near", lambda _, start: replace(start, deviance=fit.deviance - near[of(start)])
+    )
+    _, done = all_full(bench, Trial((), fit), [spring, pivot], ALONE)
+    assert asked == list(done) == ["spring_cubic_k1", *again]

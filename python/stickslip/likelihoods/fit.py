@@ -186,9 +186,11 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     population, noise = found.population, found.noise
     if not free:
         noise = _freed_noise(fit, found)
-    roots = factor(population, windows.places)
-    prior = windows.prior.at(fit.at)
-    solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
+    solution = found.solution
+    if damping or not free:
+        roots = factor(population, windows.places)
+        prior = windows.prior.at(fit.at)
+        solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
     stride = np.array([n.stride for n in windows.numbers])

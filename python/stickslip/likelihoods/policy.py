@@ -34,7 +34,7 @@ class Policy:
     fullest : candidates that are fitted in full
     candidate_steps : of a candidate's fit, and of the null's from there
     stuck : share of the best gain that the null gains too from its rival's place; all is then scored again
-    noticed : fall of the null's deviance below which it is not
+    noticed : difference of two deviances below which it is not
     frequencies : angular, in time, that are sought: up to what a motion shows
     wavelengths : along the belt, that are sought
     coarse_turn : radians over the longest window between frequencies that are simulated

@@ -95,19 +95,30 @@ def all_full(
     """
     Candidates beside a hypothesis, each fitted from the best of several starts, and those fitted anew.
 
-    What is worth less than its score promised is fitted anew where no other reaches as much.
+    What is worth less than its score promised is fitted anew where no other reaches that much; beside a null that is
+    no model of the windows, so is what reaches furthest, before the others are held against it.
     """
     near = workers.map(partial(_near, bench, base), every)
-    reached = min((fit.deviance for fit in near if fit is not None), default=np.inf)
+    terms = {one.term.name: one.term for one in every}
     fits = {one.term.name: fit for one, fit in zip(every, near, strict=True) if fit is not None}
-    # their fits failed, as a null that is far off is no place to start from
-    failed = [one for one in every if one.term.name in fits and _promised(base, one) < reached]
-    starts = [(one, start) for one in failed for start in _afresh(bench, base, one.term)]
-    for (one, _), fit in zip(starts, workers.map(partial(anew, bench), [s for _, s in starts]), strict=True):
-        if fit is not None and fit.deviance < fits[one.term.name].deviance:
-            fits[one.term.name] = fit
+    done = list[str]()
+    if fits and not explained(base.fit):
+        # a null that is far off is no place to start from: what comes furthest from there may come further
+        first = min(fits, key=lambda name: fits[name].deviance)
+        fits[first] = _sought(bench, base, (fits[first], terms[first]))
+        done.append(first)
+    reached = min((fit.deviance for fit in fits.values()), default=np.inf)
+    short = [
+        one.term.name
+        for one in every
+        if one.term.name in fits.keys() - set(done)
+        and _promised(base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
+    ]
+    again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
+    fits |= dict(zip(short, again, strict=True))
+    done += short
     trials = [_trial(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits]
-    return trials, tuple(one.term.name for one in failed)
+    return trials, tuple(done)
 
 
 def _promised(base: Trial, candidate: Candidate) -> float:
@@ -177,9 +188,9 @@ def leader_anew(
     leader = min(trials, key=Trial.worth)
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
     idle = leader.worth() >= base.worth() and explained(base.fit)
-    starts = () if idle or term.name in done else _afresh(bench, base, term)
-    for fit in workers.map(partial(anew, bench), starts):
-        if fit is not None and fit.deviance < leader.fit.deviance:
+    if not idle and term.name not in done:
+        fit = _sought(bench, base, (leader.fit, term))
+        if fit.deviance < leader.fit.deviance:
             leader = _trial(bench, base, fit, term)
     fuller = workers.map(partial(_fuller, bench, base, leader), _optional_starts(term))
     return [min((leader, *(one for one in fuller if one is not None)), key=Trial.worth), *rest]
@@ -190,6 +201,20 @@ def anew(bench: Bench, start: Fit) -> Fit | None:
     with suppress(FloatingPointError):
         return fitted(start, bench.policy)
     return None
+
+
+def _sought(bench: Bench, base: Trial, found: tuple[Fit, Term]) -> Fit:
+    """A term's fit, or a better one from the readings; where two end alike no third is asked for."""
+    fit, term = found
+    for start in _afresh(bench, base, term):
+        again = anew(bench, start)
+        if again is None:
+            continue
+        apart = abs(again.deviance - fit.deviance)
+        fit = min(fit, again, key=lambda one: one.deviance)
+        if apart < bench.policy.noticed:
+            break
+    return fit
 
 
 def _optional_starts(term: Term) -> Iterator[dict[str, float]]:
