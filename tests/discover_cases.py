@@ -22,6 +22,7 @@ from stickslip.simulated.simulate import simulate
 RIG = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAW = PaperFriction(T_s_minus=6.2, T_s_plus=3.5, T_min_minus=1.5, A1=3.0)
 SPEEDS = (0.06, 0.13, -0.07, -0.14, 0.1)
+FEW = (0.13, -0.14, 0.1)
 NOISE = 1e-3
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discover_cases import LAW, RIG, make_case
+from discover_cases import FEW, LAW, RIG, make_case
 from stickslip.declared.effect import effect
 from stickslip.declared.model import Model
 from stickslip.discovery.discover import Verdict, discover
@@ -18,12 +18,11 @@ from stickslip.errors import InputError
 from stickslip.likelihoods.forecast import forecast
 
 KEYS = {"verdict", "effects", "error", "ranking", "gate", "residual_before", "residual_after", "messages"}
-FEW = (0.13, -0.14, 0.1)
 
 
 @pytest.fixture(scope="module")
 def clean():
-    return discover(make_case(length=40.0))
+    return discover(make_case(length=40.0, speeds=FEW))
 
 
 @pytest.fixture(scope="module")

@@ -85,7 +85,7 @@ def test_white_noise_is_left_alone():
     ids=lambda one: one.name,
 )
 def test_a_misfit_near_the_noise_is_no_noise(effect):
-    data, null = fitted(noisy(np.ones(1), (effect,), size=NOISE))
+    data, null = fitted(noisy(np.ones(1), (effect,), size=NOISE, length=28.0))
     assert filtered(null, data) is None
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import found_by_hand
 import stickslip as ss
-from discover_cases import NOISE, make_case
+from discover_cases import FEW, NOISE, make_case
 from stickslip.declared.effect import effect
 from stickslip.discovery.cleaning import noise_size
 from stickslip.discovery.discover import Verdict, discover
@@ -192,7 +192,7 @@ def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:
 
 @pytest.mark.parametrize("times", [0.1, 10.0])
 def test_a_noise_declared_wrong_is_said_and_put_right(times: float) -> None:
-    case = make_case(length=40.0)
+    case = make_case(length=40.0, speeds=FEW)
     wrong = {"x1": times * NOISE, "y1": times * NOISE}
     runs = tuple(replace(run, noise=wrong) for run in case.runs)
     found = discover(replace(case, runs=runs, noise=wrong))
@@ -203,7 +203,7 @@ def test_a_noise_declared_wrong_is_said_and_put_right(times: float) -> None:
 
 
 def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
-    case = make_case(length=40.0)
+    case = make_case(length=40.0, speeds=FEW)
     runs = []
     for run in case.runs:
         top, step = np.quantile(np.abs(run.x1), 0.85), 0.02 * np.ptp(run.y1)
@@ -213,7 +213,7 @@ def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
 
 
 def test_a_short_validate_run_is_forecast_all_the_same() -> None:
-    case = make_case(length=40.0)
+    case = make_case(length=40.0, speeds=FEW)
     runs = (*case.runs[:-1], case.runs[-1].window(0.0, 6.0))
     found = discover(replace(case, runs=runs))
     assert found.error.after < 3 * found.error.floor
