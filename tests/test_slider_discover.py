@@ -11,7 +11,7 @@ import pytest
 
 import stickslip as ss
 from quick_figures import quickly
-from stickslip.discovery.result import Verdict
+from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.slider.choose import choose
 from stickslip.discovery.slider.loop import carried, discover
 from stickslip.discovery.slider.surrogate import NOTHING, Planted, Source, source, surrogate
@@ -31,6 +31,12 @@ def shipped() -> Case:
 @cache
 def origin() -> Source:
     return source(shipped())
+
+
+@cache
+def lighter() -> Found:
+    """What is found where the block weighs less than is declared."""
+    return discover(surrogate(origin(), 7, Planted(mass=-0.6)), draws=DRAWS)
 
 
 def named(planted: Planted, seed: int) -> list[str]:
@@ -66,7 +72,7 @@ def test_a_gain_is_found_with_all_that_looks_like_it() -> None:
 
 
 def test_a_mass_is_found_and_the_error_falls_on_what_was_not_used() -> None:
-    found = discover(surrogate(origin(), 7, Planted(mass=-0.6)), draws=DRAWS)
+    found = lighter()
     effect = found.effects[0]
     assert effect.name == "rig_mass"
     e = effect.parameters["e"]
@@ -79,7 +85,7 @@ def test_a_mass_is_found_and_the_error_falls_on_what_was_not_used() -> None:
 
 
 def test_what_makes_other_runs_worse_is_not_claimed() -> None:
-    found = discover(surrogate(origin(), 7, Planted(mass=-0.6)), draws=DRAWS)
+    found = lighter()
     assert carried(found) is found
     error = replace(found.error, after=1.1 * found.error.before)
     nothing = carried(replace(found, error=error))
