@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pytest
 
 import stickslip as ss
 from every_object import BLOCK, CHANNELS, COULOMB, block_run, objects
+from quick_figures import quickly
 from stickslip.measured.memory_case import IN_MEMORY, case_in_memory
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
@@ -75,7 +77,8 @@ def test_a_frame_reaches_the_search() -> None:
         )
 
 
-def test_the_report_of_what_was_in_memory_says_so(tmp_path) -> None:
+def test_the_report_of_what_was_in_memory_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    quickly(monkeypatch)
     found, case = objects()["Found"], objects()["Case"]
     written = replace(found, case=replace(case, path=IN_MEMORY)).write_report(tmp_path / "out")
     assert "in Python, of what was in memory" in written[0].read_text(encoding="utf-8")

@@ -24,7 +24,7 @@ from stickslip.files import RECORD, folder
 from stickslip.fitted.readings import reading_rate
 from stickslip.shown.report import motion, words
 from stickslip.shown.report.contents import contents
-from stickslip.shown.report.page import draw, page
+from stickslip.shown.report.page import FIGURES, draw, page
 from stickslip.shown.report.write import NAMES, fill, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
@@ -40,14 +40,23 @@ class Written:
     said: list[Path]
 
 
+def few_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw two of the figures alone."""
+    few = {name: FIGURES[name] for name in ("errors", "learned_curve")}
+    monkeypatch.setattr("stickslip.shown.report.page.FIGURES", few)
+
+
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Written]:
-    """A report of every verdict, written once, by this process alone."""
+    """A report of every verdict, written once, by this process alone; all figures are drawn for one of them."""
     out = {}
     for verdict in VERDICTS:
         place = tmp_path_factory.mktemp(verdict)
         found, case = made(place, verdict=verdict)
-        out[verdict] = Written(found, case, place / "out", list(write_report(found, case, place / "out")))
+        with pytest.MonkeyPatch.context() as patch:
+            if verdict != "effect_found":
+                few_figures(patch)
+            out[verdict] = Written(found, case, place / "out", list(write_report(found, case, place / "out")))
     return out
 
 
@@ -175,6 +184,7 @@ def test_other_files_of_the_folder_stay(tmp_path: Path, monkeypatch: pytest.Monk
     out = tmp_path / "out"
     (out / "figures").mkdir(parents=True)
     quickly(monkeypatch)
+    few_figures(monkeypatch)
     (out / "mine.txt").write_text("kept", encoding="utf-8")
     (out / "report.json").write_text("mine", encoding="utf-8")
     with pytest.raises(ss.InputError, match=r"holds 'report.json', which no former result put there"):
@@ -202,6 +212,7 @@ def test_figures_of_an_earlier_result_do_not_stay(tmp_path: Path, monkeypatch: p
         write_report(found, case, tmp_path / "out")
     assert all((figures / name).exists() for name in (*old, *mine))
     quickly(monkeypatch)
+    few_figures(monkeypatch)
     said = write_report(found, case, tmp_path / "out")
     assert not [name for name in old if (figures / name).exists()]
     assert all((figures / name).exists() for name in mine)
