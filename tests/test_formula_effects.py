@@ -16,7 +16,7 @@ from stickslip.errors import InputError
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-12}
 TIMES = np.linspace(0.0, 12.0, 121)
-SOON = TIMES[:41]  # the plain simulator takes seconds for each second of a motion
+SOON = TIMES[:21]  # the plain simulator takes seconds for each second of a motion
 
 
 def string(*effects: object, law: ss.FormulaFriction | None = None) -> ss.Model:

@@ -74,7 +74,7 @@ def test_law_of_a_run_made_by_the_reference_is_found_within_its_intervals(tmp_pa
 def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, clean):
     speeds = (0.1, -0.1, 0.16)
     z = []
-    for seed in range(12):
+    for seed in range(5):
         found = ss.identify(noisy(tmp_path, clean, seed, speeds), rig=RIG)
         z += [(e.value - getattr(TRUE, n)) / e.std for n, e in found.estimates.items()]
     z = np.array(z)
