@@ -28,8 +28,14 @@ def held(found: ss.Identified, true: dict[str, float]) -> list[bool]:
     return [e.low <= value <= e.high for e, value in pairs if e.low is not None and e.high is not None]
 
 
-def test_law_constants_and_scatter_of_a_rig_are_found(tmp_path: Path) -> None:
-    found = ss.identify(ss.load_case(case(tmp_path, (), 0.02, 0.0, 4)))
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> ss.Identified:
+    """A rig whose friction differs from event to event, identified."""
+    return ss.identify(ss.load_case(case(tmp_path_factory.mktemp("rig"), (), 0.02, 0.0, 4)))
+
+
+def test_law_constants_and_scatter_of_a_rig_are_found(rig: ss.Identified) -> None:
+    found = rig
     true = ss.PaperFriction()
     assert sum(held(found, {name: getattr(true, name) for name in LAW})) >= 7  # of 8 at 95 %
     assert found.estimates["T_s_minus"].value == pytest.approx(true.T_s_minus, rel=0.02)
@@ -45,8 +51,8 @@ def test_law_constants_and_scatter_of_a_rig_are_found(tmp_path: Path) -> None:
     assert found.covered["minus"][1] == pytest.approx(0.5, abs=0.1)
 
 
-def test_what_is_written_of_scatter_can_be_read_again(tmp_path: Path) -> None:
-    found = ss.identify(ss.load_case(case(tmp_path, (), 0.02, 0.0, 5)))
+def test_what_is_written_of_scatter_can_be_read_again(rig: ss.Identified, tmp_path: Path) -> None:
+    found = rig
     found.save(tmp_path / "out")
     told = json.loads((tmp_path / "out" / "identified.json").read_text())
     assert told["scatter"]["kinetic"]["value"] == found.scatter.kinetic.value
@@ -73,7 +79,7 @@ def test_where_nothing_scatters_the_law_alone_is_fitted(tmp_path: Path) -> None:
 def block(tmp_path_factory: pytest.TempPathFactory) -> tuple[ss.Identified, Fit]:
     """A block whose friction differs from slip to slip, identified; and the fit that its covariance is of."""
     fits: list[Fit] = []
-    case = ss.load_case(block_case(tmp_path_factory.mktemp("block"), seed=3, scatter=0.02))
+    case = ss.load_case(block_case(tmp_path_factory.mktemp("block"), few=True, seed=3, scatter=0.02))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             "stickslip.likelihoods.scatter_report.covariance",
@@ -93,14 +99,13 @@ def test_a_block_whose_friction_differs_from_slip_to_slip(
     assert isinstance(found.law, ss.CoulombFriction)
     for name, value in (("static", STATIC), ("kinetic", KINETIC)):
         assert abs(found.estimates[name].value - value) < 3 * found.estimates[name].std
-    width = found.estimates["static"].high - found.estimates["static"].low
-    assert width < (0.25 if exact else 0.4)
+    assert found.estimates["static"].high - found.estimates["static"].low < 0.25
     assert set(found.constants) == (set() if exact else {"mass", "stiffness", "spring_force"})
     if not exact:
         assert found.constants["mass"].low < MASS < found.constants["mass"].high
         assert found.constants["stiffness"].low < STIFFNESS < found.constants["stiffness"].high
     assert found.scatter.kinetic.low < 0.02 < found.scatter.kinetic.high
-    assert len(found.events.t) == (12 if exact else 39)
+    assert len(found.events.t) == 12
     assert found.unidentified == ("static_plus", "kinetic_plus")
     again = ss.load_model(_saved(found, tmp_path))
     assert again.friction == found.law
