@@ -68,10 +68,10 @@ def disturbed(model, belt_speed, z, direction, period, size=1e-6):
 
 @pytest.mark.parametrize(("model", "belt_speed", "w"), CHAOTIC)
 def test_chaos_of_published_oscillators_against_disturbed_runs_of_the_reference(model, belt_speed, w):
-    period, periods = 2 * np.pi / w, 20
+    period, periods = 2 * np.pi / w, 8
     wait = 300 * period
     ours = lyapunov(model, belt_speed=belt_speed, t_end=wait + 60.5 * period, transient=wait)
-    # each period anew from the core's state: two programs left alone drift apart, by e^24 in these 40 periods
+    # each period anew from the core's state: two programs left alone drift apart, by e^17 in these 28 periods
     exactly = {"belt_speed": belt_speed, "rtol": 1e-11, "atol": 1e-11}
     z = ss.simulate(model, t_end=wait, t_eval=[wait], **exactly).state[0]
     direction, growth = np.array([1.0, 0.0]), []
@@ -94,15 +94,15 @@ def test_chaos_of_published_oscillators_against_disturbed_runs_of_the_reference(
 )
 def test_chaos_is_told_from_order(model, belt_speed, w, exponent):
     period = 2 * np.pi / w
-    found = lyapunov(model, belt_speed=belt_speed, t_end=2200 * period, transient=200 * period)
+    found = lyapunov(model, belt_speed=belt_speed, t_end=800 * period, transient=200 * period)
     assert found.chaotic
-    assert found.exponents[0] == pytest.approx(exponent, abs=0.008)  # four standard errors
+    assert found.exponents[0] == pytest.approx(exponent, abs=0.015)  # four standard errors
     assert found.history[-1, 0] == pytest.approx(found.exponents[0])
     assert abs(found.history[len(found.t) // 2, 0] - found.exponents[0]) < 6 * found.standard_error[0]
 
 
 def test_a_cycle_is_not_chaotic():
-    assert not lyapunov(RIG, belt_speed=0.1, t_end=3000, transient=1000).chaotic
+    assert not lyapunov(RIG, belt_speed=0.1, t_end=1500, transient=500).chaotic
 
 
 @pytest.mark.parametrize(

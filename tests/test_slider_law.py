@@ -25,8 +25,8 @@ def drawn(seed: int) -> list[ss.Recording]:
     generator, out = np.random.default_rng(seed), []
     for speed in (0.05, 0.09, 0.15):
         true = speed * (1 + 0.01 * generator.standard_normal())
-        static = STATIC + 0.02 * generator.standard_normal(40)
-        kinetic = KINETIC + 0.01 * generator.standard_normal(40)
+        static = STATIC + 0.02 * generator.standard_normal(24)
+        kinetic = KINETIC + 0.01 * generator.standard_normal(24)
         t, x, _, _ = coulomb_record(static, kinetic, true, 0.03)
         read = (1 + GAIN) * x + 5e-4 * generator.standard_normal(len(t))
         frame = pd.DataFrame({"t": t, "x1": read})
