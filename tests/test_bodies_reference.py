@@ -161,11 +161,11 @@ def test_lugre_against_a_stiff_solver() -> None:
         dz = v - s0 * abs(v) / (Fc + (Fs - Fc) * np.exp(-((v / vs) ** 2))) * z
         return [w, -2 * x - s0 * z - s1 * dz - s2 * v, dz]
 
-    t = np.linspace(0, 4, 9)
-    true = solve_ivp(rate, (0, 4), [0, 0, 0], method="Radau", rtol=1e-12, atol=1e-14, max_step=0.02, t_eval=t)
+    t = np.linspace(0, 2, 9)
+    true = solve_ivp(rate, (0, 2), [0, 0, 0], method="Radau", rtol=1e-12, atol=1e-14, max_step=0.02, t_eval=t)
     law = ss.LuGreFriction(sigma0=s0, sigma1=s1, sigma2=s2, F_c=Fc, F_s=Fs, v_s=vs)
     model = ss.Model(ss.BlockOnBelt(mass=1, stiffness=2), friction=law)
-    run = plain(model, belt_speed="0.3*cos(2*t)", initial=(0, 0), t_end=4, t_eval=t, tol=1e-11, max_step=0.05)
+    run = plain(model, belt_speed="0.3*cos(2*t)", initial=(0, 0), t_end=2, t_eval=t, tol=1e-11, max_step=0.05)
     np.testing.assert_allclose(np.column_stack([run.state, run.hidden]), true.y.T, atol=1e-8)
     assert set(run.mode.ravel().tolist()) == {-1, 1}
 
@@ -285,7 +285,7 @@ def test_what_sticks_can_be_held_and_what_slips_goes_its_way() -> None:
     )
     law = ss.CoulombFriction(static=1, kinetic=0.2)
     model = ss.Model(rig, friction=law)
-    run = plain(model, belt_speed=0.1, initial=[0.1, 0.2, 0, 0.1, 0.1, 0.1], t_end=40, tol=1e-9, max_step=0.5)
+    run = plain(model, belt_speed=0.1, initial=[0.1, 0.2, 0, 0.1, 0.1, 0.1], t_end=25, tol=1e-9, max_step=0.5)
     assert run.status.ok
     at_once = [sum(abs(one.t - other.t) < 1e-9 for other in run.changes) for one in run.changes]
     assert max(at_once) > 1
@@ -349,7 +349,7 @@ def test_tables_and_formulas_with_many_kinks_land_on_each() -> None:
         return [y[1], -y[0] + float(curve(min(max(0.15 - y[1], 0.0), 0.4)))]
 
     found = solve_ivp(
-        slip, (release.t, stop.t), release.z, method="DOP853", rtol=1e-11, atol=1e-12, max_step=1e-3
+        slip, (release.t, stop.t), release.z, method="DOP853", rtol=1e-11, atol=1e-12, max_step=5e-3
     )
     np.testing.assert_allclose(stop.z, found.y[:, -1], atol=1e-7)
     assert stop.z[1] == pytest.approx(0.15, abs=1e-12)

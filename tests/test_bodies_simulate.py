@@ -100,7 +100,7 @@ def test_releases_that_tear_others_off_are_those_of_the_plain_simulator() -> Non
         contact=np.eye(3),  # type: ignore[arg-type]
     )
     model = ss.Model(rig, friction=ss.CoulombFriction(static=1, kinetic=0.2))
-    run = held_against_plain(model, [0.1, 0.2, 0, 0.1, 0.1, 0.1], 20, 1e-8, belt_speed=0.1)
+    run = held_against_plain(model, [0.1, 0.2, 0, 0.1, 0.1, 0.1], 14, 1e-8, belt_speed=0.1)
     assert (np.abs(run.transitions.after - run.transitions.before) > 0).sum(axis=1).max() > 1
 
 
