@@ -36,16 +36,22 @@ class Seen:
         return int(self.page.evaluate("document.documentElement.scrollWidth - window.innerWidth"))
 
 
+def program() -> str:
+    """The path of Chromium; the test skips where there is none."""
+    found = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip("no Chromium is installed")
+    return found
+
+
 @contextmanager
 def chromium(**context: Any) -> Iterator[Seen]:
     """An empty page of a new window; keywords as `Browser.new_context` has them."""
-    program = next((path for name in NAMES if (path := shutil.which(name))), None)
-    if program is None:
-        pytest.skip("no Chromium is installed")
+    path = program()
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
         try:
             page = browser.new_context(**context).new_page()
             seen = Seen(page)

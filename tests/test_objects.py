@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from browser import chromium
+from browser import chromium, program
 from every_object import BLOCK, COULOMB, MODEL, block_run, bodies, objects
 from quick_figures import quickly
 from stickslip.objects import Drawn, Sampled, same
@@ -205,6 +205,7 @@ def test_the_table_of_a_law_with_several_contacts_says_so() -> None:
 
 
 def test_a_browser_shows_them_without_complaint(tmp_path) -> None:
+    program()
     page = tmp_path / "objects.html"
     parts = "".join(f"<section>{one._repr_html_()}</section>" for one in objects().values())
     page.write_text(f"<!doctype html><meta charset=utf-8><body>{parts}", encoding="utf-8")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from browser import WIDTHS, chromium
+from browser import WIDTHS, chromium, program
 from found_by_hand import made
 from stickslip.discovery.result import Found, Interval
 from stickslip.shown.pages.filters import agreement
@@ -32,6 +32,7 @@ CANVASES = """() => {
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[Found, Path]:
+    program()
     folder = tmp_path_factory.mktemp("page")
     found, case = made(folder)
     scatter = {"static": Interval(0.031, 0.022, 0.041), "belt": Interval(0.01, None, None)}

@@ -11,6 +11,7 @@ import pytest
 import page_folder
 import stickslip as ss
 from pages_run import DOCS, ROOT, Reader, Step, steps
+from quick_figures import quickly
 from stickslip.declared.laws import ALL_LAWS
 from website import laws
 
@@ -36,6 +37,7 @@ FOLLOWED = {name: found for name, found in FOLLOWED.items() if found}
 @pytest.mark.parametrize("page", FOLLOWED)
 def test_a_page_runs_from_top_to_bottom(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    quickly(monkeypatch)  # what is printed is compared, no figure
     page_folder.prepare(tmp_path)
     reader = Reader()
     for step in FOLLOWED[page]:
