@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import stickslip as ss
 from bodies_cases import CASES, recorded, recording
 from bodies_files import written
+from quick_figures import quickly
 from stickslip.cli.commands import main
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
@@ -45,7 +46,7 @@ def hummed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A pin on a disc that something shakes across: no declared number says so. The report of the command."""
     folder = tmp_path_factory.mktemp("hum")
     runs = []
-    for seed, (role, lasts) in enumerate((("train", 4.0), ("train", 4.0), ("validate", 2.0))):
+    for seed, (role, lasts) in enumerate((("train", 2.4), ("train", 2.4), ("validate", 2.0))):
 
         def shaken(t: float, _: Floats, phase: float = 1.0 + seed) -> Floats:
             return np.array([0.0, PUSH * np.sin(HUM * t + phase)])
@@ -54,7 +55,9 @@ def hummed(tmp_path_factory: pytest.TempPathFactory) -> Path:
             (role, *recorded(CASES["pin"](), 50 + seed, level=0.02, static=0.02, lasts=lasts, more=shaken))
         )
     written(folder, runs)
-    said = CliRunner().invoke(main, ["discover", str(folder), "--out", str(folder / "found")])
+    with pytest.MonkeyPatch.context() as patch:
+        quickly(patch)
+        said = CliRunner().invoke(main, ["discover", str(folder), "--out", str(folder / "found")])
     assert said.exit_code == 0, said.output
     assert "harmonic forcing of across" in said.output
     return folder
@@ -108,7 +111,7 @@ def test_where_nothing_acts_nothing_is_named() -> None:
         t, read = recorded(case, seed, level=0.02, static=0.02, lasts=lasts)
         return recording(case, t, GAINS * read, role=role)
 
-    runs = [run(60, "train", 8.0), run(61, "train", 8.0), run(62, "validate", 6.0)]
+    runs = [run(60, "train", 5.0), run(61, "train", 5.0), run(62, "validate", 5.0)]
     found = ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
     assert isinstance(found, GeneralFound)
     assert found.verdict is Verdict.no_effect
