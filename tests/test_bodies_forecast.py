@@ -31,14 +31,14 @@ def cut(name: str, seed: int, scatter: float) -> tuple[ss.Recording, Floats, pd.
 @pytest.mark.parametrize("name", PAST)
 def test_the_band_holds_what_follows(name: str) -> None:
     inside = []
-    for seed in (11, 12, 13):
+    for seed in (11, 12):
         run, true, frame = cut(name, seed, 0.02)
         assert list(frame)[: 1 + true.shape[1]] == ["t", *run.coordinates]
         assert frame["t"].iloc[0] == pytest.approx(run.t[-1] + np.median(np.diff(run.t)))
         for k, channel in enumerate(run.coordinates):
             low, high = frame[f"{channel}_low"], frame[f"{channel}_high"]
             inside.append(float(np.mean((true[:, k] > low) & (true[:, k] < high))))
-    assert np.mean(inside) > 0.85  # six records: the mean of 0.95 scatters by about 0.03
+    assert np.mean(inside) > 0.85  # four records: the mean of 0.95 scatters by about 0.04
 
 
 def test_friction_that_repeats_is_foretold_to_the_noise() -> None:
