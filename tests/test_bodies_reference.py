@@ -67,14 +67,14 @@ def in_order(run: Run) -> np.ndarray:
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
 @pytest.mark.parametrize("how", ["named", "matrices", "bodies of formulas"])
 def test_the_named_rig_rebuilt_moves_as_the_named_one(law: ss.PaperFriction, how: str) -> None:
-    t = np.linspace(0, 15, 16)
+    t = np.linspace(0, 10, 11)
     named = ss.Model(RIG, friction=law)
     core = ss.simulate(
-        named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=15, t_eval=t, rtol=1e-13, atol=1e-13
+        named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=10, t_eval=t, rtol=1e-13, atol=1e-13
     )
     model = {"named": named, "matrices": matrices(law), "bodies of formulas": bodies(OWN[law.kind])}[how]
     start = (0.1, 0.1, 0, 0) if how == "named" else (0.1, 0, 0.1, 0)
-    run = plain(model, belt_speed=0.1, initial=start, t_end=15, t_eval=t)
+    run = plain(model, belt_speed=0.1, initial=start, t_end=10, t_eval=t)
     np.testing.assert_allclose(run.state if how == "named" else in_order(run), core.state, atol=3e-12)
     assert [one.after for one in run.changes] == core.transitions.after.tolist()
     np.testing.assert_allclose([one.t for one in run.changes], core.transitions.t, atol=1e-11)
@@ -82,12 +82,12 @@ def test_the_named_rig_rebuilt_moves_as_the_named_one(law: ss.PaperFriction, how
 
 
 def test_pivot_friction_is_a_second_contact() -> None:
-    t = np.linspace(0, 20, 21)
+    t = np.linspace(0, 12, 13)
     named, model = both_ways()
     core = ss.simulate(
-        named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=20, t_eval=t, rtol=1e-13, atol=1e-13
+        named, belt_speed=0.1, initial=(0.1, 0.1, 0, 0), t_end=12, t_eval=t, rtol=1e-13, atol=1e-13
     )
-    run = plain(model, belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=20, t_eval=t)
+    run = plain(model, belt_speed=0.1, initial=(0.1, 0, 0.1, 0), t_end=12, t_eval=t)
     assert {one.contact for one in run.changes} == {0, 1}
     assert 0 in run.mode[:, 1]  # the pivot sticks, too
     np.testing.assert_allclose(in_order(run), core.state, atol=1e-11)
@@ -340,7 +340,7 @@ def test_tables_and_formulas_with_many_kinks_land_on_each() -> None:
     """A tabulated law is integrated as the smooth program that knows its cubics would."""
     law = ss.TabulatedFriction(speeds=[0, 0.05, 0.1, 0.2, 0.4], forces=[1, 0.7, 0.6, 0.65, 0.8], static=1.2)
     model = ss.Model(ss.BlockOnBelt(mass=1, stiffness=1), friction=law)
-    run = plain(model, belt_speed=0.15, initial=(1.1, 0.15), t_end=8)
+    run = plain(model, belt_speed=0.15, initial=(1.1, 0.15), t_end=6)
     curve = scipy.interpolate.PchipInterpolator([0, 0.05, 0.1, 0.2, 0.4], [1, 0.7, 0.6, 0.65, 0.8])
     release, stop = run.changes[0], run.changes[1]
     assert release.z[0] == pytest.approx(1.2, abs=1e-12)

@@ -42,13 +42,13 @@ def agree(model, v_b, start, t_end=12.0):
         assert ours.hidden[name] == pytest.approx(states[:, told.system.d + k], abs=1e-8)
 
 
-@settings(COMMON, max_examples=30)
+@settings(COMMON, max_examples=18)
 @given(runs(names=()))
 def test_rigs_and_laws_agree(run):
     agree(*run)
 
 
-@settings(COMMON, max_examples=24)
+@settings(COMMON, max_examples=16)
 @given(runs(most=2))
 def test_pairs_of_effects_agree(run):
     agree(*run)
@@ -56,7 +56,7 @@ def test_pairs_of_effects_agree(run):
 
 @pytest.mark.parametrize("name", SIZES)
 def test_every_effect_agrees(name):
-    @settings(COMMON, max_examples=5)
+    @settings(COMMON, max_examples=3)
     @given(runs(names=(name,), most=1))
     def each(run):
         assume(run[0].effects)
