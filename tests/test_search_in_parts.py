@@ -416,3 +416,25 @@ def test_what_comes_furthest_from_a_null_that_is_far_off_is_fitted_anew_before_t
     )
     _, done = all_full(bench, Trial((), fit), [spring, pivot], ALONE)
     assert asked == list(done) == ["spring_cubic_k1", *again]
+
+
+@pytest.mark.parametrize(
+    ("times", "usual", "names"),
+    [
+        (1.9, True, ["spring_cubic_k1"]),
+        (2.1, True, ["harmonic_forcing", "spring_cubic_k1"]),
+        (1.9, False, ["harmonic_forcing", "spring_cubic_k1"]),
+    ],
+)
+def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, usual: bool, names: list[str]
+) -> None:
+    """That gate asks its score for its price twice, where the null is a model of the windows."""
+    kinds = {one.name: one for one in bench.kinds()}
+    step = np.zeros(len(fit.at))
+    wave = Candidate(term(kinds["harmonic_forcing"], {"a": 0.1, "w": W, "phi": 0.0}), 0.0, 7, step)
+    wave = replace(wave, gain=times * wave.price(len(bench.stretches)))
+    spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 10.0, 1, step)
+    monkeypatch.setattr(searching, "_usual", lambda _: usual)
+    worthy = searching._worthy(bench, Trial((), fit), Screen((wave, spring), ()))
+    assert [one.term.name for one in worthy] == names

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -161,11 +162,13 @@ def _searched(
             return two_degree.discover(case, *checked, tell, workers, seed)
         if isinstance(case.rig, GeneralRig):
             return general_rig.discover(case, tell, seed, workers)
+        began = time.monotonic()
         found = block.discover(case, tell, seed, workers)
         if found is not None:
             return found
         found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-        return replace(found, messages=(*found.messages, *block.untold(case)))
+        messages = (*found.messages, *block.untold(case))
+        return replace(found, messages=messages, seconds=time.monotonic() - began)
     except BaseException:
         workers.stop()
         raise

@@ -26,7 +26,7 @@ from stickslip.fitted import friction_force as force
 from stickslip.fitted.identified import Estimate, ForcePoints, Identified
 from stickslip.fitted.identify_check import checked
 from stickslip.fitted.identify_windows import columns, identify_by_windows, natural_period
-from stickslip.fitted.identify_words import misfit_messages, plateau_messages
+from stickslip.fitted.identify_words import EXPLAINED, misfit_messages, plateau_messages
 from stickslip.fitted.shooting import Simulator
 from stickslip.measured import signals
 from stickslip.measured import sticks as segments
@@ -39,7 +39,6 @@ from stickslip.simulated.simulate import simulate
 
 BeltSpeed = Literal["set-point", "plateau"]
 Progress = Callable[[str, float], None]
-EXPLAINED = 1.2  # chi-squared per degree of freedom up to which a law without scatter explains the readings
 RESOLVED = 1e-9  # of the range of a channel: no simulation is nearer, so it counts as noise
 
 

@@ -12,6 +12,7 @@ from stickslip.fitted.shooting import Shot
 
 POOR = 0.15  # of a slip's amplitude, or of the readings' spread: misfit that a friction law does not leave
 MANY = 9.0  # the same of a misfit of three times the noise
+EXPLAINED = 1.2  # chi-squared per degree of freedom up to which a law without scatter explains the readings
 HUNDRED = 1e4  # chi2 per degree of freedom of a misfit of a hundred times the noise
 
 
@@ -27,16 +28,22 @@ def fit_messages(
 
     `starts` holds where the search began; `undeclared` names the numbers whose start nobody declared.
     """
+    return *explained_messages(where, best.reduced), *number_messages(estimates, covered, starts, undeclared)
+
+
+def explained_messages(where: str, reduced: float, *, widened: bool = True) -> list[str]:
+    """Say how well a law explains what it was fitted on, whether intervals know, and who looks for what is missing."""
     out = [
-        f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(best.reduced), 3)} times the noise "
-        f"(chi-squared {plainly(best.reduced, 3)} per degree of freedom)"
+        f"fitted on {where}: simulation and readings differ by {plainly(np.sqrt(reduced), 3)} times the noise "
+        f"(chi-squared {plainly(reduced, 3)} per degree of freedom)"
     ]
-    if best.reduced > 1.2:
+    if reduced > EXPLAINED:
+        left = "are widened by what it leaves" if widened else "know nothing of what it leaves"
         out.append(
-            "the declared law does not explain the readings; the intervals are widened by what it leaves, and "
-            "`stickslip discover` looks for what is missing"
+            f"the declared law does not explain the readings; the intervals {left}, and `stickslip discover` looks for "
+            "what is missing"
         )
-    return *out, *number_messages(estimates, covered, starts, undeclared)
+    return out
 
 
 def number_messages(

@@ -22,7 +22,7 @@ from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.decay import Profile, hyperbolic, levels, merged, scores_of
 from stickslip.fitted.identified import Branch, Estimate, Events, Identified
-from stickslip.fitted.identify_words import event_messages
+from stickslip.fitted.identify_words import event_messages, explained_messages
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.fitted.shooting import Shot, Simulator, shoot, states
 from stickslip.measured.cutting import stick_position
@@ -301,15 +301,20 @@ def _conclude(
         reduced_chi2=shot.reduced,
         events=events,
         diagnostics=_diagnostics(runs, shot, preference, events, rig),
-        messages=event_messages(
-            kind,
-            branch,
-            preference,
-            events,
-            unit,
-            None if both else known is not None,
-            better=preferred(preference) if declared.kind else None,
-            shared=shared,
+        messages=(
+            *event_messages(
+                kind,
+                branch,
+                preference,
+                events,
+                unit,
+                None if both else known is not None,
+                better=preferred(preference) if declared.kind else None,
+                shared=shared,
+            ),
+            *explained_messages(
+                f"{len(slips)} slips, each with levels of its own", shot.reduced, widened=False
+            ),
         ),
     )
 

@@ -9,7 +9,8 @@ import scipy
 
 from stickslip.declared.scale import percent, plainly, scales
 from stickslip.fitted.identified import Constant, Scatter
-from stickslip.fitted.identify import EXPLAINED, Material
+from stickslip.fitted.identify import Material
+from stickslip.fitted.identify_words import EXPLAINED
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import correlation
 from stickslip.likelihoods.repeating import swollen

@@ -88,6 +88,11 @@ def _inside(file: Path, folder: Path) -> str:
 def _rig_table(given: Given, first: Inspection) -> tuple[str, dict[str, float]]:
     """The kind of the rig and its constants, in SI or nondimensional."""
     kind = given.kind or _kind_of(given, first)
+    if kind not in CONSTANTS:
+        words = (
+            "has parts that no record shows: write its rig.toml by hand, as docs/how-to/declare-a-rig.md does"
+        )
+        raise InputError(words, key=f"a rig of {kind}")
     bare = kind == "two_degree" and (
         any(name in NONDIMENSIONAL for name in given.constants)
         or not (given.constants or any(one.unit for one in first.columns))

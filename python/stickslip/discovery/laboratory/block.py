@@ -45,7 +45,7 @@ from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.repeating import lost, repeats, wild
+from stickslip.likelihoods.repeating import lost, wild
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
@@ -133,7 +133,7 @@ def _verdicts(
     fit = verdicts.searched.chosen.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
     unlike = lost(fit) or unexplained(fit) > bench.policy.noise_left
-    if unlike or ((repeats(fit) or wild(fit)) and not rivals):
+    if unlike or (wild(fit) and not rivals):
         return None
     return verdicts
 
@@ -149,10 +149,7 @@ def untold(case: Case) -> tuple[str, ...]:
         few = "no" if windows is None else f"{windows}"
         words = f"not tried: {few} stretches from stick to stick are told in the train runs, and"
         return (f"{names}: {words} {POLICY.fewest_windows} are needed",)
-    words = (
-        "beside friction that may scatter nothing of it stands; the law that repeats is searched without it"
-    )
-    return (f"{names}: {words}",)
+    return (f"{names}: no model of the windows from stick to stick; single slips are searched without it",)
 
 
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:

@@ -48,9 +48,13 @@ class Candidate:
     step: Floats
     known: float = 0.0
 
+    def price(self, windows: int) -> float:
+        """Return the price of its numbers."""
+        return self.count * math.log(windows)
+
     def worth(self, windows: int) -> float:
         """Return the gain less the price of its numbers."""
-        return self.gain - self.known - self.count * math.log(windows)
+        return self.gain - self.known - self.price(windows)
 
 
 @dataclass(frozen=True)

@@ -197,7 +197,7 @@ def _forward(
     trials: list[Trial] = []
     for turn in range(2):
         screen = _scored(bench, base, tell, workers) if scored is None or turn else scored
-        worthy = _worthy(bench, screen)
+        worthy = _worthy(bench, base, screen)
         tell(f"fitting {', '.join(one.term.name for one in worthy)}")
         fits, done = all_full(bench, base, worthy, workers)
         if others := _of_another_kind(bench, [base, *fits], screen):
@@ -235,11 +235,21 @@ def _scored(bench: Bench, base: Trial, tell: Callable[[str], None], workers: Wor
     return screened(bench, base.fit, base.terms, workers)
 
 
-def _worthy(bench: Bench, screen: Screen) -> list[Candidate]:
-    """What is fitted in full: what may pay, the best of all in any case."""
-    ranked = screen.ranked[: bench.policy.fullest]
-    first = next((i for i, one in enumerate(ranked) if one.worth(len(bench.stretches)) <= 0), len(ranked))
-    return list(ranked[: max(first, 1)])
+def _worthy(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
+    """
+    What is fitted in full: what may pay, the best of all in any case.
+
+    A wave pays its price once more at its own gate (`refitted`), which asks a score: beside a model of the windows one
+    that does not gain as much by its score cannot pass.
+    """
+    count, usual = len(bench.stretches), _usual(base.fit)
+    ranked = [
+        one
+        for one in screen.ranked
+        if not (usual and one.term.kind.wave is not None and one.gain <= 2 * one.price(count))
+    ][: bench.policy.fullest]
+    first = next((i for i, one in enumerate(ranked) if one.worth(count) <= 0), len(ranked))
+    return ranked[: max(first, 1)]
 
 
 def _of_another_kind(bench: Bench, tried: Sequence[Trial], screen: Screen) -> list[Candidate]:

@@ -126,6 +126,7 @@ def carried(found: Found) -> Found:
         residual_after=found.residual_before,
         error=error,
         experiments=(),
+        ranking=tuple(replace(one, chosen=not one.names) for one in found.ranking),
         messages=(words, *found.messages),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -28,9 +28,18 @@ def remarks(
         *_gradual(choice),
         *_waves(choice, effects),
         *_speeds(train),
-        "a constant load on the block is absorbed whole by the friction law: every run slips one way only",
+        absorbed(one.run.sign for one in train),
         *_ties(effects),
     )
+
+
+def absorbed(signs: Iterable[float]) -> str:
+    """Say what becomes of a constant load, by the directions of the runs."""
+    if len(set(signs)) == 1:
+        return (
+            "a constant load on the block is absorbed whole by the friction law: every run slips one way only"
+        )
+    return "a constant load on the block is not sought: it shifts friction's levels, up one way and down the other"
 
 
 def _noise(train: Sequence[Measured], scale: Scale) -> str:

@@ -18,6 +18,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.measured.case import Case
 from stickslip.shown.pages.filters import FILTERS
 from stickslip.shown.pages.interactive import Interactive, interactive, script
@@ -133,4 +134,7 @@ def rig(one: AnyRig) -> str:
         return "a block on a belt, held by a spring"
     if isinstance(one, DrivenSlider):
         return "a slider that is driven along its guide"
+    if isinstance(one, GeneralRig):
+        names = one.equations.names
+        return f"a rig of {len(names)} coordinate{'s' * (len(names) > 1)}: {', '.join(names)}"
     return "a block on a belt, coupled to an angle body: two degrees of freedom"
