@@ -95,6 +95,91 @@ def test_the_branch_turns_round_where_stick_is_lost(damped):
     assert damped.values[-1] == pytest.approx(hopf.value, abs=1e-2)
 
 
+F, DROP, DECAY, M, K, C = 5.0, 3.0, 20.0, 1.2, 2400.0, 2.0  # of a block in SI
+HOPF = (np.sqrt(DROP * DECAY / C) - 1) / DECAY  # its damping is the slope of the friction there
+TIME, SPEED = np.sqrt(M / K), 1 / np.sqrt(K * M)  # units in which mass, stiffness and 1 N are 1
+
+
+def hyperbolic(scale: float, decay: float, constant: float) -> ss.HyperbolicFriction:
+    return ss.HyperbolicFriction(scale=scale, decay=decay, constant=constant)
+
+
+def in_si() -> ss.Model:
+    rig = ss.BlockOnBelt(mass=f"{M} kg", stiffness=f"{K} N/m", damping=f"{C} N s/m")
+    return ss.Model(rig, friction=ss.HyperbolicFriction(scale="3 N", decay=DECAY, constant="5 N"))
+
+
+def in_its_own_units() -> ss.Model:
+    return ss.Model(ss.BlockOnBelt(damping=C * SPEED), friction=hyperbolic(DROP, DECAY * SPEED, F))
+
+
+def by_its_parts() -> ss.Model:
+    rig = ss.BodiesRig(
+        body={"b": ss.Body(mass=M)},
+        link=[ss.Link(between=("b", "ground"), stiffness=K, damping=C)],
+        contact=[ss.Contact(body="b", against="belt")],
+    )
+    return ss.Model(rig, friction=hyperbolic(DROP, DECAY, F))
+
+
+@pytest.mark.parametrize("step", [0.02, 0.5])
+@pytest.mark.parametrize("model", [in_si, in_its_own_units, by_its_parts])
+def test_every_point_of_a_branch_is_a_cycle_and_none_is_steady_sliding(model, step):
+    speed, force = (SPEED, 1.0) if model is in_its_own_units else (1.0, 1 / K)
+    branch = continuation(model(), 0.1 / speed, span=(0.01 / speed, 1.0 / speed), step=step)
+    assert branch.ends == ("span", "hopf")
+    corner, hopf = branch.special
+    assert (corner.kind, hopf.kind) == ("loss_of_stick", "hopf")
+    assert hopf.value * speed == pytest.approx(HOPF, rel=1e-10)
+    # sliding at v deflects the spring by F + DROP / (1 + DECAY v), and turns in 2 pi sqrt(m / k) at its Hopf point
+    v = branch.values * speed
+    amplitude = branch.state[:, 0] / force - (F + DROP / (1 + DECAY * v))
+    falling = amplitude[corner.index :]
+    assert (np.diff(falling) < 0).all()
+    assert (falling[1:] >= 0.499 * falling[:-1]).all()  # and so it is nowhere 0
+    assert (v[corner.index :] > HOPF).all()
+    near = falling < 0.3 * falling[0]  # a parabola: speeds beyond the Hopf point go as the square
+    assert np.ptp(np.log((v[corner.index :] - HOPF) / falling**2)[near]) < 0.2
+    for z, at, period, shift in zip(branch.state, branch.values, branch.period, amplitude, strict=True):
+        end = ss.simulate(
+            model(),
+            belt_speed=at,
+            initial=z,
+            t_end=period,
+            t_eval=[period / 2, period],
+            rtol=1e-11,
+            atol=1e-12,
+        ).state
+        assert np.abs(end[1] - z).max() < 1e-6 * abs(shift) * force / (1.0 if force == 1 else TIME)
+        assert z[0] - end[0, 0] > 0.5 * shift * force  # half a period later it is on the other side
+    assert hopf.sliding.state[0] / force == pytest.approx(F + DROP / (1 + DECAY * HOPF), rel=1e-10)
+    assert hopf.period == pytest.approx(2 * np.pi * (1.0 if model is in_its_own_units else TIME), rel=1e-9)
+
+
+def test_a_branch_is_the_same_in_any_units():
+    si = continuation(in_si(), 0.1, span=(0.01, 1.0), step=0.1)
+    own = continuation(in_its_own_units(), 0.1 / SPEED, span=(0.01 / SPEED, 1.0 / SPEED), step=0.1)
+    parts = continuation(by_its_parts(), 0.1, span=(0.01, 1.0), step=0.1)
+    assert len(si) == len(own) == len(parts)
+    for other, speed, length, time in ((own, SPEED, 1 / K, TIME), (parts, 1.0, 1.0, 1.0)):
+        np.testing.assert_allclose(other.values * speed, si.values, rtol=1e-5)
+        np.testing.assert_allclose(other.period * time, si.period, rtol=1e-5)
+        np.testing.assert_allclose(other.state[:, 0] * length, si.state[:, 0], rtol=1e-5)
+        np.testing.assert_array_equal(other.stable, si.stable)
+
+
+def test_the_figure_of_a_branch_goes_on_to_its_hopf_point():
+    branch = continuation(in_si(), 0.1, span=(0.01, 1.0), step=0.1)
+    hopf = branch.special[-1]
+    for quantity, height in (("x1_max", hopf.sliding.state[0]), ("period", hopf.period), ("stick_time", 0.0)):
+        (ax,) = plot_branch(branch, quantity).axes
+        (mark,) = (line for line in ax.lines if line.get_label() == "Hopf, of sliding")
+        (unstable,) = (line for line in ax.lines if line.get_label() == "unstable")
+        assert mark.get_xydata()[0] == pytest.approx([hopf.value, height])
+        np.testing.assert_array_equal(unstable.get_xydata()[-1], mark.get_xydata()[0])
+        assert unstable.get_xdata().min() == hopf.value
+
+
 def test_a_branch_that_ends_in_a_jump_says_so():
     # Coulomb with a drop: with damping the slip falls short of the belt, from a stick still of finite length
     model = ss.Model(ss.BlockOnBelt(damping=0.05), friction=ss.CoulombFriction(static=1, kinetic=0.5))

@@ -66,7 +66,7 @@ def _sliding(one: SteadySliding) -> Description:
 
 @describe.register
 def _special(one: SpecialPoint) -> Description:
-    rows: list[Row] = [("value", one.value), ("period", one.cycle.period)]
+    rows: list[Row] = [("value", one.value), ("period", one.period)]
     rows += [("turns round", one.turns_round), ("ends", one.ends)]
     rows += [("cycle", _sort(one.cycle))]
     return Description(
@@ -77,7 +77,7 @@ def _special(one: SpecialPoint) -> Description:
 @describe.register
 def _branch(one: Branch) -> Description:
     rows: list[Row] = [
-        (p.kind.replace("_", " "), p.value, p.cycle.period, _sort(p.cycle)) for p in one.special
+        (p.kind.replace("_", " "), p.value, p.period, _sort(p.cycle)) for p in one.special
     ]
     kept = int(np.count_nonzero(one.stable))
     states = {f"{name}_section": one.state[:, k] for k, name in enumerate(one.states)}
@@ -101,7 +101,7 @@ def _small(ax: Axes, one: Branch) -> None:
     for kept, style in ((one.stable, "-"), (~one.stable, "--")):
         ax.plot(one.values, np.where(kept, one.period, np.nan), color=SIMULATED, lw=1.2, ls=style)
     for point in one.special:
-        ax.plot(point.value, point.cycle.period, "o", color=GREY, ms=3)
+        ax.plot(point.value, point.period, "o", color=GREY, ms=3)
     ax.set_xlabel(one.parameter)
     ax.set_ylabel("period")
 

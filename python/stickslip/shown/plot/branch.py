@@ -14,10 +14,11 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.shown.plot.curves import BAND, GREY, LIMIT, MEASURED, SIMULATED, STYLE
 from stickslip.shown.plot.drawing import Drawing
 from stickslip.shown.plot.sweep import SYMBOLS
-from stickslip.simulated.orbits.branch import Branch, Kind
+from stickslip.simulated.orbits.branch import Branch, Kind, SpecialPoint
 from stickslip.simulated.orbits.flow import Floats
 
 Quantity = Literal["x1_max", "period", "stick_time"]
+Limits = dict[int, tuple[float, float]]  # parameter and quantity at a Hopf point, by its index
 
 LABELS: dict[str, str] = {
     "x1_max": "greatest $x_1$ of the cycle",
@@ -64,11 +65,14 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
         "period": branch.period,
         "stick_time": branch.stick_time,
     }
+    limits = {
+        one.index: (one.value, _limit(one, quantity)) for one in branch.special if one.sliding is not None
+    }
     with mpl.rc_context(STYLE):
         figure = Drawing(figsize=(5.6, 3.6), layout="constrained")
         ax = figure.subplots()
-        _lines(ax, branch, columns[quantity])
-        _marks(ax, branch, columns[quantity])
+        _lines(ax, branch, columns[quantity], limits)
+        _marks(ax, branch, columns[quantity], limits)
         strobed = quantity == "x1_max" and branch.forced
         words = "$x_1$ once a period of what moves the rig" if strobed else LABELS[quantity]
         if quantity == "x1_max" and branch.states[0] != "x1":
@@ -80,16 +84,33 @@ def plot_branch(branch: Branch, quantity: Quantity = "x1_max") -> Figure:
     return figure
 
 
-def _lines(ax: Axes, branch: Branch, y: Floats) -> None:
-    """Draw runs of equal stability; each starts where the last one ended."""
+def _limit(hopf: SpecialPoint, quantity: Quantity) -> float:
+    """What a quantity of the cycles tends to where they shrink to steady sliding."""
+    assert hopf.sliding is not None
+    tends: dict[str, float] = {
+        "x1_max": float(hopf.sliding.state[0]),
+        "period": hopf.period,
+        "stick_time": 0.0,
+    }
+    return tends[quantity]
+
+
+def _lines(ax: Axes, branch: Branch, y: Floats, limits: Limits) -> None:
+    """Draw runs of equal stability; each starts where the last one ended, and one that ends at a Hopf point goes on
+    to it.
+    """
     changes = np.flatnonzero(np.diff(branch.stable.astype(int))) + 1
     bounds = [0, *changes.tolist(), len(branch)]
     for first, last in zip(bounds[:-1], bounds[1:], strict=True):
         piece = slice(max(first - 1, 0), last)
         stable = bool(branch.stable[first])
+        line = np.column_stack([branch.values[piece], y[piece]])
+        if first == 0 and 0 in limits:
+            line = np.vstack([limits[0], line])
+        if last == len(branch) and last in limits:
+            line = np.vstack([line, limits[last]])
         ax.plot(
-            branch.values[piece],
-            y[piece],
+            *line.T,
             color=MEASURED,
             ls="-" if stable else (0, (4, 2)),
             lw=1.6 if stable else 1.2,
@@ -97,11 +118,14 @@ def _lines(ax: Axes, branch: Branch, y: Floats) -> None:
         )
 
 
-def _marks(ax: Axes, branch: Branch, y: Floats) -> None:
+def _marks(ax: Axes, branch: Branch, y: Floats, limits: Limits) -> None:
     for one in branch.special:
         marker, colour, name = MARKS[one.kind]
-        k = min(max(one.index, 1), len(branch) - 1)
-        ends = branch.values[k - 1 : k + 1]
-        share = (one.value - ends[0]) / (ends[1] - ends[0]) if ends[1] != ends[0] else 0.0
-        height = y[k - 1] + np.clip(share, 0.0, 1.0) * (y[k] - y[k - 1])
+        if one.sliding is not None:
+            height = limits[one.index][1]
+        else:
+            k = min(max(one.index, 1), len(branch) - 1)
+            ends = branch.values[k - 1 : k + 1]
+            share = (one.value - ends[0]) / (ends[1] - ends[0]) if ends[1] != ends[0] else 0.0
+            height = float(y[k - 1] + np.clip(share, 0.0, 1.0) * (y[k] - y[k - 1]))
         ax.plot(one.value, height, marker, color=colour, ms=6, mec="white", mew=0.6, zorder=3, label=name)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.objects import Displayed, Sampled
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Complexes, Floats, Signature
+from stickslip.simulated.orbits.steady_sliding import SteadySliding
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,8 +34,8 @@ class SpecialPoint(Displayed):
     ----------
     kind
         "fold" (the branch turns round), "flip" (a multiplier -1), "neimark_sacker" (a pair of modulus 1),
-        "hopf" (the cycle shrinks to steady sliding and the branch ends); "loss_of_stick" (the only stick phase
-        shrinks to nothing), "crossing" (v_w = 0 begins to be crossed, in place of or besides a stick),
+        "hopf" (the cycle shrinks to steady sliding and the branch ends short of it); "loss_of_stick" (the only stick
+        phase shrinks to nothing), "crossing" (v_w = 0 begins to be crossed, in place of or besides a stick),
         "grazing" (a further stick phase begins or ends).
     value
         Of the parameter.
@@ -46,6 +47,8 @@ class SpecialPoint(Displayed):
         Does the branch turn round in a corner here (a fold that is not smooth)?
     ends
         Does the branch end here, the cycle jumping or vanishing?
+    sliding
+        At a hopf point, the steady sliding that the cycle shrinks to.
 
     Examples
     --------
@@ -62,10 +65,16 @@ class SpecialPoint(Displayed):
     index: int
     turns_round: bool = False
     ends: bool = False
+    sliding: SteadySliding | None = None
+
+    @property
+    def period(self) -> float:
+        """Of the cycle; at a hopf point that of the smallest cycles, which the eigenvalues of sliding give."""
+        return self.cycle.period if self.sliding is None else self.sliding.turning_time
 
     def __repr__(self) -> str:
         more = (", turns round" if self.turns_round else "") + (", ends" if self.ends else "")
-        return f"<{self.kind} at {self.value:.9g}: period {self.cycle.period:.6g}{more}>"
+        return f"<{self.kind} at {self.value:.9g}: period {self.period:.6g}{more}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -86,7 +86,7 @@ class Problem:
             residual[j], jacobian[j] = z[j], 0.0
             jacobian[j, j] = 1.0
         self._last_row(flow, value, span, z, residual, jacobian)
-        rows = np.append(self.unit, 1.0)
+        rows = np.append(self.unit, self._last_unit(flow))
         return Point(
             x, residual / rows, jacobian * self.scale / rows[:, None], arc, flow, value, self.contact
         )
@@ -101,16 +101,26 @@ class Problem:
             residual[d], jacobian[d, :d] = row @ z - level, row
             jacobian[d, d + 1] = -self._level_moves(value)
             return
-        h = 1e-6 * max(abs(value), 1e-3)
+        h = self._beside(value)
         beside = [self.flow.moved(self.parameter, value + s * h).forcing_period or forcing for s in (1, -1)]
         residual[d], jacobian[d, d] = span - self.turns * forcing, 1.0
         jacobian[d, d + 1] = -self.turns * (beside[0] - beside[1]) / (2 * h)
+
+    def _last_unit(self, flow: Flow) -> float:
+        """Of the last row's residual: a speed on the section, or a time."""
+        if flow.forcing_period is not None:
+            return float(self.scale[self.dimension])
+        return float(np.abs(flow.section[0]) @ self.unit)
+
+    def _beside(self, value: float) -> float:
+        """Step of the parameter in a central difference."""
+        return 1e-6 * max(abs(value), 1e-3 * float(self.scale[-1]))
 
     def _level_moves(self, value: float) -> float:
         """How the section's level moves with the parameter: with the speed of the drive alone."""
         if self.flow.section[1] == 0:
             return 0.0
-        h = 1e-6 * max(abs(value), 1e-3)
+        h = self._beside(value)
         ends = [self.flow.moved(self.parameter, value + s * h).section[1] for s in (1, -1)]
         return (ends[0] - ends[1]) / (2 * h)
 

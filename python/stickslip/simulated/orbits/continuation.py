@@ -7,6 +7,10 @@ method at right angles to it (Keller 1977), in units of the cycle's size, its pe
 Folds, flips and Neimark-Sacker points are zeros of smooth functions. Sliding bifurcations change the sequence of
 contact modes: a stick phase shrinks to nothing, v_w = 0 is crossed where it was stuck to, or is touched in slip.
 They are located where the sequence changes. There the branch may have a corner, and even turn round in it.
+
+Steady sliding solves the equations of an autonomous cycle too, with any period, and is none. Where a branch of cycles
+meets it, at a Hopf point, the cycle's size goes through 0. So no step takes more than half of that size away: one that
+would either has the Hopf point within it, which ends the branch, or is too long.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, StickslipError, number, unknown
 from stickslip.simulated.orbits.branch import (
+    SAME_WAY,
     Branch,
     Kind,
     SpecialPoint,
@@ -37,10 +42,12 @@ from stickslip.simulated.orbits.branch_equations import Point, Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import SPEEDS, Floats, Flow
 from stickslip.simulated.orbits.flow_of import flow_of
-from stickslip.simulated.orbits.limit_cycle import check_states, limit_cycle
-from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, equilibrium
+from stickslip.simulated.orbits.limit_cycle import check_states, limit_cycle, swing
+from stickslip.simulated.orbits.steady_sliding import NoLimitCycleError, SteadySliding, equilibrium
 
 SMALLEST = 1e-9  # step at which a branch counts as ended or cornered
+REACH = 2.5  # how many steps away the next point may lie
+KEPT = 0.5  # of the cycle's size, by a step
 SMOOTH: tuple[Kind, ...] = ("fold", "flip", "neimark_sacker")
 
 
@@ -75,7 +82,8 @@ def continuation(
     max_points
         In each direction.
     tol
-        Residual of the equations at each point, and relative distance in which special points are bracketed.
+        Residual of the equations at each point, in the rig's own scale; and relative distance in which special points
+        are bracketed.
 
     Returns
     -------
@@ -177,7 +185,7 @@ class Walk:
         while len(points) < self.most:
             last = points[-1]
             ahead = self.problem.correct(last.x + step * tangent, tangent)
-            if ahead is None or np.linalg.norm(ahead[0].x - last.x) > 2.5 * step:
+            if ahead is None or np.linalg.norm(ahead[0].x - last.x) > REACH * step:
                 step *= 0.5
                 if step > SMALLEST:
                     continue
@@ -196,15 +204,17 @@ class Walk:
                 points.append(point)
                 continue
             point, work = ahead
+            if self._shrinks(last, point):
+                born = self._birth(last, tangent, REACH * step, len(points))
+                step *= 0.5
+                if not born and step > SMALLEST:
+                    continue
+                special += born
+                trace.end = "hopf" if born else "no_convergence"
+                break
             if self._outside(point):
                 points += self._at_the_end(last, point)
                 trace.end = "span"
-                break
-            if (
-                self.problem.flow.forcing_period is None and point.flow.section[0] @ point.arc.rate > 0
-            ):  # amplitude below 0
-                special += (born := self._birth(last, len(points)))
-                trace.end = "hopf" if born else "no_convergence"
                 break
             if round_again := comes_round(points, first, point):
                 trace.end, met = round_again
@@ -252,7 +262,7 @@ class Walk:
         e[-1] = 1.0
         share = (bound - last.value) / (point.value - last.value)
         found = self.problem.correct(last.x + share * (point.x - last.x), e)
-        return [] if found is None or share < 1e-9 else [found[0]]
+        return [] if found is None or share < 1e-9 or self._shrinks(last, found[0]) else [found[0]]
 
     def _between(self, a: Point, b: Point, before: Floats, after: Floats, index: int) -> list[SpecialPoint]:
         """Special points between two neighbours."""
@@ -276,21 +286,41 @@ class Walk:
         found = self.problem.correct(a.x + share * chord, chord / np.linalg.norm(chord))
         return None if found is None else found[0]
 
-    def _birth(self, a: Point, index: int) -> list[SpecialPoint]:
-        """Return where the cycle shrinks to steady sliding: there the sliding itself changes stability."""
+    def _shrinks(self, last: Point, point: Point) -> bool:
+        """Does an autonomous cycle lose more than half of its size, or turn over, from one point to the other?"""
+        if last.flow.forcing_period is not None:
+            return False
+        before, after = (-float(one.flow.section[0] @ one.arc.rate) for one in (last, point))
+        if after >= KEPT * before:
+            return False
+        return after <= 0 or swing(point.flow, point.arc) < KEPT * swing(last.flow, last.arc)
+
+    def _birth(self, last: Point, tangent: Floats, reach: float, index: int) -> list[SpecialPoint]:
+        """Return where steady sliding changes stability, if the branch goes there and it is within reach.
+
+        The branch is a parabola there: on the way to the vertex the parameter goes as the tangent says, and the chord
+        is within 20 degrees of the tangent, however steep.
+        """
+        width = self.problem.scale[-1]
+        end = float(np.clip(last.value + np.sign(tangent[-1]) * reach * width, *self.span))
+
+        def sliding(value: float) -> SteadySliding:
+            return equilibrium(self.problem.flow.moved(self.problem.parameter, value), last.arc.start)
 
         def leading(value: float) -> float:
-            sliding = equilibrium(self.problem.flow.moved(self.problem.parameter, value), a.arc.start)
-            return float(sliding.eigenvalues.real.max())
+            return float(sliding(value).eigenvalues.real.max())
 
-        for width in (0.01, 0.05, 0.2):
-            reach = width * (self.span[1] - self.span[0])
-            try:
-                at = float(scipy.optimize.brentq(leading, a.value - reach, a.value + reach, xtol=1e-13))
-            except (StickslipError, ValueError):
-                continue
-            return [SpecialPoint("hopf", at, self.problem.cycle(a), index)]
-        return []
+        try:
+            at = float(scipy.optimize.brentq(leading, last.value, end, xtol=1e-13 * width))
+            here = sliding(at)
+        except (StickslipError, ValueError):
+            return []
+        full = np.concatenate([last.flow.quotient @ here.state, [here.turning_time, at]])
+        chord = full / self.problem.scale - last.x
+        apart = float(np.linalg.norm(chord))
+        if not (apart <= reach and chord @ tangent > SAME_WAY * apart):
+            return []
+        return [SpecialPoint("hopf", at, self.problem.cycle(last), index, sliding=here)]
 
     def _test(self, kind: Kind, along: Floats) -> Callable[[Point], float]:
         if kind == "fold":

@@ -103,7 +103,7 @@ def limit_cycle(
     ):  # it came to rest on the other turning point
         arc, more = newton(flow, _summit(flow, arc), arc.span, turns, contact, wanted)
         steps += more
-    if flow.forcing_period is None and _swing(flow, arc) < 1e-6 * (np.abs(flow.height) @ flow.size):
+    if flow.forcing_period is None and swing(flow, arc) < 1e-6 * (np.abs(flow.height) @ flow.size):
         no_cycle(flow, arc.end)
     arc, turns = _least_period(flow, arc, turns, contact, wanted)
     return cycle_of(flow, arc, steps, turns, contact)
@@ -251,7 +251,7 @@ def _summit(flow: Flow, arc: Arc) -> Floats:
     return np.asarray(states[np.argmax(flow.seen(states)[0])])
 
 
-def _swing(flow: Flow, arc: Arc) -> float:
+def swing(flow: Flow, arc: Arc) -> float:
     """How far what is greatest on the section moves on the arc."""
     run = flow.run(arc.start, even(arc.span, 33))
     return float(np.ptp(flow.seen(flow.full(run))[0]))

@@ -197,10 +197,10 @@ class NamedFlow(Flow):
         return Linear(arc.end - arc.start, closing, np.asarray(values, dtype=np.complex128))
 
     def scales(self, states: Floats) -> tuple[Floats, Floats]:
-        """The cycle's size, of all states; 1."""
-        d = states.shape[1]
+        """The model's own scale, as large as the cycle is in it; that scale."""
         visible = len(self.model.rig.state_names)
-        return np.full(d, float(np.ptp(states[:, :visible], axis=0).max())), np.ones(d)
+        moves = np.ptp(states[:, :visible], axis=0) / self.size[:visible]
+        return self.size * float(moves.max()), self.size
 
 
 def forcing_period(model: Model, belt_speed: float) -> float | None:

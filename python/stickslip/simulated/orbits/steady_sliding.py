@@ -46,6 +46,12 @@ class SteadySliding(Displayed):
         """Do small disturbances die out?"""
         return bool(np.all(self.eigenvalues.real < 0))
 
+    @property
+    def turning_time(self) -> float:
+        """Period in which the leading disturbance turns; infinite if it does not oscillate."""
+        speed = abs(float(self.eigenvalues[np.argmax(self.eigenvalues.real)].imag))
+        return 2 * np.pi / speed if speed > 0 else np.inf
+
 
 class NoLimitCycleError(StickslipError):
     """No cycle was found.
