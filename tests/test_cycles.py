@@ -188,6 +188,10 @@ def test_sensitivity_of_the_period_in_closed_form():
     v, a = 0.25, 0.6
     model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1.0, kinetic=0.4))
     moved = cycle_sensitivity(limit_cycle(model, v), ("belt_speed", "static", "kinetic"))
+    assert repr(moved).startswith(
+        f"<CycleSensitivity: 3 parameters, 2 states; d period by belt_speed {moved.period[0]:.6g}, static "
+    )
+    assert str(moved.period[1])[:4] in moved._repr_html_()
     by_a, by_v = -2 * v / (v**2 + a**2) + 2 / v, 2 * a / (v**2 + a**2) - 2 * a / v**2
     assert moved.period == pytest.approx([by_v, by_a, -by_a], rel=1e-9)
     # x1 is greatest at kinetic + sqrt(A^2 + v^2)

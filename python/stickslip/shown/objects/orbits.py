@@ -112,7 +112,7 @@ def _sensitivity(one: CycleSensitivity) -> Description:
         (name, float(one.period[k]), *(float(x) for x in one.state[:, k])) for k, name in enumerate(one.names)
     ]
     heads = ("by", "d period", *(f"d state {k}" for k in range(1, len(one.state) + 1)))
-    return Description(title=f"derivatives of a cycle by {len(one.names)} numbers", heads=heads, rows=rows)
+    return Description(title=f"derivatives of a cycle by {', '.join(one.names)}", heads=heads, rows=rows)
 
 
 @describe.register

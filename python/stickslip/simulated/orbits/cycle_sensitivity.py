@@ -13,10 +13,12 @@ from stickslip.simulated.orbits.branch_equations import Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import SPEEDS, Floats
 
+SHOWN = 4  # derivatives in one line
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CycleSensitivity(Displayed):
-    """Derivatives of a limit cycle.
+    """Derivatives of a limit cycle; printed, those of the period, in one line.
 
     Attributes
     ----------
@@ -40,6 +42,12 @@ class CycleSensitivity(Displayed):
     names: tuple[str, ...]
     period: Floats
     state: Floats
+
+    def __repr__(self) -> str:
+        pairs = list(zip(self.names, self.period, strict=True))
+        by = [f"{name} {x:.6g}" for name, x in pairs[:SHOWN]] + ["..."] * (len(pairs) > SHOWN)
+        size = f"{len(self.names)} parameters, {len(self.state)} states"
+        return f"<CycleSensitivity: {size}; d period by {', '.join(by) or 'nothing'}>"
 
 
 @explained
