@@ -12,6 +12,7 @@ import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.shown.plot import curves as plot
 from stickslip.shown.plot import sweep as plot_sweep
+from stickslip.simulated.sweep.units import unit_of
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 LAW = ss.HyperbolicFriction(scale=0.5, decay=3, constant=0.5, quadratic=0.1)
@@ -46,6 +47,81 @@ def test_parameter_map_has_the_values_in_place() -> None:
         assert drawn is not None
         assert np.array_equal(np.asarray(drawn).ravel(), ds[name].values.astype(float).ravel())
         assert "alpha" in figure.axes[0].get_xlabel()
+
+
+def in_si() -> ss.Model:
+    rig = ss.BlockOnBelt(mass="1.2 kg", stiffness="2400 N/m", damping="2 N s/m")
+    return ss.Model(rig, friction=ss.HyperbolicFriction(scale=3, decay=20, constant=5))
+
+
+def bare(channels: dict[str, ss.Channel] | None = None) -> ss.Model:
+    rig = ss.BlockOnBelt(mass=1.2, stiffness=2400, damping=2)
+    return ss.Model(rig, friction=ss.HyperbolicFriction(scale=3, decay=20, constant=5), channels=channels)
+
+
+def by_its_parts() -> ss.Model:
+    rig = ss.BodiesRig(
+        body={"b": ss.Body(mass=1.2)},
+        link=[ss.Link(between=("b", "ground"), stiffness=2400, damping=2)],
+        contact=[ss.Contact(body="b", against="belt")],
+    )
+    return ss.Model(rig, friction=ss.HyperbolicFriction(scale=3, decay=20, constant=5))
+
+
+SHAFT = ss.Model(
+    ss.BodiesRig(
+        body={"s": ss.Body(inertia=1.0)},
+        link=[ss.Link(between=("s", "ground"), stiffness=1.0)],
+        contact=[ss.Contact(body="s", against="belt")],
+    ),
+    friction=ss.CoulombFriction(static=1.0, kinetic=0.5),
+)
+NAMES = ("belt_speed", "stiffness", "decay", "initial.x1", "initial.x2")
+UNITS = ("m/s", "N/m", "s/m", "m", "m/s")
+
+
+@pytest.mark.parametrize(
+    ("model", "units"),
+    [
+        (in_si(), dict(zip(NAMES, UNITS, strict=True))),
+        (
+            bare({"t": ss.Channel("t", "s"), "x1": ss.Channel("x", "mm")}),
+            {"mass": "kg", "damping": "N s/m"},
+        ),
+        (bare(), dict.fromkeys(NAMES, "1")),
+        (
+            by_its_parts(),
+            {"belt_speed": "m/s", "link_1.damping": "N s/m", "decay": "s/m", "initial.v_b": "m/s"},
+        ),
+        (SHAFT, {"belt_speed": "rad/s", "s.inertia": "kg m^2", "initial.s": "rad", "static": "1"}),
+        (MODEL, {"belt_speed": "1", "alpha1": "1", "initial.y1": "1"}),
+    ],
+)
+def test_numbers_of_a_sweep_have_their_units(model: ss.Model, units: dict[str, str]) -> None:
+    for name, unit in units.items():
+        assert unit_of(model, name) == unit
+
+
+def test_axes_of_a_map_have_the_units_of_a_rig_in_si() -> None:
+    over = {"belt_speed": [0.05, 0.1, 0.2], "stiffness": [1200.0, 2400.0]}
+    heads = {}
+    for name, model in (("si", in_si()), ("bare", bare())):
+        ds = ss.sweep(model, over, t_end=4, observe=("period", "final_state", "points"))
+        figures = (
+            plot_sweep.parameter_map(ds, "period"),
+            plot_sweep.parameter_map(ds, "final_state", state="x2"),
+            plot_sweep.bifurcation_diagram(ds, "x1", parameter="belt_speed"),
+        )
+        texts = [one.get_xlabel() + "; " + one.get_ylabel() for figure in figures for one in figure.axes]
+        heads[name] = texts
+    assert heads["si"] == [
+        "stiffness [N/m]; $v_b$ [m/s]",
+        "; mean time between releases [s]",
+        "stiffness [N/m]; $v_b$ [m/s]",
+        "; final_state of $x_2$ [m/s]",
+        "$v_b$ [m/s]; $x_1$ at releases [m]",
+    ]
+    assert not any("[" in text for text in heads["bare"])
 
 
 def test_basin_tells_sliding_from_stick_slip() -> None:

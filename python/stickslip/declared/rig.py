@@ -17,7 +17,7 @@ from stickslip.declared.dimensions import (
     STIFFNESS,
     Dimension,
 )
-from stickslip.declared.quantity import sized
+from stickslip.declared.quantity import sized, with_unit
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 from stickslip.objects import Displayed
@@ -293,6 +293,12 @@ class BlockOnBelt(Displayed):
         why = "negative damping creates energy"
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
+    @property
+    def declared_units(self) -> Mapping[str, str]:
+        """SI units of the numbers that were given with one."""
+        units: Mapping[str, str] = self.__dict__.get("_units", {})
+        return units
+
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenSlider(Displayed):
@@ -340,12 +346,22 @@ class DrivenSlider(Displayed):
         why = "negative damping creates energy"
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
+    @property
+    def declared_units(self) -> Mapping[str, str]:
+        """SI units of the numbers that were given with one."""
+        units: Mapping[str, str] = self.__dict__.get("_units", {})
+        return units
+
 
 def _to_si(rig: BlockOnBelt | DrivenSlider) -> None:
-    """Turn what is given with a unit."""
+    """Turn what is given with a unit, and remember that it was."""
+    units = dict[str, str]()
     for field in fields(rig):
-        size = sized(getattr(rig, field.name), rig.dimensions[field.name].unit, field.name)
-        object.__setattr__(rig, field.name, size)
+        given, unit = getattr(rig, field.name), rig.dimensions[field.name].unit
+        object.__setattr__(rig, field.name, sized(given, unit, field.name))
+        if isinstance(given, str) and with_unit(given)[1]:
+            units[field.name] = unit
+    object.__setattr__(rig, "_units", units)
 
 
 AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stickslip.declared.contact_laws import ContactLaws
-from stickslip.declared.dimensions import INERTIA, LENGTH, MASS, RATE, STIFFNESS
+from stickslip.declared.dimensions import LENGTH, RATE, STIFFNESS
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.formula_laws.tabulated import TabulatedFriction
 from stickslip.declared.friction_law import FrictionLaw
@@ -17,6 +17,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.rigs.number_unit import PER, number_unit
 from stickslip.declared.rigs.parts import Part
 from stickslip.declared.si import si_of
 from stickslip.declared.speeds import Speed
@@ -26,7 +27,6 @@ from stickslip.shown.plot.curves import GREY, LIMIT, SIMULATED
 Row = tuple[Cell, ...]
 SI_HEADS = ("quantity", "value", "in SI", "unit")
 POINTS = 200  # of a curve
-PER = {"mass": MASS.unit, "inertia": INERTIA.unit, "arm": LENGTH.unit}  # of a part, in SI
 OF_RIG = {"length": LENGTH.unit, "omega": RATE.unit, "k2": STIFFNESS.unit, "r": LENGTH.unit}
 
 
@@ -63,20 +63,6 @@ def _general(one: GeneralRig) -> Description:
     rows: list[Row] = [(name, size, number_unit(one, name)) for name, size in one.numbers.items()]
     what = "bodies" if isinstance(one, BodiesRig) else "matrices"
     return Description(title=f"Rig by its {what}: {coordinates}; {rubs}", rows=rows)
-
-
-def number_unit(rig: GeneralRig, name: str) -> str:
-    """The SI unit of a number of a rig of bodies, as far as its name tells; "" where it does not."""
-    owner, _, key = name.rpartition(".")
-    if not isinstance(rig, BodiesRig) or key in PER:
-        return PER.get(key, "")
-    if key not in ("stiffness", "damping", "rest"):
-        return ""
-    link = rig.link[int(owner.rpartition("_")[2]) - 1]
-    body = next((rig.body[end] for end in link.between if end in rig.body), None)
-    turns = body is not None and body.rotation
-    units = ("N m/rad", "N m s/rad", "rad") if turns else ("N/m", "N s/m", "m")
-    return dict(zip(("stiffness", "damping", "rest"), units, strict=True))[key]
 
 
 @describe.register

@@ -100,7 +100,7 @@ def bifurcation_diagram(
             drawn = ax.scatter(x, value, c=colour.broadcast_like(value), cmap="viridis", **look)
             figure.colorbar(drawn, ax=ax, label=_label(ds, str(select)))
         ax.set_xlabel(_label(ds, along))
-        ax.set_ylabel(f"{SYMBOLS.get(state, state)} at releases")
+        ax.set_ylabel(_state_label(ds, state, " at releases"))
     return figure
 
 
@@ -134,7 +134,7 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
         ax = figure.subplots()
         whole = OBSERVABLES[variable].dtype.startswith("int") if variable in OBSERVABLES else False
         shown = np.where(done, values.values, np.nan) if variable != "status" else values.values.astype(float)
-        name = _label(ds, variable) + (f" of {SYMBOLS.get(state, state)}" if state else "")
+        name = f"{SYMBOLS.get(variable, variable)} of {_state_label(ds, state)}" if state else _label(ds, variable)
         _mesh(figure, ax, ds, (down, across), shown, name, whole=whole, words=WORDS.get(variable, {}))
     return figure
 
@@ -281,6 +281,14 @@ def _mesh(
     ax.set_xlabel(_label(ds, across))
     ax.set_ylabel(_label(ds, down))
     ax.tick_params(color=GREY)
+
+
+def _state_label(ds: xr.Dataset, state: str, where: str = "") -> str:
+    """Label of a state, with its unit where that is known."""
+    names = [str(one) for one in np.atleast_1d(ds["state"].values)]
+    units = str(ds["state"].attrs.get("units", "")).split(", ")
+    unit = units[names.index(state)] if len(units) == len(names) else "1"
+    return label(SYMBOLS.get(state, state) + where, unit)
 
 
 def _label(ds: xr.Dataset, name: str) -> str:

@@ -28,6 +28,7 @@ from stickslip.errors import InputError
 from stickslip.files import whole
 from stickslip.simulated.sweep.observables import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
 from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.units import in_si, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     JSONTable = dict[str, JSON]
 
 KIND = "stickslip sweep"
+OF_SI = {"time": "s", "energy": "J"}
 
 
 class Sink(Protocol):
@@ -60,11 +62,13 @@ def dims(request: Request, name: str) -> tuple[str, ...]:
 def coordinates(request: Request) -> dict[str, tuple[str, object, dict[str, str]]]:
     """Coordinates: every varied name along its dimension, and the names of the states."""
     coords: dict[str, tuple[str, object, dict[str, str]]] = {
-        column.name: (column.dim, column.values, {"units": _unit(request, "1")})
+        column.name: (column.dim, column.values, {"units": unit_of(request.model, column.name)})
         for column in request.grid.columns
     }
     if any("state" in OBSERVABLES[name].dims for name in request.observe):
-        coords["state"] = ("state", np.array(request.model.rig.state_names, dtype=str), {})
+        names = request.model.rig.state_names
+        units = ", ".join(unit_of(request.model, f"initial.{name}") for name in names)
+        coords["state"] = ("state", np.array(names, dtype=str), {"units": units})
     return coords
 
 
@@ -79,7 +83,9 @@ def variable_attrs(request: Request, name: str) -> dict[str, object]:
 
 
 def _unit(request: Request, unit: str) -> str:
-    """All is nondimensional in (2.1); a block on a belt is in whatever units its numbers are in."""
+    """All is nondimensional in (2.1); a rig whose units nobody has said is in whatever its numbers are in."""
+    if unit in OF_SI and in_si(request.model):
+        return OF_SI[unit]
     return "1" if unit == "1" or isinstance(request.model.rig, Rig) else f"{unit}, in the rig's units"
 
 
