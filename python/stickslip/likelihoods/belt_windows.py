@@ -47,7 +47,8 @@ class BeltWindows(EventWindows[Data, Stretch]):
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
     relative friction curve at `policy.knots` places of x1, the belt's relative speed at as many times less its mean,
     and that mean. Where some begin in a slip, or a contact yields, the speed there is another state, as it is beyond
-    what follows from the others; `loose` has it so for all.
+    what follows from the others; `loose` has it so for all. Random effects are counted from what all windows have in
+    `common`, nothing unless it is given.
     """
 
     statics = (STATIC,)  # which random effects are a static limit's own
@@ -63,6 +64,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         policy: Policy = POLICY,
         *,
         loose: bool = False,
+        common: Floats | None = None,
     ) -> None:
         super().__init__(model, data, stretches, numbers, declared, policy)
         self.sensors = sensors
@@ -73,6 +75,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.begins = len(sensors.begins) + len(self.beyond)
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
         self.belt = self.effects - 1
+        self.common = np.zeros(self.effects) if common is None else common
         self.own, self.kinetics = self.begins + self.effects, ([*range(1, 1 + policy.knots)],)
         self.knots = [knots(run, policy) for run in data]
         self.places = [
@@ -208,7 +211,9 @@ class _Run:
         local: bool,
         whole: bool = True,
     ) -> None:
-        self.of, self.run, self.own, self.at, self.local, self.whole = windows, run, own, at, local, whole
+        self.of, self.run, self.at, self.local, self.whole = windows, run, at, local, whole
+        self.own = own.copy()
+        self.own[:, windows.begins :] += windows.common
         self.added, self.chosen = windows.added[chosen], chosen
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]

@@ -20,6 +20,7 @@ from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
+from stickslip.likelihoods.in_common import Common, in_common
 from stickslip.likelihoods.members import Events, Members
 from stickslip.likelihoods.memory import KINETIC, MOST, memory
 from stickslip.likelihoods.policy import POLICY
@@ -42,12 +43,14 @@ class Distribution:
     ----------
     mean, low, high : (n, channels) expected readings, and the band that holds 95 % of the readings to come
     scatter : relative standard deviation of friction as a whole from event to event
+    common : whether the events have something in common that the model lacks
     """
 
     mean: Floats
     low: Floats
     high: Floats
     scatter: float
+    common: bool = False
 
 
 def distribution(
@@ -75,27 +78,45 @@ def distribution(
     # no model of these windows: its scatter is that of something else
     if unexplained(fit) > POLICY.noise_left:
         return None
+    try:
+        shared = in_common(fit, POLICY)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        shared = None
+    if shared is not None:
+        fit = shared.fit
+        assert isinstance(fit.windows, BeltWindows)
+        windows = fit.windows
     cut = timed(cut, windows.motions(fit.at, fit.own))
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))
     tail = Stretch(0, last.stop, len(run.t), last.dwell, rest)
     rng = np.random.default_rng(seed)
-    events, common = _events(fit, rng)
+    events, common = _events(fit, shared, rng)
     members = Members(windows, fit.at, _extended(run, future), events, rest, rng)
     expected = common + float(events.memory.mean()) * (fit.random[-1] - common)
     own = members.begun(tail, fit.population, fit.noise, expected)
     if own is None:
         return None
     whole = members.run(own, tail, len(run.t) + len(future)).readings[:, len(run.t) - tail.start :]
-    return _summed(whole, run, fit, rng)
+    found = _summed(whole, run, fit, rng)
+    return None if found is None else replace(found, common=shared is not None)
 
 
-def _events(fit: Fit, rng: np.random.Generator) -> tuple[Events, Floats]:
+def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[Events, Floats]:
     """What a past shows of the events to come, and what its own have in common."""
     found, error = memory(fit, KINETIC)
     # the past tells the correlation poorly: every member has one that may be the true one
     like = np.clip(found + error * rng.standard_normal(MEMBERS), 0.0, MOST)
     root = factor(fit.population, fit.windows.places)[0]
+    if shared is not None:
+        n = len(fit.random)
+        wide = np.sqrt(n / rng.chisquare(n - 1, MEMBERS))
+        size, turn = np.linalg.eigh(shared.covariance)
+        doubt = rng.standard_normal((MEMBERS, len(size))) @ (turn * np.sqrt(np.maximum(size, 0.0))).T
+        # events that are alike, and scatter more than they seem to, tell less of what they have in common
+        more = np.sqrt(np.maximum(wide**2 * (1 + found) / (1 - found) - 1, 0.0) / n)
+        drawn = more[:, None] * (rng.standard_normal((MEMBERS, root.shape[1])) @ root.T)
+        return Events(root, like, doubt + drawn, wide, ahead=_ahead(shared, rng)), np.zeros(len(size))
     # the law is that of other runs: what the events of this one have in common is known from them alone
     count = len(fit.random) * (1 - found) / (1 + found)
     # so few events tell their standard deviation roughly: each member has one that they may come from
@@ -103,6 +124,15 @@ def _events(fit: Fit, rng: np.random.Generator) -> tuple[Events, Floats]:
     spread = wide[:, None] * (rng.standard_normal((MEMBERS, root.shape[1])) @ root.T)
     common = fit.random.mean(axis=0)
     return Events(root, like, common + spread / math.sqrt(max(count, 1.0)), wide), common
+
+
+def _ahead(shared: Common, rng: np.random.Generator) -> Floats | None:
+    """By how much x1 is ahead of the model over an event, of each member."""
+    n = len(shared.ahead)
+    if n < FEWEST:
+        return None
+    doubt = float(np.std(shared.ahead, ddof=1)) / math.sqrt(n)
+    return np.asarray(shared.ahead.mean() + doubt * rng.standard_t(n - 1, MEMBERS))
 
 
 def _summed(whole: Floats, run: Data, fit: Fit, rng: np.random.Generator) -> Distribution | None:

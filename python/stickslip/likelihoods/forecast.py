@@ -150,7 +150,7 @@ def _band(expected: Expected, found: Distribution | None) -> tuple[Floats, Float
         return expected.readings, expected.readings - half, expected.readings + half
     count = expected.readings.shape[1]
     mean, low, high = (side[:, :count] for side in (found.mean, found.low, found.high))
-    if found.scatter > POLICY.repeats:
+    if found.scatter > POLICY.repeats or found.common:
         return mean, low, high
     return expected.readings, expected.readings + low - mean, expected.readings + high - mean
 

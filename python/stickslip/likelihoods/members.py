@@ -18,6 +18,7 @@ from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
 from stickslip.likelihoods.stretches import Stretch
+from stickslip.simulated.states import X1
 
 Floats = NDArray[np.float64]
 AHEAD = 2.0  # cycles that members are simulated at once
@@ -35,6 +36,7 @@ class Events:
     mean : (m, effects) what they have in common
     wide : (m,) factor of their standard deviations
     mean_only : how many of the members, the first ones, have no friction of their own
+    ahead : (m,) by how much x1 is ahead of the model where the next event begins, beside friction; None for nothing
     """
 
     root: Floats
@@ -42,6 +44,7 @@ class Events:
     mean: Floats
     wide: Floats
     mean_only: int = 0
+    ahead: Floats | None = None
 
     def next(self, k: int, last: Floats, rng: np.random.Generator) -> Floats:
         """Return the random effects of member k's next event, after those of its last."""
@@ -181,6 +184,8 @@ class Members:
         begins, states = self.windows.begins, list(self.windows.sensors.begins)
         own[k, :begins] = 0.0
         own[k, : len(states)] = motion.state[again][states]
+        if self.events.ahead is not None:
+            own[k, states.index(X1)] += self.events.ahead[k]
         own[k, begins:] = self.events.next(k, own[k, begins:], self.rng)
         return True
 
@@ -196,6 +201,7 @@ def with_windows(windows: BeltWindows, cut: Sequence[Stretch], run: Data) -> Bel
         windows.sensors,
         windows.policy,
         loose=windows.loose,
+        common=windows.common,
     )
 
 
