@@ -8,8 +8,8 @@ import pytest
 import stickslip as ss
 from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.readings import curves_of, no_slopes, read, reading_rate
-from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import LAGGED
+from stickslip.simulated.x1_sensor import X1Sensor
 
 T = np.linspace(0.0, 4.0, 801)
 LAG = 0.05

@@ -64,9 +64,11 @@ def simulate(model: Path, **given: Any) -> None:
     Numbers without a unit are in the units of the readings, as the model file's [channels] say. A belt speed is in
     the unit of the belt channel; without one in m/s, even where the readings are in mm. Everything is in SI where
     there are no channels, and a bare number for a rig without units. The columns are in the same units, with the unit
-    in their head. The mode is 0 in stick, -1 and 1 in slip with v_w below and above zero. The figure is drawn from at
-    least 120 points a natural period and every transition, whatever the step; of a run longer than 1000 periods it
-    shows the last 1000. Of a rig of bodies or matrices everything is in SI, and there is a mode for every contact.
+    in their head: t, the state as it is, the mode. Where effects make a sensor read otherwise, what it reads is there
+    too, as x1_read and y1_read: to read the file as a recording, name these columns. The mode is 0 in stick, -1 and 1
+    in slip with v_w below and above zero. The figure is drawn from at least 120 points a natural period and every
+    transition, whatever the step; of a run longer than 1000 periods it shows the last 1000. Of a rig of bodies or
+    matrices everything is in SI, there is a mode for every contact, and what is read of NAME is NAME_read.
 
     \b
     Example:
@@ -147,7 +149,8 @@ def _drawn(model: Model, times: Array) -> Array:
 def _at(run: Trajectory, times: Array) -> Trajectory:
     """Return the run at those of its samples that are at `times`."""
     here = np.isin(run.t, times)
-    return replace(run, t=run.t[here], state=run.state[here], mode=run.mode[here])
+    read = {name: one[here] for name, one in run.readings.items()}
+    return replace(run, t=run.t[here], state=run.state[here], mode=run.mode[here], readings=read)
 
 
 def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]:
@@ -188,4 +191,6 @@ def _write(model: Model, units: dict[Quantity, Scale], run: Trajectory, out: Pat
     names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
     columns = {units["t"].head("t"): run.t * units["t"].size}
     columns |= {units[n].head(n): run.state[:, i] * units[n].size for i, n in enumerate(names)}
+    read: dict[Quantity, Array] = run.read_otherwise  # type: ignore[assignment]  # channels are quantities
+    columns |= {units[n].head(f"{n}_read"): one * units[n].size for n, one in read.items()}
     write_csv(pd.DataFrame({**columns, "mode": run.mode}), out, 12)

@@ -177,7 +177,11 @@ def _write(rig: GeneralRig, run: Trajectory, out: Path, sensors: bool) -> None:
     units = [*own.units, *("1" if one == "1" else f"{one}/s" for one in own.units)]
     heads = [Scale(1.0, unit).head(name) for name, unit in zip(rig.state_names, units, strict=True)]
     time = "t" if set(own.units) == {"1"} else "t [s]"
-    columns = {time: run.t, **dict(zip(heads, run.state.T, strict=True)), **run.hidden, **run.modes}
+    known = {**dict(zip(rig.state_names, units, strict=True)), **own.sensed}
+    read = {
+        Scale(1.0, known.get(name, "1")).head(f"{name}_read"): one for name, one in run.read_otherwise.items()
+    }
+    columns = {time: run.t, **dict(zip(heads, run.state.T, strict=True)), **run.hidden, **read, **run.modes}
     if sensors:
         columns |= {Scale(1.0, unit).head(name): run.sensed[name] for name, unit in own.sensed.items()}
     write_csv(pd.DataFrame(columns), out, 12)

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.formula_reading import READING, FormulaReading
-from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
+from stickslip.simulated.x1_sensor import X1Sensor
 
 Floats = NDArray[np.float64]
 _CHANNEL = {"x1": 0, "y1": 1, "belt": 2}

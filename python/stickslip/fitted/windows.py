@@ -14,9 +14,9 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Y1_LAG, Learned, curves_of
 from stickslip.fitted.window import AUTO, SLIPPING, STICK, Window
-from stickslip.fitted.x1_sensor import unbent
 from stickslip.measured.sticks import rides
 from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X1, X2, Y1, Y2
+from stickslip.simulated.x1_sensor import unbent
 
 Floats = NDArray[np.float64]
 LEAST = 0.1  # slope of a curved reading that a rate is divided by

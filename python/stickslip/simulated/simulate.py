@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -19,8 +20,9 @@ from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.lowering import Lowered, lower
+from stickslip.simulated.named_readings import named_readings
 from stickslip.simulated.simulate_bodies import constant_speed, lacks_belt_speed, needs_bodies, simulate_any
-from stickslip.simulated.states import HIDDEN, VISIBLE
+from stickslip.simulated.states import HIDDEN, VISIBLE, Y1
 from stickslip.simulated.trajectory import CONTACTS, Status, Trajectory, Transitions
 
 Floats = NDArray[np.float64]
@@ -154,18 +156,28 @@ def simulate(
     lowered = lower(model, speed)
     if not isinstance(contact, str) or contact not in CONTACTS:
         raise InputError(f"must be one of {', '.join(CONTACTS)}", key="contact", value=contact)
-    raw = _core.simulate(
+    start_state = _started(model, lowered, initial, contact, speed)
+    run: Callable[..., dict[str, Any]] = partial(
+        _core.simulate,
         structure=lowered.structure,
         parameters=lowered.parameters,
-        initial=_started(model, lowered, initial, contact, speed),
+        initial=start_state,
         contact=CONTACTS[contact],
-        t_eval=times,
-        seeds=lowered.seeds(map(model.full_name, names)),
         order=0 if order is None else whole_number("order", order, least=2, most=30),
         fixed_step=0.0 if step is None else number("step", step, above=0),
-        **shared,
     )
-    return _trajectory(raw, model, names, speed)
+    raw = run(t_eval=times, seeds=lowered.seeds(map(model.full_name, names)), **shared)
+
+    def earlier(at: Floats) -> Floats:
+        """Y1 at increasing times; before the start what it is there."""
+        out, within = np.full(at.shape, float(start_state[Y1])), at > start
+        if within.any():
+            asked = {**shared, "t_end": max(end, float(at[-1]))}
+            found = run(t_eval=at[within], seeds=lowered.seeds(()), **asked)["state"][:, Y1]
+            out[within] = np.append(found, np.full(int(within.sum()) - len(found), np.nan))
+        return out
+
+    return _trajectory(raw, model, names, speed, earlier)
 
 
 def _span(t_start: float, t_end: float) -> tuple[float, float]:
@@ -249,7 +261,13 @@ def _sample_times(t_eval: ArrayLike, start: float, end: float) -> Floats:
     return clipped
 
 
-def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...], speed: float) -> Trajectory:
+def _trajectory(
+    raw: dict[str, Any],
+    model: Model,
+    names: tuple[str, ...],
+    speed: float,
+    earlier: Callable[[Floats], Floats],
+) -> Trajectory:
     d = len(model.rig.state_names)
     state: Floats = raw["state"]
     sensitivity: Floats = raw["sensitivity"]  # (n, states, p)
@@ -281,6 +299,7 @@ def _trajectory(raw: dict[str, Any], model: Model, names: tuple[str, ...], speed
         sensitivity_names=names,
         state_names=model.rig.state_names,
         hidden_names=_owned(model),
+        readings=named_readings(model, raw["t"], state, earlier),
         model=model,
         belt_speed=speed,
     )

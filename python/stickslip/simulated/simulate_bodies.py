@@ -163,6 +163,10 @@ def _trajectory(
         state_sensitivity=events[:, 1:][:, order],
     )
     sensitivity: Floats = raw["sensitivity"]
+    readings = _readings(own, raw["t"], raw["state"].T)
+    if alone:  # of a named rig all that may be recorded is there
+        places = {name: k for k, name in enumerate(own.state_names) if name in ("x1", "y1")}
+        readings = {name: readings.get(name, raw["state"][:, order[k]]) for name, k in places.items()}
     return Trajectory(
         t=raw["t"],
         state=raw["state"][:, order],
@@ -180,7 +184,7 @@ def _trajectory(
         model=lowered.model,
         belt_speed=None if belt_speed is None else Speed.of(belt_speed),
         contact_names=() if alone else tuple(one.name for one in own.equations.contacts),
-        readings=_readings(own, raw["t"], raw["state"].T),
+        readings=readings,
         travelled=dict(zip(ways, raw["state"].T[hidden.stop :].copy(), strict=True)),
         travelled_sensitivity=dict(zip(ways, sensitivity.transpose(1, 0, 2)[hidden.stop :], strict=True)),
         sensed=seen_by,

@@ -12,6 +12,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, did_you_mean
 from stickslip.objects import Drawn, Sampled
+from stickslip.simulated.named_readings import acted_on
 
 Floats = NDArray[np.float64]
 Modes = NDArray[np.int8]
@@ -145,7 +146,8 @@ class Trajectory(Sampled):
     contact_names
         Contacts of a rig of bodies or matrices, the columns of `mode`; empty for a named rig.
     readings : mapping of str to (n,)
-        What its sensor reads, of each channel that an effect of a rig of bodies or matrices acts on.
+        What its sensor reads: x1, and y1 where there is one, of a named rig; of a rig of bodies or matrices each
+        channel that an effect acts on.
     travelled : mapping of str to (n,)
         How far the belt ("belt_speed") and the drive ("drive_speed") of a rig of bodies or matrices have come.
     travelled_sensitivity : mapping of str to (n, p)
@@ -277,6 +279,14 @@ class Trajectory(Sampled):
         if not self.contact_names:
             return {"mode": self.mode}
         return {f"mode_{name}": self.mode[:, i] for i, name in enumerate(self.contact_names)}
+
+    @property
+    def read_otherwise(self) -> dict[str, Floats]:
+        """The readings that effects make other than the state of that name, (n,) each."""
+        if self.model is None:
+            return {}
+        names = acted_on(self.model)
+        return {name: one for name, one in self.readings.items() if self.contact_names or name in names}
 
     def __repr__(self) -> str:
         n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""

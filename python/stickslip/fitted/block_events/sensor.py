@@ -11,8 +11,8 @@ from stickslip.declared.effect import Effect, Tabulated
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
 from stickslip.fitted.formula_reading import FormulaReading, formulas_of
-from stickslip.fitted.x1_sensor import X1Sensor
 from stickslip.simulated.states import COUNT, X1, X2
+from stickslip.simulated.x1_sensor import X1Sensor
 
 Floats = NDArray[np.float64]
 TURNS = 40  # of undoing curves: each leaves their slope's share of what the last left
