@@ -32,7 +32,9 @@ def unit_of(model: Model, name: str) -> str:
     if isinstance(rig, GeneralRig):
         speeds = {"belt_speed": rig.equations.belt_unit, "drive_speed": rig.equations.drive_unit}
         known = {**speeds, **{f"initial.{one}": unit for one, unit in rig.channel_units.items()}}
-        return known.get(name) or number_unit(rig, name) or _of_law(model, name)
+        if name in rig.numbers:
+            return number_unit(rig, name) or "1"
+        return known.get(name) or _of_law(model, name)
     if name != key:
         return OF_VARIABLES[key].unit if key in OF_VARIABLES else "1"
     if name == "belt_speed":
