@@ -438,3 +438,21 @@ def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
     monkeypatch.setattr(searching, "_usual", lambda _: usual)
     worthy = searching._worthy(bench, Trial((), fit), Screen((wave, spring), ()))
     assert [one.term.name for one in worthy] == names
+
+
+@pytest.mark.parametrize(("times", "held"), [(2.5, False), (4.0, True)])
+def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_far_off(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, held: bool
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    at, names = bench.windows().prior.centre.copy(), [one.name for one in fit.windows.numbers]
+    sd = float(np.sqrt(np.diag(bench.declared.covariance))[bench.declared.names.index("alpha1")])
+    at[names.index("alpha1")] += times * sd
+    away = Trial((), replace(fit, at=at))
+    monkeypatch.setattr(verdicts, "null", lambda windows, *_, **__: replace(fit, windows=windows))
+    said = verdicts.Verdicts(bench, Searched(away, Trial((term(kind, {"k": 4.0}),), fit)), None)
+    assert fit.windows.prior.farthest(at) == pytest.approx(times)
+    if held:
+        assert "alpha1" not in [one.name for one in said.before.fit.windows.numbers]
+    else:
+        assert said.before is away

@@ -59,11 +59,13 @@ def test_a_silent_verdict_leaves_the_declared_model() -> None:
 
 
 def test_a_gain_is_found_with_all_that_looks_like_it() -> None:
+    """A drift as fast as the gain makes sticks rise would move the levels of a run by more than their size."""
     found = discover(surrogate(origin(), 5, Planted(gain=0.15)), draws=DRAWS)
     effect = found.effects[0]
     same = {effect.name, *(one.name for one in effect.alternatives if one.tied)}
-    assert {"sensor_gain", "sensor_drift", "belt speed"} <= same | {"belt speed"}
-    assert effect.name in ("sensor_gain", "rig_stiffness", "sensor_drift")
+    assert "sensor_gain" in same
+    assert "sensor_drift" not in same
+    assert effect.name in ("sensor_gain", "rig_stiffness")
     if "e" in effect.parameters:
         low, high = effect.parameters["e"].low, effect.parameters["e"].high
         assert low is not None

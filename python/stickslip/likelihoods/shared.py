@@ -87,6 +87,7 @@ class Prior:
         # independent coordinates: a number that follows from others adds none
         root = np.linalg.cholesky(covariance + np.diag(JITTER + 1e-9 * np.diag(covariance)))
         self.whiten = np.linalg.inv(root)
+        self.uncertainty = np.sqrt(np.diag(covariance))
 
     def _away(self, at: Floats) -> Floats:
         away = self.centre - at
@@ -114,6 +115,11 @@ class Prior:
         precision = np.diag(self.alone)
         precision[np.ix_(self.group, self.group)] = self.whiten.T @ (weight[:, None] * self.whiten)
         return precision
+
+    def farthest(self, at: Floats) -> float:
+        """Return by how many of its standard uncertainties the constant that is farthest off is off; 0 without any."""
+        away = self._away(at)[self.group]
+        return float(np.max(np.abs(away) / self.uncertainty, initial=0.0, where=self.uncertainty > 0))
 
     def penalty(self, at: Floats) -> float:
         """Return -2 log prior at `at`, without constants."""

@@ -15,6 +15,7 @@ from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.proven import beside as fitted_beside
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
+from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import closed, fitted, null
 from stickslip.likelihoods.remembered import remembered
@@ -49,8 +50,14 @@ class Verdicts(Generic[BenchT]):
 
     @property
     def before(self) -> Trial:
-        """The declared model alone; all of it as declared where a constant is wrong, for the others may do its work."""
-        if self.told.freed is None:
+        """
+        The declared model alone; all of it as declared where a constant is wrong, for the others may do its work.
+
+        So is it where what is lacking has driven a constant of the law alone far from what is declared.
+        """
+        null_fit = self.searched.null.fit
+        astray = bool(self.told.terms) and null_fit.windows.prior.farthest(null_fit.at) > BEYOND
+        if self.told.freed is None and not astray:
             return self.searched.null
         plain = replace(self.bench, declared=Declared())
         return Trial((), null(plain.windows(), plain.policy, twice=True))

@@ -103,8 +103,10 @@ def _brakes(by: Mapping[str, Block], declared: Declared) -> Iterator[Candidate]:
 
 
 def _belt(by: Mapping[str, Block], declared: Declared) -> Iterator[Candidate]:
-    rate = by["rate"]
-    yield Candidate("sensor_drift", {"rate": 1 / rate.speed[:, None]}, 1)
+    rate, level = by["rate"], by["level"]
+    # what drifts in a stick has drifted since the run began
+    drifted = (level.t / _means(level))[:, None]
+    yield Candidate("sensor_drift", {"rate": 1 / rate.speed[:, None], "level": drifted}, 1)
     force = declared.rig.stiffness * rate.x[:, None]
     yield Candidate("belt_load_droop", {"rate": -force / rate.speed[:, None]}, 1, sign=1)
     for period in _periods(rate, rate.t):
