@@ -47,7 +47,8 @@ def forecast(
     """Predict the readings that follow a recording.
 
     The state at its last sample, hidden states of effects and phases included, comes from its own readings by
-    output error over windows; from there the model runs freely. For a block on a belt, phases and the level of friction
+    output error over windows; from there the model runs freely. What all events of the past have in common beside the
+    model is expected of those to come, too. For a block on a belt, phases and the level of friction
     are the model's unless others foretell the past clearly better. The belt speed is that of the past and of the
     future: a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where
     the run began.
@@ -143,7 +144,8 @@ def _in_units(recording: Recording, name: str, values: Floats) -> Floats:
 def _band(expected: Expected, found: Distribution | None) -> tuple[Floats, Floats, Floats]:
     """Expected readings and the 95 % band, (n, c) each, in model units.
 
-    Where events repeat, the model's own run is expected, and the ensemble gives its doubt alone.
+    Where events repeat and have nothing of their own in common, the model's own run is expected, and the ensemble gives
+    its doubt alone.
     """
     if found is None:
         half = Z * prepare([expected.past])[0].noise[: expected.readings.shape[1]]
