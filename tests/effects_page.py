@@ -24,8 +24,10 @@ terms by alpha2. v is v_w, u = |v|, R the kinetic magnitude; parameters are nond
 CONSTANTS_HEAD = """
 Several effects of the x1 channel act in this order: crosstalk, the lag of what it makes, the curvature of that (with
 `sensor_gain` m (1 + e) + q m^2 for q of the true deflection), drift; learned curves, functions of the true state or of
-t, are added last. The lagged deflection is the hidden state m. `simulate` starts it at 0 unless `initial` names it:
-let a run begin a few tau before what is looked at, or give `initial` an m of x1 + c y1 - tau (x2 + c y2).
+t, are added last. What is read of a simulated run is in `run.readings["x1"]` and `["y1"]`; in the file of `stickslip
+simulate` in the columns x1_read and y1_read, beside the true x1 and y1. The lagged deflection is the hidden state m.
+`simulate` starts it at 0 unless `initial` names it: let a run begin a few tau before what is looked at, or give
+`initial` an m of x1 + c y1 - tau (x2 + c y2).
 
 With `contact_compliance` the bristle's rate is k |v| z/R: where a `normal_force_feedback` beside it takes the load
 off the contact, R goes to 0 and the equation is singular. Such runs end with `step_too_small` or `not_finite`; one
