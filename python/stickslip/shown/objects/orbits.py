@@ -76,9 +76,7 @@ def _special(one: SpecialPoint) -> Description:
 
 @describe.register
 def _branch(one: Branch) -> Description:
-    rows: list[Row] = [
-        (p.kind.replace("_", " "), p.value, p.period, _sort(p.cycle)) for p in one.special
-    ]
+    rows: list[Row] = [(p.kind.replace("_", " "), p.value, p.period, _sort(p.cycle)) for p in one.special]
     kept = int(np.count_nonzero(one.stable))
     states = {f"{name}_section": one.state[:, k] for k, name in enumerate(one.states)}
     columns = {

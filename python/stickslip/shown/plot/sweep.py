@@ -134,7 +134,11 @@ def parameter_map(ds: xr.Dataset, variable: str = "stick_fraction", *, state: st
         ax = figure.subplots()
         whole = OBSERVABLES[variable].dtype.startswith("int") if variable in OBSERVABLES else False
         shown = np.where(done, values.values, np.nan) if variable != "status" else values.values.astype(float)
-        name = f"{SYMBOLS.get(variable, variable)} of {_state_label(ds, state)}" if state else _label(ds, variable)
+        name = (
+            f"{SYMBOLS.get(variable, variable)} of {_state_label(ds, state)}"
+            if state
+            else _label(ds, variable)
+        )
         _mesh(figure, ax, ds, (down, across), shown, name, whole=whole, words=WORDS.get(variable, {}))
     return figure
 
