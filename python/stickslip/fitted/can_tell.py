@@ -178,7 +178,10 @@ def _of_roles(looks: Sequence[Look]) -> Iterator[str]:
 def _of_run(one: Look) -> Iterator[str]:
     """What a run lacks."""
     if not one.minus + one.plus:
-        yield f"{one.name}: no slip between two sticks; is the belt speed or a unit wrong, or the run too short?"
+        yield (
+            f"{one.name}: no slip between two sticks; does the block slide throughout, is the belt speed or a unit "
+            "wrong, or is the run too short?"
+        )
         return
     if one.swing < one.width:
         yield (

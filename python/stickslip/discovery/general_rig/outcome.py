@@ -179,11 +179,17 @@ def readings(bench: GeneralBench, fit: Fit) -> list[Floats]:
     return out
 
 
+def _percent(one: Interval) -> str:
+    low, high = (None if x is None else f"{100 * x:.2g}" for x in (one.low, one.high))
+    return f"{100 * one.value:.2g} %" + ("" if low is None or high is None else f" ({low} to {high})")
+
+
 def remarks(bench: GeneralBench, trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
     """Return what a person should read beside the verdict."""
-    sizes = ", ".join(f"{name} by {100 * one.value:.2g} %" for name, one in scatter(trial.fit).items())
+    sizes = ", ".join(f"{name} by {_percent(one)}" for name, one in scatter(trial.fit).items())
     out = [
-        f"friction differs from event to event: {sizes} (standard deviations); the law is that of the mean event"
+        f"friction differs from event to event: {sizes} (standard deviations, 95 % intervals); the law is that of the "
+        "mean event"
     ]
     if bench.one_way:
         out.append("a constant load is absorbed by the friction laws: every contact slips one way only")
