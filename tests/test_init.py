@@ -185,3 +185,12 @@ def test_a_column_that_cannot_be_read_is_named_rather_than_asked_for(tmp_path: P
     result = init(tmp_path / "run.csv", "--constant", "m=0.5", "--constant", "k=500")
     assert result.exit_code == 2
     assert "run.csv, column 'Deflection': line 42: nan; every sample needs a finite number" in result.output
+
+
+@pytest.mark.parametrize("kind", ["bodies", "matrices"])
+def test_a_rig_whose_parts_no_record_shows_is_written_by_hand(tmp_path: Path, kind: str) -> None:
+    result = init(write(tmp_path / "a.csv", **{"t [s]": T[:100], "x [mm]": X[:100]}), "--rig", kind)
+    assert result.exit_code == 2
+    assert result.output.count("\n") == 1
+    assert "write its rig.toml by hand" in result.output
+    assert not (tmp_path / "rig.toml").exists()

@@ -19,7 +19,7 @@ from found_by_hand import SCHEMA, made
 from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Part
+from stickslip.discovery.result import Interval, Part
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
 from stickslip.shown.report import words
 from stickslip.shown.report.contents import contents
@@ -164,6 +164,22 @@ def test_no_effect_is_not_called_complete_where_something_is_left(tmp_path: Path
     assert words.clean_sentence(dirty).startswith(
         "Not all is explained: chi-squared per reading is still 1.3 ± "
     )
+    small = "An effect too small to show above the noise of these runs is not excluded."
+    assert words.sureness(clean)[-1] == small
+    assert small not in words.sureness(dirty)
+
+
+def test_a_block_whose_events_repeat_down_to_the_noise_lacks_nothing(tmp_path: Path) -> None:
+    found, _ = made(tmp_path, verdict="no_effect")
+    law = ss.CoulombFriction(static=0.4, kinetic=0.25)
+    block = dataclasses.replace(found, before=ss.Model(ss.BlockOnBelt(), friction=law), scatter={})
+    left = dataclasses.replace(found.residual_after, chi2=1.3, clean=False)
+    assert words.headline(block).startswith("Nothing is missing: ")
+    for one in (
+        dataclasses.replace(block, scatter={"static": Interval(0.02, 0.01, 0.03)}),
+        dataclasses.replace(block, residual_after=left),
+    ):
+        assert words.headline(one).startswith("Nothing can be named: no cause stands out from friction")
 
 
 @pytest.mark.parametrize("verdict", ["effect_found", "unlisted_effect"])

@@ -96,6 +96,7 @@ def test_what_makes_other_runs_worse_is_not_claimed() -> None:
     assert nothing.model == found.before
     assert nothing.error.after == nothing.error.before
     assert nothing.messages[0].startswith("rig_mass would be named")
+    assert [one.names for one in nothing.ranking if one.chosen] == [()]
 
 
 def test_two_wrong_constants_are_one_of_three_pairs() -> None:

@@ -145,11 +145,13 @@ def sureness(found: Found) -> list[str]:
             if count
             else ""
         )
-        return [
+        lines = [
             f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. "
-            f"To be believed it must lower it by {short(g.threshold, 3)}.",
-            "An effect too small to show above the noise of these runs is not excluded.",
+            f"To be believed it must lower it by {short(g.threshold, 3)}."
         ]
+        if found.residual_after.clean:
+            lines.append("An effect too small to show above the noise of these runs is not excluded.")
+        return lines
     lines = [
         f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
         f"{alarms(found)}."
