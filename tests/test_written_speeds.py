@@ -60,3 +60,23 @@ def test_what_measures_no_speed_is_refused(model: ss.Model, written: str, words:
 def test_a_formula_stays_one() -> None:
     run = ss.simulate(BLOCK, belt_speed="0.01 + 0.002*sin(3*t)", t_end=1.0)
     assert np.isfinite(run.state).all()
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        ss.Speed.of(0.3),
+        ss.Speed.of("0.1*sin(2*t)"),
+        ss.Speed.steps([0, 1, 2], [0.1, "0.2*t", -0.3]),
+        ss.Speed.measured([0, 1, 2, 3], [0, 1, 1, 3]),
+    ],
+    ids=["number", "formula", "steps", "measured"],
+)
+def test_a_speed_at_many_times_is_that_of_the_piece_of_each(speed: ss.Speed) -> None:
+    t = np.array([[3.5, -1.0, 1.0], [0.5, 2.0, 9.0]])
+    said = speed(t)
+    assert said.shape == t.shape
+    for one, got in zip(t.ravel().tolist(), said.ravel().tolist(), strict=True):
+        assert got == pytest.approx(float(speed.at(one, speed.piece(one))[0]), rel=1e-14, abs=1e-15)
+    assert float(speed(0.5)) == said[1, 0]
+    assert speed(np.zeros((0, 2))).shape == (0, 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -120,7 +121,7 @@ class Speed(Drawn):
 
     def piece(self, t: float) -> int:
         """Return which piece holds from the time t on."""
-        return max(0, int(np.searchsorted(self.begins, t, side="right")) - 1)
+        return max(0, bisect_right(self.begins, t) - 1)
 
     def at(self, t: Value, piece: int) -> tuple[Value, Value]:
         """Value and rate of a piece at t."""
@@ -130,10 +131,13 @@ class Speed(Drawn):
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return the speed at the times t, any shape."""
         times = np.asarray(t, dtype=np.float64)
-        out = np.empty(times.shape)
-        for place, one in np.ndenumerate(times):
-            out[place] = value(self.pieces[self.piece(float(one))], {"t": float(one)})
-        return out
+        flat, out = times.ravel(), np.empty(times.size)
+        held = np.maximum(np.searchsorted(self.begins, flat, side="right") - 1, 0)
+        order = np.argsort(held, kind="stable")
+        for same in np.split(order, np.flatnonzero(np.diff(held[order])) + 1):
+            if len(same):
+                out[same] = value(self.pieces[held[same[0]]], {"t": flat[same]})
+        return out.reshape(times.shape)
 
     def scaled(self, time: float, size: float) -> Speed:
         """Return the speed in other units: of t/time and value * size."""
