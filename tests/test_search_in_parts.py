@@ -282,7 +282,6 @@ def test_a_block_that_hardly_sticks_is_no_case_for_windows(
     monkeypatch.setattr(block, "searched", lambda *_, **__: found)
     monkeypatch.setattr(block, "beside_a_hum", lambda one, _: one)
     monkeypatch.setattr(block, "left", lambda *_: None)
-    monkeypatch.setattr(block, "repeats", lambda _: False)
     known = Uncertainty(bench.model.rig, {}, {}, {})
     enough = replace(bench, policy=replace(bench.policy, fewest_windows=1))
     assert (block._verdicts(enough, known, lambda _: None, 0, ALONE) is found) == told

@@ -59,6 +59,9 @@ def in_common(fit: Fit, policy: Policy) -> Common | None:
     assert isinstance(windows, BeltWindows)
     if windows.loose:  # windows that begin in slips have not their belts told from their states
         return None
+    # a gain of the model's acts as friction that all events have in common, and where a drift follows it as more
+    if any(one.name == "sensor_gain" for one in windows.model.effects):
+        return None
     prior, alone = _covariance(fit), _alone(fit, policy)
     least, found = min(alone.deviance, fit.deviance) - alone.held, _solved(fit, prior, policy)
     likely = _unlikely(fit, found, prior, first=True) < least

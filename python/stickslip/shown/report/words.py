@@ -89,9 +89,11 @@ def headline(found: Found) -> str:
             f"No explanation found: the best of all that was tried is still off by {times} times the noise and "
             "forecasts no better. Check the rig's declared numbers, the units and the belt speeds first."
         )
-    left = found.residual_after
-    scatters = bool(found.scatter) or not left.clean or _above(left)
-    if found.verdict is Verdict.no_effect and isinstance(found.before.rig, BlockOnBelt) and scatters:
+    if (
+        found.verdict is Verdict.no_effect
+        and isinstance(found.before.rig, BlockOnBelt)
+        and (found.scatter or not found.residual_after.clean or _above(found.residual_after))
+    ):
         return "Nothing can be named: no cause stands out from friction that differs from event to event."
     if found.verdict is Verdict.no_effect and (
         not found.residual_after.clean or _above(found.residual_after)
