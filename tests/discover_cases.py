@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.declared.effect import AnyEffect
+from stickslip.declared.effect import AnyEffect, effect
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.units import Channel
+from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.left import Left, left
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import Data, prepare
@@ -79,3 +80,9 @@ def left_by_law(case: Case, data: list[Data] | None = None) -> Left:
     """What the declared law alone, fitted to the train runs, leaves."""
     bench = bench_of(case, prepare(case.train) if data is None else data)
     return left(bench, null(bench.windows(), bench.policy))
+
+
+def spring_bench() -> BeltBench:
+    """Return three short runs of a rig whose spring stiffens, cut into windows."""
+    case = make_case((effect("spring_cubic_k1", k=4.0),), length=24.0, speeds=(0.1, -0.12, 0.09))
+    return bench_of(case, prepare(case.train))

@@ -11,8 +11,10 @@ from click.testing import CliRunner
 
 import stickslip as ss
 from stickslip.cli.commands import main
+from stickslip.fitted.readings import Chain, read
 from stickslip.simulated.reference.integrate import readings
 from stickslip.simulated.reference.integrate import simulate as plainly
+from stickslip.simulated.states import COUNT
 
 BLOCK = ss.BlockOnBelt(mass=1.2, stiffness=2400, damping=2)
 COULOMB = ss.CoulombFriction(static=8, kinetic=5)
@@ -110,3 +112,24 @@ def test_the_file_of_a_rig_of_bodies_has_what_its_sensors_read(tmp_path: Path) -
 def test_help_says_what_the_columns_are() -> None:
     said = " ".join(CliRunner().invoke(main, ["simulate", "--help"]).output.split())
     assert "x1_read and y1_read" in said
+
+
+def test_fits_read_a_gain_as_simulate_does_and_know_its_slope() -> None:
+    """Friction took a gain that fits did not know."""
+    p = {"sensor_gain": {"e": 0.1}, "sensor_nonlinearity": {"q": 2.0}, "sensor_drift": {"r": 0.001}}
+
+    def chain(e: float) -> tuple[ss.Trajectory, Chain]:
+        effects = [
+            ss.effect(name, **(one | {"e": e} if name == "sensor_gain" else one)) for name, one in p.items()
+        ]
+        model = ss.Model(BLOCK, friction=COULOMB, effects=effects)
+        t = np.linspace(0.0, 1.0, 60)
+        run = ss.simulate(model, belt_speed=0.02, t_end=1.0, t_eval=t)
+        state = np.pad(run.state, ((0, 0), (0, COUNT - run.state.shape[1])))
+        slopes = dict.fromkeys(range(COUNT), np.zeros((len(t), 1)))
+        return run, read(t, state, slopes, ("sensor_gain.e",), model.parameters, 0.02, 1)
+
+    run, here = chain(0.1)  # (n, channels), (n, channels, names)
+    np.testing.assert_allclose(here.values[:, 0], run.readings["x1"], rtol=1e-13)  # noqa: PD011
+    there = chain(0.1 + 1e-6)[1].values - chain(0.1 - 1e-6)[1].values  # noqa: PD011
+    np.testing.assert_allclose(here.slopes[:, 0, 0], there[:, 0] / 2e-6, atol=1e-9)

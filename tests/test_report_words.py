@@ -20,6 +20,8 @@ from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
 from stickslip.discovery.result import Interval, Part
+from stickslip.discovery.slider.remarks import absorbed
+from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
 from stickslip.shown.report import words
 from stickslip.shown.report.contents import contents
@@ -250,3 +252,14 @@ def test_a_channel_above_its_noise_is_not_hidden_by_another_below_it(tmp_path: P
     assert words.clean_sentence(dataclasses.replace(found, residual_after=even)).startswith(
         "What is left is noise"
     )
+
+
+def test_a_rig_of_coordinates_is_said_by_their_names() -> None:
+    matrices = ss.MatricesRig(M=[[1.0]], K=[[4.0]], C=[[0.1]], contact=[1.0], names=["x"])
+    assert skeleton.rig(matrices) == "a rig of 1 coordinate: x"
+    assert skeleton.rig(ss.BlockOnBelt()) == "a block on a belt, held by a spring"
+
+
+def test_a_load_that_each_way_of_slip_takes_up_is_said_by_the_ways_of_the_runs() -> None:
+    assert absorbed([1.0, 1.0]).endswith("every run slips one way only")
+    assert "one way" not in absorbed([1.0, -1.0]).replace("up one way", "")

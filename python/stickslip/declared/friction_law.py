@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.declared.dimensions import Dimension
 from stickslip.declared.law_numbers import Sized, law_number, measure_of
+from stickslip.declared.quantity import InUnits
 from stickslip.errors import number
 from stickslip.objects import Drawn
 
@@ -37,7 +38,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class FrictionLaw(Drawn):
+class FrictionLaw(InUnits, Drawn):
     """What the laws share: the branch is chosen by the sign of v_w.
 
     `kind` is its name in a file and in the core, `rank` its place in lists. `single` names the numbers that are those
@@ -57,12 +58,6 @@ class FrictionLaw(Drawn):
     equations: ClassVar[tuple[tuple[str, str, str], ...]]
     drawn: ClassVar[Mapping[str, float]]
     drawn_to: ClassVar[float]
-
-    @property
-    def declared_units(self) -> Mapping[str, str]:
-        """SI units of the numbers that were given with one."""
-        units: Mapping[str, str] = self.__dict__.get("_units", {})
-        return units
 
     @property
     def numbers(self) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from stickslip.declared.formula.dimension import dimensions, said, to_si
 from stickslip.errors import InputError, number
@@ -10,6 +11,16 @@ from stickslip.errors import InputError, number
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 _PER = re.compile(r"1 ?/ ?\(?[^\W\d]")  # 1/s, and no half of anything
+
+
+class InUnits:
+    """What has numbers that may be given with units, and remembers which were."""
+
+    @property
+    def declared_units(self) -> Mapping[str, str]:
+        """SI units of the numbers that were given with one."""
+        units: Mapping[str, str] = self.__dict__.get("_units", {})
+        return units
 
 
 def with_unit(text: str) -> tuple[float, str]:

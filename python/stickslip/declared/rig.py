@@ -17,7 +17,7 @@ from stickslip.declared.dimensions import (
     STIFFNESS,
     Dimension,
 )
-from stickslip.declared.quantity import sized, with_unit
+from stickslip.declared.quantity import InUnits, sized, with_unit
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
 from stickslip.objects import Displayed
@@ -237,7 +237,7 @@ class Rig(Displayed):
 
 @explained
 @dataclass(frozen=True, kw_only=True)
-class BlockOnBelt(Displayed):
+class BlockOnBelt(InUnits, Displayed):
     """A block on a spring on a belt: mass x1'' = -stiffness x1 - damping x1' - T(v_w).
 
     State (x1, x2). A belt with positive speed drags the block towards positive x1, so x1 is the spring's
@@ -293,15 +293,9 @@ class BlockOnBelt(Displayed):
         why = "negative damping creates energy"
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
-    @property
-    def declared_units(self) -> Mapping[str, str]:
-        """SI units of the numbers that were given with one."""
-        units: Mapping[str, str] = self.__dict__.get("_units", {})
-        return units
-
 
 @dataclass(frozen=True, kw_only=True)
-class DrivenSlider(Displayed):
+class DrivenSlider(InUnits, Displayed):
     """An inertia with friction and no spring, moved by a known force: mass x2' = drive - damping x2 - T(x2).
 
     State (x1, x2). There is no belt: the sliding velocity v_w is x2. Numbers in SI, or with a unit, give results in SI.
@@ -345,12 +339,6 @@ class DrivenSlider(Displayed):
         object.__setattr__(self, "mass", number("mass", self.mass, above=0))
         why = "negative damping creates energy"
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
-
-    @property
-    def declared_units(self) -> Mapping[str, str]:
-        """SI units of the numbers that were given with one."""
-        units: Mapping[str, str] = self.__dict__.get("_units", {})
-        return units
 
 
 def _to_si(rig: BlockOnBelt | DrivenSlider) -> None:

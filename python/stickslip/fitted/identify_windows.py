@@ -14,7 +14,7 @@ from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
 from stickslip.fitted.covered_speeds import covered_speeds
 from stickslip.fitted.identified import Branch, Identified, estimate
 from stickslip.fitted.identify_check import explainable, misfit
-from stickslip.fitted.identify_words import fit_messages
+from stickslip.fitted.identify_words import EXPLAINED, fit_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
 from stickslip.measured import cutting
 from stickslip.measured.fit_window import Array, Window
@@ -119,7 +119,7 @@ def _explains(long: Shot, short: Shot) -> bool:
 def _widened(shot: Shot) -> Array:
     """Covariance that allows for what the law leaves unexplained."""
     covariance = shot.covariance * max(1.0, shot.reduced)
-    if shot.reduced > 1.2 and len(shot.windows) >= 20:
+    if shot.reduced > EXPLAINED and len(shot.windows) >= 20:
         # the law is not the whole truth: let the scatter between windows speak where it is larger
         ratio = np.diag(shot.sandwich) / np.maximum(np.diag(covariance), 1e-300)
         stretch = np.sqrt(np.maximum(ratio, 1.0))

@@ -210,17 +210,18 @@ def through_formula(
 
 def _read_x1(s: _Samples) -> None:
     """Crosstalk, the lag of what it makes, the curvature of that, drift."""
-    c, q = s.p.get("sensor_crosstalk.c", 0.0), s.p.get("sensor_nonlinearity.q", 0.0)
+    c = s.p.get("sensor_crosstalk.c", 0.0)
     late = "sensor_lag.tau" in s.p
     seen, slopes = (s.state[:, LAGGED], s.slopes[LAGGED]) if late else (s.state[:, X1], s.slopes[X1])
     if c and not late:
         seen, slopes = seen + c * s.state[:, Y1], slopes + c * s.slopes[Y1]
-    sensor = X1Sensor(curvature=q, drift=s.p.get("sensor_drift.r", 0.0))
+    sensor = X1Sensor.acting(s.p)
     steepness = sensor.slope(seen)
     s.out.values[:, 0] = sensor.of(seen, s.t)
-    s.out.slopes[:, 0] = slopes * steepness[:, None] if q else slopes
+    s.out.slopes[:, 0] = slopes if (steepness == 1).all() else slopes * steepness[:, None]
     if not late:
         s.add(0, "sensor_crosstalk.c", s.state[:, Y1] * steepness)
+    s.add(0, "sensor_gain.e", seen)
     s.add(0, "sensor_nonlinearity.q", seen**2)
     s.add(0, "sensor_drift.r", s.t)
 
@@ -363,7 +364,7 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     p : parameters by name, those of curves included.
     """
     c = p.get("sensor_crosstalk.c", 0.0)
-    sensor = X1Sensor(curvature=p.get("sensor_nonlinearity.q", 0.0), drift=p.get("sensor_drift.r", 0.0))
+    sensor = X1Sensor.acting(p)
     seen, moves = state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2]
     if "sensor_lag.tau" in p:
         seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]

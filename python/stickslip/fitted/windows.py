@@ -16,7 +16,7 @@ from stickslip.fitted.readings import Y1_LAG, Learned, curves_of
 from stickslip.fitted.window import AUTO, SLIPPING, STICK, Window
 from stickslip.measured.sticks import rides
 from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X1, X2, Y1, Y2
-from stickslip.simulated.x1_sensor import unbent
+from stickslip.simulated.x1_sensor import X1Sensor
 
 Floats = NDArray[np.float64]
 LEAST = 0.1  # slope of a curved reading that a rate is divided by
@@ -79,10 +79,9 @@ def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Fl
             y1, y2 = y1 - added, y2 - rate * moves
     late = p.get("sensor_delay.delay", 0.0) + p.get(Y1_LAG, 0.0)
     y1 += late * y2
-    r, q = p.get("sensor_drift.r", 0.0), p.get("sensor_nonlinearity.q", 0.0)
-    x1, x2 = x1 - r * t, x2 - r
-    x1 = float(unbent(x1, q))
-    x2 /= max(1 + 2 * q * x1, LEAST)
+    sensor = X1Sensor.acting(p)
+    x1 = float(sensor.undone(x1, t))
+    x2 = (x2 - sensor.drift) / max(float(sensor.slope(x1)), LEAST * sensor.gain)
     c = p.get("sensor_crosstalk.c", 0.0)
     return np.array([x1 + p.get("sensor_lag.tau", 0.0) * x2 - c * y1, x2 - c * y2, y1, y2])
 

@@ -6,7 +6,6 @@ scatter it would be drawn anew at every event to come.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,12 +14,11 @@ from numpy.typing import NDArray
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import ALONE, LAST_TURNS, fitted
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.members import with_windows
 from stickslip.likelihoods.mixed import Windows
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population, factor
-from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import settled
-from stickslip.likelihoods.stretches import Stretch
 from stickslip.likelihoods.variances import Estimate, estimate
 from stickslip.simulated.states import X1
 
@@ -58,9 +56,6 @@ def in_common(fit: Fit, policy: Policy) -> Common | None:
     windows = fit.windows
     assert isinstance(windows, BeltWindows)
     if windows.loose:  # windows that begin in slips have not their belts told from their states
-        return None
-    # a gain of the model's acts as friction that all events have in common, and where a drift follows it as more
-    if any(one.name == "sensor_gain" for one in windows.model.effects):
         return None
     prior, alone = _covariance(fit), _alone(fit, policy)
     least, found = min(alone.deviance, fit.deviance) - alone.held, _solved(fit, prior, policy)
@@ -110,7 +105,7 @@ def _ahead(fit: Fit) -> Floats:
     own[:, windows.begins :] = 0.0
     every, last = windows.stretches, len(windows.data[0].t)
     longer = [replace(one, stop=min(one.stop + 1, last)) for one in every]
-    motions = _windows(windows, longer, windows.common).motions(fit.at, own)
+    motions = with_windows(windows, longer, windows.data[0]).motions(fit.at, own)
     place = list(windows.sensors.begins).index(X1)
     out = [
         own[i + 1, place] - motion.state[-1, X1]
@@ -168,23 +163,8 @@ def _about(fit: Fit, found: Estimate[Population]) -> Fit:
     assert isinstance(was, BeltWindows)
     common = was.common.copy()
     common[_lasting(was)] += found.solution.shared
-    windows = _windows(was, was.stretches, common)
+    windows = with_windows(was, was.stretches, was.data[0], common)
     own = fit.own.copy()
     own[:, : windows.begins] += found.solution.own
     own[:, windows.begins :] = found.solution.effects
     return replace(fit, windows=windows, own=own, population=found.population, noise=found.noise)
-
-
-def _windows(was: BeltWindows, stretches: Sequence[Stretch], common: Floats) -> BeltWindows:
-    """The same windows elsewhere, or about something else in common."""
-    return BeltWindows(
-        was.model,
-        was.data,
-        stretches,
-        [],
-        Declared(),
-        was.sensors,
-        was.policy,
-        loose=was.loose,
-        common=common,
-    )

@@ -190,8 +190,10 @@ class Members:
         return True
 
 
-def with_windows(windows: BeltWindows, cut: Sequence[Stretch], run: Data) -> BeltWindows:
-    """Return the same windows elsewhere, on one run."""
+def with_windows(
+    windows: BeltWindows, cut: Sequence[Stretch], run: Data, common: Floats | None = None
+) -> BeltWindows:
+    """Return the same windows elsewhere, on one run; with something else in common, if that is given."""
     return BeltWindows(
         windows.model,
         [run],
@@ -201,7 +203,7 @@ def with_windows(windows: BeltWindows, cut: Sequence[Stretch], run: Data) -> Bel
         windows.sensors,
         windows.policy,
         loose=windows.loose,
-        common=windows.common,
+        common=windows.common if common is None else common,
     )
 
 

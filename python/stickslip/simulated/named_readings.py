@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import Effect, Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.formula_effect import FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.simulated.states import AT, LAGGED, X1, Y1
@@ -42,21 +42,14 @@ def named_readings(
     names = [name for name in ("x1", "y1") if name in model.rig.state_names]
     if not model.effects:
         return {name: state[:, AT[name]] for name in names}
-    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-
-    def number(effect: str, name: str) -> float:
-        return known.get(effect, {}).get(name, 0.0)
-
-    if "sensor_lag" in known:
+    p = model.parameters
+    if "sensor_lag.tau" in p:
         seen = state[:, LAGGED]
     else:
-        seen = state[:, X1] + number("sensor_crosstalk", "c") * state[:, Y1]
-    sensor = X1Sensor(
-        1 + number("sensor_gain", "e"), number("sensor_nonlinearity", "q"), number("sensor_drift", "r")
-    )
-    out = {"x1": sensor.of(seen, t)}
+        seen = state[:, X1] + p.get("sensor_crosstalk.c", 0.0) * state[:, Y1]
+    out = {"x1": X1Sensor.acting(p).of(seen, t)}
     if "y1" in names:
-        late = number("sensor_delay", "delay")
+        late = p.get("sensor_delay.delay", 0.0)
         out["y1"] = earlier(t - late) if late else state[:, Y1].copy()
     for one in model.effects:
         if isinstance(one, Tabulated) and one.of_reading:

@@ -5,6 +5,7 @@ The one place of this formula: the readings of a fit, those of a block slip by s
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,13 @@ class X1Sensor:
     gain: float = 1.0
     curvature: float = 0.0
     drift: float = 0.0
+
+    @classmethod
+    def acting(cls, p: Mapping[str, float]) -> X1Sensor:
+        """Return the sensor of a model's numbers by their full names."""
+        return cls(
+            1 + p.get("sensor_gain.e", 0.0), p.get("sensor_nonlinearity.q", 0.0), p.get("sensor_drift.r", 0.0)
+        )
 
     def of(self, m: Floats, t: Floats) -> Floats:
         """Readings of m at times t."""

@@ -36,6 +36,7 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.slider.loop import experiments, idle
 from stickslip.discovery.slider.outcome import error_block
+from stickslip.discovery.slider.remarks import absorbed
 from stickslip.discovery.slider.views import Motion, validate_view, view
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.block_events.table import Measured, measure
@@ -49,8 +50,6 @@ from stickslip.likelihoods.repeating import lost, wild
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
-
-ABSORBED = "a constant load on the block is absorbed whole by the friction law: every run slips one way only"
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,9 @@ def untold(case: Case) -> tuple[str, ...]:
         few = "no" if windows is None else f"{windows}"
         words = f"not tried: {few} stretches from stick to stick are told in the train runs, and"
         return (f"{names}: {words} {POLICY.fewest_windows} are needed",)
-    return (f"{names}: no model of the windows from stick to stick; single slips are searched without it",)
+    return (
+        f"{names}: not told, as single slips are searched: windows from stick to stick are no model of the runs",
+    )
 
 
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
@@ -193,7 +194,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         messages=(
             *idle(case.train, train),
             *outcome.remarks(chosen, error),
-            *((ABSORBED,) if bench.one_way else ()),
+            *((absorbed(run.belt_speed > 0 for run in bench.data),) if bench.one_way else ()),
             *words,
         ),
         seconds=time.monotonic() - began,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import Effect, Tabulated
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
 from stickslip.fitted.formula_reading import FormulaReading, formulas_of
@@ -95,18 +95,16 @@ def reading_of(model: Model, force_channel: bool) -> Reading:
     InputError
         A curve in x2: the velocity behind the readings is not known without undoing it.
     """
-    known = {one.name: one.parameters for one in model.effects if isinstance(one, Effect)}
-    gain = 1 + known.get("sensor_gain", {}).get("e", 0.0)
+    p = model.parameters
+    sensor, lag = X1Sensor.acting(p), p.get("sensor_lag.tau", 0.0)
     if force_channel:
-        gain *= 1 + known.get("rig_stiffness", {}).get("e", 0.0)
-    curvature = known.get("sensor_nonlinearity", {}).get("q", 0.0)
-    drift, lag = known.get("sensor_drift", {}).get("r", 0.0), known.get("sensor_lag", {}).get("tau", 0.0)
+        sensor = replace(sensor, gain=sensor.gain * (1 + p.get("rig_stiffness.e", 0.0)))
     curves = tuple(one for one in model.effects if isinstance(one, Tabulated) and one.of_reading)
     formulas = formulas_of(model)
     if any(one.variable == "x2" for one in curves) or any(X2 in one.states for one in formulas):
         words = "a curve of the reading in x2 cannot be undone where x1 alone is recorded; one in x1 or t can"
         raise InputError(words, key="learned_x1_x2")
-    return Reading(X1Sensor(gain, curvature, drift), lag, (*curves, *formulas))
+    return Reading(sensor, lag, (*curves, *formulas))
 
 
 def formula_adds(one: FormulaReading, x: Floats, t: Floats) -> Floats:

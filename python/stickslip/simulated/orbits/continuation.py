@@ -11,6 +11,8 @@ They are located where the sequence changes. There the branch may have a corner,
 Steady sliding solves the equations of an autonomous cycle too, with any period, and is none. Where a branch of cycles
 meets it, at a Hopf point, the cycle's size goes through 0. So no step takes more than half of that size away: one that
 would either has the Hopf point within it, which ends the branch, or is too long.
+
+The walk and what it looks for on the way stay in one file: each step decides by both.
 """
 
 from __future__ import annotations

@@ -1,0 +1,152 @@
+"""Which candidates of a search are fitted in full and anew, from where, and beside what they are held."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from discover_cases import spring_bench
+from stickslip.discovery.laboratory import search as searching
+from stickslip.discovery.laboratory import trials, verdicts
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.screen import Candidate, Screen
+from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.trials import Trial, all_full
+from stickslip.discovery.workers import ALONE
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit
+
+W = 2.3
+
+
+@pytest.fixture(scope="module")
+def bench() -> BeltBench:
+    return spring_bench()
+
+
+@pytest.fixture(scope="module")
+def fit(bench: BeltBench) -> Fit:
+    return null(bench.windows(), bench.policy)
+
+
+@pytest.mark.parametrize(
+    ("gain", "model", "times"), [(-50.0, True, 0), (-50.0, False, 2), (50.0, True, 2), (50.0, False, 2)]
+)
+def test_only_what_is_worth_nothing_beside_a_model_of_the_windows_is_fitted_once(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, gain: float, model: bool, times: int
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    one = Trial((term(kind, {"k": 4.0}),), replace(fit, deviance=fit.deviance - gain))
+    starts: list[Fit] = []
+    monkeypatch.setattr(trials, "explained", lambda _: model)
+    monkeypatch.setattr(trials, "anew", lambda _, start: starts.append(start))
+    assert trials.leader_anew(bench, Trial((), fit), [one]) == [one]
+    assert len(starts) == times
+
+
+@pytest.mark.parametrize(
+    ("ends", "times"), [((3.0, 0.0), 1), ((-3.0, 0.0), 1), ((400.0, 0.0), 2), ((-400.0, -500.0), 2)]
+)
+def test_where_two_fits_of_the_best_end_alike_no_third_is_asked_for(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, ends: tuple[float, float], times: int
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    spring = term(kind, {"k": 4.0})
+    windows = bench.windows((spring,))
+    at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
+    near = replace(fit, windows=windows, at=at, deviance=fit.deviance - 50.0)
+    found: list[float] = []
+
+    def anew(_: BeltBench, start: Fit) -> Fit:
+        found.append(near.deviance + ends[len(found)])
+        return replace(start, deviance=found[-1], own=near.own)
+
+    monkeypatch.setattr(trials, "anew", anew)
+    monkeypatch.setattr(trials, "remembered", lambda _: 0.0)
+    (best,) = trials.leader_anew(bench, Trial((), fit), [Trial((spring,), near)])
+    assert len(found) == times
+    assert best.deviance == min(near.deviance, *found)
+
+
+@pytest.mark.parametrize(
+    ("reached", "gain", "again"),
+    [
+        (1000.0, 150.0, []),  # no promise beyond what the best, fitted anew, has
+        (110.0, 150.0, ["pivot_dry_friction"]),
+        (55.0, 62.0, []),  # as much as it promised, next to
+    ],
+)
+def test_what_comes_furthest_from_a_null_that_is_far_off_is_fitted_anew_before_the_others(
+    bench: BeltBench,
+    fit: Fit,
+    monkeypatch: pytest.MonkeyPatch,
+    reached: float,
+    gain: float,
+    again: list[str],
+) -> None:
+    kinds = {one.name: one for one in bench.kinds()}
+    step = np.zeros(len(fit.at))
+    spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 200.0, 1, step)
+    pivot = Candidate(term(kinds["pivot_dry_friction"], {"f": 0.1, "v_c": 0.0}), gain, 1, step)
+    near = {"spring_cubic_k1": 52.0, "pivot_dry_friction": 50.0}
+    asked: list[str] = []
+
+    def of(start: Fit) -> str:
+        names = {n.name.rpartition(".")[0] for n in start.windows.numbers}
+        return next(name for name in near if name in names)
+
+    def anew(_: BeltBench, start: Fit) -> Fit:
+        if asked[-1:] != [of(start)]:
+            asked.append(of(start))
+        return replace(start, deviance=fit.deviance - reached)
+
+    monkeypatch.setattr(trials, "explained", lambda _: False)
+    monkeypatch.setattr(trials, "anew", anew)
+    monkeypatch.setattr(
+        trials, "from_near", lambda _, start: replace(start, deviance=fit.deviance - near[of(start)])
+    )
+    _, done = all_full(bench, Trial((), fit), [spring, pivot], ALONE)
+    assert asked == list(done) == ["spring_cubic_k1", *again]
+
+
+@pytest.mark.parametrize(
+    ("times", "usual", "names"),
+    [
+        (1.9, True, ["spring_cubic_k1"]),
+        (2.1, True, ["harmonic_forcing", "spring_cubic_k1"]),
+        (1.9, False, ["harmonic_forcing", "spring_cubic_k1"]),
+    ],
+)
+def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, usual: bool, names: list[str]
+) -> None:
+    """That gate asks its score for its price twice, where the null is a model of the windows."""
+    kinds = {one.name: one for one in bench.kinds()}
+    step = np.zeros(len(fit.at))
+    wave = Candidate(term(kinds["harmonic_forcing"], {"a": 0.1, "w": W, "phi": 0.0}), 0.0, 7, step)
+    wave = replace(wave, gain=times * wave.price(len(bench.stretches)))
+    spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 10.0, 1, step)
+    monkeypatch.setattr(searching, "_usual", lambda _: usual)
+    worthy = searching._worthy(bench, Trial((), fit), Screen((wave, spring), ()))
+    assert [one.term.name for one in worthy] == names
+
+
+@pytest.mark.parametrize(("times", "held"), [(2.5, False), (4.0, True)])
+def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_far_off(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, held: bool
+) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    at, names = bench.windows().prior.centre.copy(), [one.name for one in fit.windows.numbers]
+    sd = float(np.sqrt(np.diag(bench.declared.covariance))[bench.declared.names.index("alpha1")])
+    at[names.index("alpha1")] += times * sd
+    away = Trial((), replace(fit, at=at))
+    monkeypatch.setattr(verdicts, "null", lambda windows, *_, **__: replace(fit, windows=windows))
+    said = verdicts.Verdicts(bench, Searched(away, Trial((term(kind, {"k": 4.0}),), fit)), None)
+    assert fit.windows.prior.farthest(at) == pytest.approx(times)
+    if held:
+        assert "alpha1" not in [one.name for one in said.before.fit.windows.numbers]
+    else:
+        assert said.before is away
