@@ -33,7 +33,7 @@ class X1Sensor:
         """Readings of m at times t."""
         return np.asarray(self.gain * m + self.curvature * m**2 + self.drift * t)
 
-    def slope(self, m: Floats) -> Floats:
+    def slope(self, m: Floats | float) -> Floats:
         """Derivative of the readings by m."""
         return np.asarray(self.gain + 2 * self.curvature * m)
 
@@ -41,7 +41,7 @@ class X1Sensor:
         """Rates of the readings of m that moves."""
         return np.asarray(moves * self.slope(m) + self.drift)
 
-    def undone(self, reading: Floats, t: Floats) -> Floats:
+    def undone(self, reading: Floats | float, t: Floats | float) -> Floats:
         """What is behind readings, on the branch through 0; at the fold where the reading lies beyond it."""
         return unbent((reading - self.drift * t) / self.gain, self.curvature / self.gain)
 
@@ -51,6 +51,6 @@ class X1Sensor:
         return np.asarray((rate - self.drift) / np.where(np.abs(slope) < least, least, slope))
 
 
-def unbent(reading: Floats, q: float) -> Floats:
+def unbent(reading: Floats | float, q: float) -> Floats:
     """m of m + q m^2 = reading, on the branch through 0; at the fold where the reading lies beyond it."""
     return np.asarray(2 * reading / (1 + np.sqrt(np.maximum(1 + 4 * q * reading, 0.0))))
