@@ -274,6 +274,8 @@ def _power(fit: Fitted) -> tuple[Floats, Floats]:
             for w, b in zip(fit.windows, fit.blocks, strict=True)
             if w.run == k
         ]
+        if not parts:  # no window of it can be simulated
+            continue
         r = np.concatenate(parts)
         power = (np.abs(np.fft.rfft(r, axis=0)) ** 2 / len(r)).mean(axis=1)[1:]
         w = 2 * np.pi * np.fft.rfftfreq(len(r), float(np.median(np.diff(data[k].t))))[1:]

@@ -1,5 +1,7 @@
 """Stretches of a run from mid-stick to mid-stick, one breakaway and one slip whole in each; else of a cycle."""
 
+import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -9,9 +11,11 @@ from numpy.typing import NDArray
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.measured.sticks import rides
+from stickslip.measured.sticks import CREEP, RIPPLE, rides
 
 Floats = NDArray[np.float64]
+EDGE = 0.25  # by which noise may lengthen either half of the time that a swing is near the belt's speed, in 1/omega
+SURE = 3.0  # standard deviations
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -47,24 +51,42 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
     """
     Return the stretches of all runs.
 
-    A cycle without a clear stick ends none and begins none. A run in which none begins is cut at its fastest slips.
+    A cycle without a clear stick ends none and begins none: a block that swings up to nearly the belt's speed passes
+    it by. A run in which none begins is cut at its fastest slips, where those of the others are too few: friction that
+    differs along the belt drives a swing all the time, and no window has numbers for that.
     """
-    out = list[Stretch]()
-    for number, run in enumerate(data):
-        before = len(out)
-        cuts = [
-            _middle(run, int(a), int(b), policy) for a, b in zip(run.slips[:-1], run.slips[1:], strict=True)
+    every = [_stuck(number, run, policy) for number, run in enumerate(data)]
+    if sum(map(len, every)) < policy.fewest_windows:
+        every = [
+            one or _cycles(number, run, policy)
+            for number, (one, run) in enumerate(zip(every, data, strict=True))
         ]
-        for one, other in zip(cuts[:-1], cuts[1:], strict=True):
-            if one is not None and other is not None:
-                out.append(Stretch(number, one.at, other.at, one.dwell, one.rest))
-        if len(out) == before:
-            out += [
-                Stretch(number, int(a), int(b), 0.0, 0.0, stuck=False)
-                for a, b in zip(run.slips[:-1], run.slips[1:], strict=True)
-                if b - a >= policy.fewest_stuck
-            ]
-    return out
+    return [one for some in every for one in some]
+
+
+def cut(data: Sequence[Data], policy: Policy = POLICY) -> list[Data]:
+    """Return the runs that stretches are in; all where none are in any."""
+    held = {one.run for one in stretches(data, policy)}
+    return [run for number, run in enumerate(data) if number in held or not held]
+
+
+def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
+    """The stretches of a run from stick to stick."""
+    cuts = [_middle(run, int(a), int(b), policy) for a, b in itertools.pairwise(run.slips)]
+    return [
+        Stretch(number, one.at, other.at, one.dwell, one.rest)
+        for one, other in itertools.pairwise(cuts)
+        if one is not None and other is not None
+    ]
+
+
+def _cycles(number: int, run: Data, policy: Policy) -> list[Stretch]:
+    """The cycles of a run from fastest slip to fastest slip."""
+    return [
+        Stretch(number, int(a), int(b), 0.0, 0.0, stuck=False)
+        for a, b in itertools.pairwise(run.slips)
+        if b - a >= policy.fewest_stuck
+    ]
 
 
 def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
@@ -77,10 +99,27 @@ def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
     ends = stuck[np.concatenate([breaks, [len(stuck) - 1]])]
     longest = int(np.argmax(ends - begins))
     a, b = first + int(begins[longest]), first + int(ends[longest])
-    if b - a + 1 < policy.fewest_stuck:
+    if b - a + 1 < policy.fewest_stuck or _passes_by(run, a, b):
         return None
     middle = (a + b) // 2
     return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
+
+
+def _passes_by(run: Data, a: int, b: int) -> bool:
+    """
+    Return whether samples a to b that are near the belt's speed are the top of a swing, and no stick.
+
+    The top is below the belt's speed, and is passed as soon as a cosine passes it. A stick on a belt that slows down,
+    or on a contact that creeps, lasts longer.
+    """
+    t, x = run.t[a : b + 1] - run.t[a : b + 1].mean(), run.readings[a : b + 1, 0]
+    square = float(t @ t)
+    rise, error = float(t @ x) / square / run.belt_speed, float(run.noise[0]) / math.sqrt(square)
+    if rise + SURE * error / abs(run.belt_speed) >= 1 - RIPPLE:
+        return False
+    half = float(t[-1])
+    top = rise * (1 + half**2 / 10)  # of a cosine with that rise
+    return top <= 1 - CREEP or half <= math.acos((1 - CREEP) / top) + EDGE
 
 
 def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[Stretch]:

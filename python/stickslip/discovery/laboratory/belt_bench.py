@@ -23,7 +23,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
-from stickslip.likelihoods.population import Population, factor
+from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.stretches import timed
 
@@ -85,25 +85,9 @@ class BeltBench(Bench):
         """See `Bench.wobble`."""
         return min(scatter.belt, self.policy.wobble)
 
-    def scattered(self, fit: Fit, one: Term) -> float:
+    def slowness(self, fit: Fit, one: Term) -> float:
         """
-        See `Bench.scattered`.
-
-        Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation, a slow one more
-        where events remember; of a belt's wobble it may have all.
-        """
-        if one.kind.where == "belt":
-            return self.policy.wobble
-        roots = factor(fit.population, fit.windows.places)[:, fit.windows.kinetic].mean(axis=1)
-        # of an event's mean friction, however it changes in a slip
-        mean = math.sqrt(float((roots**2).sum(axis=1).mean()))
-        events = max(len(self.stretches) / len(self.data), 1.0)
-        usual = mean * math.sqrt(2.0 / events * self._slowness(fit, one))
-        return usual * (max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0)
-
-    def _slowness(self, fit: Fit, one: Term) -> float:
-        """
-        Power that the memory of events gives to a wave, over that of events without.
+        See `Bench.slowness`.
 
         Along the belt all may be in few waves, of whatever length: as much as the slowest have.
         """

@@ -23,6 +23,7 @@ from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.single_events import Single, single
 from stickslip.discovery.laboratory.trials import Trial
+from stickslip.discovery.laboratory.unused import with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
@@ -48,7 +49,7 @@ from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.repeating import lost, wild
 from stickslip.likelihoods.scaled import Scaled, scaled, start
-from stickslip.likelihoods.stretches import stretches
+from stickslip.likelihoods.stretches import cut, stretches
 from stickslip.measured.case import Case
 
 
@@ -72,7 +73,7 @@ class Search:
 
 def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     """
-    Return the train runs cut into windows, the units, and all runs.
+    Return the train runs that have windows, cut into these, the units, and the same runs with those not fitted.
 
     None where runs have rigs of their own, or where a run shows no slip, or is so slow that noise passes for slips.
     """
@@ -83,7 +84,7 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
     data = prepare([units.run(one) for one in runs])
     train = data[: len(case.train)]
     seen = [len(prepare_events(run).track.slips) for run in case.train]
-    if not all(seen) or any(drowned(one) for one in train):
+    if not any(seen) or any(drowned(one) for one in train):
         return None
     declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
     channel = case.train[0].channel("x1")
@@ -91,7 +92,9 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
     rivals = tuple(rival(one, units.scales) for one in case.candidates)
-    return BeltBench(declared, train, stretches(train), known(case), POLICY, sensors, rivals), units, data
+    used = cut(train)
+    bench = BeltBench(declared, used, stretches(used), known(case), POLICY, sensors, rivals)
+    return bench, units, [*used, *data[len(train) :]]
 
 
 def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> Found | None:
@@ -110,10 +113,12 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     if made is None:
         return None
     bench, units, data = made
+    case, unused = with_windows(case, bench.data)
     verdicts = _verdicts(bench, case.uncertainty, tell, seed, workers)
     if verdicts is None:
         return None
-    return _found(Search(case, units, data, verdicts), tell, began)
+    found = _found(Search(case, units, data, verdicts), tell, began)
+    return replace(found, messages=(*unused, *found.messages))
 
 
 def _verdicts(

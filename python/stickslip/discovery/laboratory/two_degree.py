@@ -18,6 +18,7 @@ from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
+from stickslip.discovery.laboratory.unused import with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -31,7 +32,7 @@ from stickslip.likelihoods.declared_numbers import known as declared_of
 from stickslip.likelihoods.fit import begun, fitted, null
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
-from stickslip.likelihoods.stretches import stretches
+from stickslip.likelihoods.stretches import cut, stretches
 from stickslip.measured.case import Case
 
 FEWEST = 2  # windows, below which what one has of its own is all that is known
@@ -85,9 +86,11 @@ def discover(
     InputError
         The train runs hold too little, or the declared rig is not theirs.
     """
-    began = time.monotonic()
-    asked, verdicts, said = _searched(_Asked(case, data, tell, seed, workers))
-    return _found(asked, verdicts, (*notes, *said), began)
+    began, many = time.monotonic(), len(case.train)
+    used = cut(data[:many])
+    case, unused = with_windows(case, used)
+    asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
+    return _found(asked, verdicts, (*notes, *unused, *said), began)
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:

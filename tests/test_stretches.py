@@ -1,0 +1,85 @@
+"""Where windows are cut: at sticks, and at no top of a swing that passes for one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.fitted.data import Data, prepare
+from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.stretches import cut, stretches
+
+BELT, DT, NOISE = 0.15, 0.04, 1e-3
+
+
+def run(x: np.ndarray, name: str = "run", belt_speed: float = BELT) -> Data:
+    """Readings of a block of natural frequency 1 as windows are cut from them."""
+    t = DT * np.arange(len(x))
+    x = x + NOISE * np.random.default_rng(3).standard_normal(len(x))
+    one = ss.load_recording(
+        {"t": t, "x1": x},
+        ss.BlockOnBelt(mass=1.0, stiffness=1.0),
+        belt_speed=belt_speed,
+        noise={"x1": NOISE},
+        name=name,
+    )
+    return prepare([one])[0]
+
+
+def swing(top: float, cycles: int = 16) -> np.ndarray:
+    """A free swing whose largest speed is a share of the belt's."""
+    t = np.arange(0, 2 * math.pi * cycles, DT)
+    return 0.3 + top * BELT * np.sin(t)
+
+
+def stick_slip(rides: float, lasts: float, cycles: int = 16) -> np.ndarray:
+    """Sticks at a share of the belt's speed, and swings down and up in between as a Coulomb block has them."""
+    speed, way = rides * BELT, rides * BELT * lasts
+    angle = math.atan2(speed, way / 2)
+    slip = math.hypot(speed, way / 2) * np.cos(np.arange(-angle, math.pi + angle, DT))
+    return 0.3 + np.tile(np.concatenate([slip, -way / 2 + speed * np.arange(0, lasts, DT)]), cycles)
+
+
+@pytest.mark.parametrize("top", [0.6, 0.78, 0.85, 0.92])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_top_of_a_swing_is_no_stick(top: float, sign: int) -> None:
+    """A run that rang at 0.85 of the belt's speed was cut at its tops: an effect of four times the noise was missed."""
+    every = stretches([run(sign * swing(top), belt_speed=sign * BELT)])
+    assert len(every) >= POLICY.fewest_windows
+    assert not any(one.stuck for one in every)
+
+
+@pytest.mark.parametrize("lasts", [1.0, 2.0, 4.0])
+def test_a_stick_is_cut_in_its_middle(lasts: float) -> None:
+    data = run(stick_slip(1.0, lasts))
+    every = stretches([data])
+    assert len(every) >= POLICY.fewest_windows
+    for one in every:
+        assert one.stuck
+        assert data.v[one.start] == pytest.approx(BELT, rel=0.15)
+        assert lasts - 0.2 < one.rest < lasts + 0.9  # with what comes near the belt's speed at both ends
+
+
+@pytest.mark.parametrize("slower", [0.97, 0.88])
+def test_a_stick_on_a_slower_belt_stays_one(slower: float) -> None:
+    """A belt slows down under its load; a contact creeps: what lasts longer than a swing is a stick."""
+    assert all(one.stuck for one in stretches([run(stick_slip(slower, 2.5))]))
+
+
+def test_a_run_without_sticks_is_left_out_where_others_are_enough() -> None:
+    """Friction along the belt drives a swing all the time, which no window has numbers for."""
+    sticks, swings = run(stick_slip(1.0, 2.0), "sticks"), run(swing(0.85), "swings")
+    every = stretches([sticks, swings])
+    assert {one.run for one in every} == {0}
+    assert cut([sticks, swings]) == [sticks]
+    few = run(stick_slip(1.0, 2.0, cycles=4), "few")
+    both = stretches([few, swings])
+    assert [one.stuck for one in both if one.run == 0] == [True] * sum(one.run == 0 for one in both)
+    assert not any(one.stuck for one in both if one.run == 1)
+    assert cut([few, swings]) == [few, swings]
+    still = replace(swings, slips=np.zeros(0, dtype=np.int64))
+    assert cut([still]) == [still]  # that there is nothing to cut is for others to say
