@@ -17,7 +17,7 @@ from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits,
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor, start
-from stickslip.likelihoods.repeating import lost
+from stickslip.likelihoods.repeating import explained, lost, swollen
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled
 from stickslip.likelihoods.variances import Estimate, estimate
@@ -43,15 +43,15 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     Parameters
     ----------
     windows, policy : what is fitted, and what steers it
-    twice : fit once more from scatter as usual, and keep the better: what a search calls lacking must not be what a
-        fit missed. A scatter that was nothing on the way has no slope to come back by
+    twice : fit once more from scatter as usual, where the first has not settled or is no usual model of the windows,
+        and keep the better: what a search calls lacking must not be what a fit missed
 
     """
     first = begun(windows)
     fit = fitted(first, policy)
     if isinstance(windows, BodiesWindows):
         return fit
-    if twice:
+    if twice and _doubtful(fit, policy):
         fit = min(
             fit, fitted(replace(fit, population=windows.scatter()), policy), key=lambda one: one.deviance
         )
@@ -62,6 +62,20 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     again = replace(first, population=wide, own=shown)
     again = fitted(replace(again, own=settled(again, ALONE)[0]), policy)
     return min(fit, again, key=lambda one: one.deviance)
+
+
+def _doubtful(fit: Fit, policy: Policy) -> bool:
+    """
+    Whether a fit may not be the best there is.
+
+    A scatter that was nothing on the way has no slope to come back by: from scatter as usual it would.
+    """
+    if fit.steps >= policy.most_steps or not explained(fit) or swollen(fit):
+        return True
+    usual = replace(fit, population=fit.windows.scatter())
+    found = _estimate(usual, policy, LAST_TURNS)
+    there = replace(usual, population=found.population, noise=found.noise)
+    return _valued(there, found).deviance < fit.deviance - policy.settled
 
 
 def begun(windows: Windowed) -> Fit:

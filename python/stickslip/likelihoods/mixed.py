@@ -219,13 +219,19 @@ def turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
     at : (windows, effects) random effects that the windows are linearised at
     first : columns of J and S
     """
-    w, e, white = factor.shape
-    turn = np.zeros((w, a.shape[1], first + white + 1))
-    turn[:, range(first), range(first)] = 1.0
-    turn[:, first : first + e, first : first + white] = factor
-    turn[:, first : first + e, -1] = at
-    turn[:, -1, -1] = 1.0
-    return np.asarray(turn.transpose(0, 2, 1) @ a @ turn)
+    e, white = factor.shape[1:]
+    effects, last = slice(first, first + e), first + white
+    turn = np.concatenate([factor, at[:, :, None]], axis=2)  # of K and r; all else stays
+    columns = a[:, :, effects] @ turn
+    columns[:, :, -1] += a[:, :, -1]
+    corner = turn.transpose(0, 2, 1) @ columns[:, effects]
+    corner[:, -1] += columns[:, -1]
+    out = np.empty((len(a), last + 1, last + 1))
+    out[:, :first, :first] = a[:, :first, :first]
+    out[:, :first, first:] = columns[:, :first]
+    out[:, first:, :first] = columns[:, :first].transpose(0, 2, 1)
+    out[:, first:, first:] = corner
+    return out
 
 
 def taken(windows: Windows, factor: Floats, found: Solution, noise: Floats) -> Floats:
@@ -237,17 +243,10 @@ def taken(windows: Windows, factor: Floats, found: Solution, noise: Floats) -> F
     windows, factor, noise : what was solved
     found : its solution
     """
-    p, q, turn = windows.shared, windows.own, factor[windows.run]
-    out = []
-    for c in range(windows.gram.shape[1]):
-        g = windows.gram[:, c, p:-1, p:-1] * (windows.weight / noise[c])[:, None, None]
-        mixed, effects = g[:, :q, q:] @ turn, turn.transpose(0, 2, 1) @ g[:, q:, q:] @ turn
-        whole = np.concatenate(
-            [
-                np.concatenate([g[:, :q, :q], mixed], 2),
-                np.concatenate([mixed.transpose(0, 2, 1), effects], 2),
-            ],
-            1,
-        )
-        out.append(float((whole * found.inverse).sum()))
-    return np.array(out)
+    p, q = windows.shared, windows.own
+    turn = np.zeros((len(factor), q + factor.shape[1], q + factor.shape[2]))
+    turn[:, range(q), range(q)] = 1.0
+    turn[:, q:, q:] = factor
+    turn = turn[windows.run]
+    known = turn @ found.inverse @ turn.transpose(0, 2, 1) * windows.weight[:, None, None]
+    return np.asarray(np.einsum("wcij,wij->c", windows.gram[:, :, p:-1, p:-1], known) / noise)
