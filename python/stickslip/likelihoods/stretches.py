@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.measured.sticks import CREEP, RIPPLE, rides
+from stickslip.measured.sticks import CREEP, passes_by, rides
 
 Floats = NDArray[np.float64]
-EDGE = 0.25  # by which noise may lengthen either half of the time that a swing is near the belt's speed, in 1/omega
-SURE = 3.0  # standard deviations
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -99,27 +97,12 @@ def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
     ends = stuck[np.concatenate([breaks, [len(stuck) - 1]])]
     longest = int(np.argmax(ends - begins))
     a, b = first + int(begins[longest]), first + int(ends[longest])
-    if b - a + 1 < policy.fewest_stuck or _passes_by(run, a, b):
+    t, x = run.t[a : b + 1], run.readings[a : b + 1, 0]
+    few = len(t) < policy.fewest_stuck
+    if few or passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP):
         return None
     middle = (a + b) // 2
     return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
-
-
-def _passes_by(run: Data, a: int, b: int) -> bool:
-    """
-    Return whether samples a to b that are near the belt's speed are the top of a swing, and no stick.
-
-    The top is below the belt's speed, and is passed as soon as a cosine passes it. A stick on a belt that slows down,
-    or on a contact that creeps, lasts longer.
-    """
-    t, x = run.t[a : b + 1] - run.t[a : b + 1].mean(), run.readings[a : b + 1, 0]
-    square = float(t @ t)
-    rise, error = float(t @ x) / square / run.belt_speed, float(run.noise[0]) / math.sqrt(square)
-    if rise + SURE * error / abs(run.belt_speed) >= 1 - RIPPLE:
-        return False
-    half = float(t[-1])
-    top = rise * (1 + half**2 / 10)  # of a cosine with that rise
-    return top <= 1 - CREEP or half <= math.acos((1 - CREEP) / top) + EDGE
 
 
 def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[Stretch]:

@@ -21,6 +21,10 @@ RIPPLE = 0.05  # share of the belt speed by which a stick may be off it: belts r
 CREEP = (
     0.25  # the same for a contact that creeps before it slips, and for a velocity whose noise is not known
 )
+SURE = 3.0  # standard deviations of a stretch's rise
+EDGE = (
+    0.25  # radians by which noise may lengthen either half of the time that a swing is near the belt's speed
+)
 CLEAR = 12  # samples of a stick whose middle is in no doubt
 LEAST_SLIP = 12.0  # size of a slip over the noise, below which it is not told from noise
 EARLY = (0.1, 0.6)  # part of a stick whose rise is taken: its end creeps
@@ -186,7 +190,13 @@ def track(
     if threshold is None:
         threshold = max(SIGMAS * velocity_noise(n, dt, noise), tolerance * reference)
     stick = _without_short_runs(np.abs(v - belt_speed) < threshold, shortest=n)
-    stick = _without_rests(stick, t, filled, belt_speed)
+    for s in runs(stick.astype(np.int64)) if belt_speed else ():
+        part = slice(s.start, s.stop)
+        if s.mode and s.stop - s.start > 1:
+            stick[part] = not (
+                _rests(t[part], filled[part], belt_speed)
+                or passes_by(t[part], filled[part], belt_speed, noise, period, threshold / abs(belt_speed))
+            )
     mode = _without_specks(np.where(stick, 0, np.where(v > belt_speed, 1, -1)))
     return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)
 
@@ -257,19 +267,36 @@ def _without_short_runs(mask: npt.NDArray[np.bool_], shortest: int) -> npt.NDArr
     return out
 
 
-def _without_rests(
-    mask: npt.NDArray[np.bool_], t: Array, x: Array, belt_speed: float
-) -> npt.NDArray[np.bool_]:
-    """Sticks that rise less than half as fast as the belt are a block at rest, on which the belt slides.
+def _rests(t: Array, x: Array, belt_speed: float) -> bool:
+    """
+    Whether a stretch rises less than half as fast as the belt: the block is at rest, and the belt slides on it.
 
     Where noise hides the belt's speed in every single velocity, a stretch as a whole still tells.
     """
-    out = mask.copy()
-    for s in runs(mask.astype(np.int64)) if belt_speed else ():
-        part = slice(s.start, s.stop)
-        if s.mode and s.stop - s.start > 1:
-            out[part] = np.polyfit(t[part] - t[s.start], x[part], 1)[0] / belt_speed > 0.5
-    return out
+    return bool(np.polyfit(t - t[0], x, 1)[0] / belt_speed <= 0.5)
+
+
+def passes_by(t: Array, x: Array, belt_speed: float, noise: float, period: float, band: float) -> bool:
+    """
+    Whether a stretch near the belt's speed is the top of a swing, and no stick.
+
+    The top is below the belt's speed, and is passed as soon as a cosine passes it. A stick on a belt that slows down,
+    or on a contact that creeps, lasts longer.
+
+    Parameters
+    ----------
+    t, x : (n,) its times and displacements
+    belt_speed, noise, period : of the belt; standard deviation of x; of the block on its spring
+    band : share of the belt's speed by which a velocity may be off it and is near it
+    """
+    t = t - t.mean()
+    square = float(t @ t)
+    rise, error = float(t @ x) / square / belt_speed, noise / float(np.sqrt(square))
+    if rise + SURE * error / abs(belt_speed) >= 1 - RIPPLE:
+        return False
+    half = 2 * np.pi * float(t[-1]) / period
+    top = rise * (1 + half**2 / 10)  # of a cosine with that rise
+    return bool(top <= max(1 - band, 0.0) or half <= np.arccos(max(1 - band, 0.0) / top) + EDGE)
 
 
 def as_read(track_: Track, t: Array, x: Array) -> Track:
