@@ -10,12 +10,12 @@ import pytest
 
 from discover_cases import spring_bench
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.laboratory import belt_bench, block, outcome, trials, verdicts
+from stickslip.discovery.laboratory import block, outcome, trials, verdicts
 from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.gate import Gate
-from stickslip.discovery.laboratory.hypothesis import of_term, term
+from stickslip.discovery.laboratory.hypothesis import Term, of_term, term
 from stickslip.discovery.laboratory.outcome import evidence
 from stickslip.discovery.laboratory.screen import Screen, screened
 from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
@@ -244,37 +244,39 @@ def test_what_a_wave_shares_with_events_that_remember_is_counted_once(
         assert base.worth() - beside.worth() == pytest.approx(-remembers - price - known)
 
 
-def test_a_wave_is_told_by_its_amplitude_over_the_error_that_scatter_leaves_it(
-    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A force of four times the block's own frequency gained 1,205 and was taken for scatter of whole events."""
-    kinds, runs = {one.name: one for one in bench.kinds()}, len(bench.data)
-    force = term(kinds["harmonic_forcing"], {"a": 0.1, "w": 4.0, "phi": 0.0}, (0.0,) * runs)
-    windows = bench.windows((force,))
-    at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
-    size = next(i for i, n in enumerate(windows.numbers) if n.name == "harmonic_forcing.a")
-    covariance = np.eye(len(at))
-    covariance[size, size] = 0.02**2
-    assert fit.solution is not None
-    alone = np.zeros_like(fit.own)  # events that remember nothing
-    there = replace(
-        fit, windows=windows, at=at, own=alone, solution=replace(fit.solution, covariance=covariance)
+def test_waves_of_scatter_are_those_of_what_goes_with_them_in_a_slip(bench: BeltBench, fit: Fit) -> None:
+    """A slow wave is the mean's: a force of 2,467 was taken for one, and so was one much faster than a slip."""
+    kinds = {one.name: one for one in bench.kinds()}
+    seam = term(kinds["belt_seam"], {"a": 0.1, "L": 1e3, "phi": 0.0}, (0.0,) * len(bench.data))
+    force = term(kinds["harmonic_forcing"], {"a": 0.1, "w": 1e-3, "phi": 0.0}, (0.0,) * len(bench.data))
+    alone = replace(fit, own=np.zeros_like(fit.own))  # events that remember nothing
+
+    def waves(one: Term, **scatter: float) -> float:
+        made = replace(fit.population, **{"level": 0.0, "curve": 0.0} | scatter)
+        return bench.scattered(replace(alone, population=made), one)
+
+    events = len(bench.stretches) / len(bench.data)
+    assert waves(seam, level=0.03) == pytest.approx(0.03 * math.sqrt(2 / events), rel=1e-3)
+    assert waves(force, level=0.03) == pytest.approx(waves(seam, level=0.03) * 5.94, rel=1e-3)
+    assert waves(seam, curve=0.03, length=100.0) == pytest.approx(waves(seam, level=0.03), rel=1e-3)
+    # numbers that know nothing of each other
+    least = waves(seam, level=0.03) / math.sqrt(bench.policy.knots)
+    assert least < waves(seam, curve=0.03, length=1e-3) < 2 * least
+    assert waves(seam, level=0.03, curve=0.04, length=100.0) == pytest.approx(
+        waves(seam, level=0.05), rel=1e-3
     )
-    told = (at[size] / 0.02) ** 2
-    assert 20 < told < 30
-    assert trials._of_scatter(bench, there, force, 100.0) == pytest.approx(100.0 - told)
-    assert trials._of_scatter(bench, there, force, 10.0) == 0
 
-    # the spectrum of events of which each is half of the one before
-    monkeypatch.setattr(belt_bench, "memory", lambda *_: (0.5, 0.1))
-    for w in (0.01, 4.0):
-        one = replace(force, effect=force.effect.replace(w=w))
-        power = np.mean([0.75 / abs(1 - 0.5 * np.exp(1j * w * run.cycle)) ** 2 for run in bench.data])
-        assert trials._of_scatter(bench, there, one, 100.0) == pytest.approx(100.0 - told / power)
-
-    ripple = term(kinds["belt_speed_ripple"], {"a": 0.02, "w": 4.0, "phi": 0.0}, (0.0,) * runs)
-    beyond = runs * (0.02 / bench.policy.wobble) ** 2
-    assert trials._of_scatter(bench, there, ripple, 100.0) == pytest.approx(100.0 - beyond)
+    # of a level what the wave leaves when it is averaged over the slip
+    fast = replace(force, effect=force.effect.replace(w=9.0))
+    parts = []
+    for motion in fit.windows.motions(alone.at, alone.own):
+        assert motion is not None
+        parts.append(abs(np.exp(9j * motion.t[motion.mode != 0]).mean()) ** 2)
+    assert np.mean(parts) < 0.05
+    assert waves(fast, level=0.03) == pytest.approx(
+        waves(force, level=0.03) * math.sqrt(np.mean(parts)), rel=1e-3
+    )
+    assert waves(fast, curve=0.03, length=0.1) > waves(fast, level=0.03)
 
 
 @pytest.mark.parametrize(("more", "told"), [({}, True), ({"curve": 0.15}, False), ({"belt": 0.02}, False)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
@@ -89,13 +91,25 @@ class GeneralBench(Bench):
         known = dict(zip(scatter.names, scatter.sizes, strict=True))
         return min(known.get("belt", self.policy.belt_sd), self.policy.wobble)
 
-    def slowness(self, fit: Fit, one: Term) -> float:
-        """See `Bench.slowness`."""
-        wave = one.kind.wave
-        assert wave is not None
-        often = 0.0 if wave.along_belt else one.effect.parameters[wave.parameter]
+    def scattered(self, fit: Fit, one: Term) -> float:
+        """
+        See `Bench.scattered`.
+
+        Of n events that scatter, a wave of any one frequency has sqrt(2/n) of their standard deviation, a slow one more
+        where events remember; of a belt's wobble it may have all.
+        """
+        kind = one.kind
+        assert kind.wave is not None
+        if KINDS[kind.name].where == "belt":
+            return self.policy.wobble
+        friction = [size for name, size in self._sizes(fit) if name.endswith(".kinetic")]
+        often = 0.0 if kind.wave.along_belt else one.effect.parameters[kind.wave.parameter]
+        events = max(len(self.stretches) / len(self.data), 1.0)
         found, _ = memory(fit, KINETIC)
-        return slowness(found, often * self.cycle)
+        slow = slowness(found, often * self.cycle)
+        usual = max(friction, default=0.0) * math.sqrt(2.0 / events * slow)
+        unit = 1.0 if KINDS[kind.name].where == "contact" else Sizes(self.model, self.data).friction()
+        return max(usual * unit, 1e-300)
 
     @staticmethod
     def _sizes(fit: Fit) -> list[tuple[str, float]]:

@@ -23,9 +23,10 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import of_law, of_rig
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, memory, slowness
-from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.population import Population, factor
 from stickslip.likelihoods.sensors import Sensors
-from stickslip.likelihoods.stretches import timed
+from stickslip.likelihoods.stretches import knots, timed
+from stickslip.simulated.states import X1
 
 Floats = NDArray[np.float64]
 
@@ -85,9 +86,45 @@ class BeltBench(Bench):
         """See `Bench.wobble`."""
         return min(scatter.belt, self.policy.wobble)
 
-    def slowness(self, fit: Fit, one: Term) -> float:
+    def scattered(self, fit: Fit, one: Term) -> float:
         """
-        See `Bench.slowness`.
+        See `Bench.scattered`.
+
+        Of n events that scatter, a wave of any one frequency has sqrt(2/n) of the part of their friction that goes with
+        it in a slip, a slow one more where events remember; of a belt's wobble it may have all.
+        """
+        if one.kind.where == "belt":
+            return self.policy.wobble
+        events = max(len(self.stretches) / len(self.data), 1.0)
+        usual = math.sqrt(2.0 / events * self._slowness(fit, one) * self._within(fit, one))
+        unit = max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0
+        return max(usual * unit, 1e-300)
+
+    def _within(self, fit: Fit, one: Term) -> float:
+        """
+        Variance of what of an event's relative friction goes with a wave during its slip.
+
+        Of a slow wave that is the friction's mean over the slip; what changes faster is less of it.
+        """
+        wave, k = one.kind.wave, self.policy.knots
+        assert wave is not None
+        number = one.effect.parameters[wave.parameter]
+        often = 2 * math.pi / number if wave.along_belt else number
+        roots = factor(fit.population, fit.windows.places)[:, fit.windows.kinetic]
+        powers = []
+        for s, motion in zip(self.stretches, fit.windows.motions(fit.at, fit.own), strict=True):
+            if motion is None or not (slips := motion.mode != 0).any():
+                continue
+            run, t, x = self.data[s.run], motion.t[slips], motion.state[slips, X1]
+            turn = np.exp(1j * often * (run.belt_speed * t - x if wave.along_belt else t))
+            at = np.interp(x, knots(run, self.policy), np.arange(k))
+            shapes = np.maximum(1.0 - np.abs(at[:, None] - np.arange(k)), 0.0)
+            powers.append(float((np.abs(turn @ shapes / len(t) @ roots[s.run]) ** 2).sum()))
+        return float(np.mean(powers)) if powers else 0.0
+
+    def _slowness(self, fit: Fit, one: Term) -> float:
+        """
+        Power that the memory of events gives to a wave, over that of events without.
 
         Along the belt all may be in few waves, of whatever length: as much as the slowest have.
         """

@@ -130,8 +130,8 @@ class Bench(ABC):
         """Return the relative standard deviation of a belt's slow waves that is no finding."""
 
     @abstractmethod
-    def slowness(self, fit: Fit, one: Term) -> float:
-        """Return the power that the memory of events gives to a wave, over that of events without any."""
+    def scattered(self, fit: Fit, one: Term) -> float:
+        """Return the amplitude that a wave may have where scatter alone acts."""
 
     @abstractmethod
     def place(self, kind: EffectKind, run: int, start: int, stop: int) -> float:

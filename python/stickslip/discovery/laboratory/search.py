@@ -12,18 +12,10 @@ import numpy as np
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
-from stickslip.discovery.laboratory.hypothesis import Bench, terms_at
+from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.discovery.laboratory.trials import (
-    Trial,
-    all_full,
-    anew,
-    from_near,
-    leader_anew,
-    numbers_of,
-    weight_of_sizes,
-)
+from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_near, leader_anew
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
@@ -144,13 +136,22 @@ def _leader(step: Step) -> Trial:
 
 def told_by_sizes(trial: Trial) -> float:
     """
-    Return what the sizes of its last effect are worth by their own errors, their price paid.
+    Return what the sizes of its last effect, its shape as found, are worth by their own errors, their price paid.
 
-    A fall of the deviance that they do not tell is what the fit without the effect was short of.
+    A fall of the deviance that they do not tell is what the fit without the effect was short of. Of an effect without
+    sizes, as a time constant alone, nothing is asked. The shape is held, as both may be known only together: of a peak
+    narrower than the readings tell, height times width is.
     """
     one, fit = trial.terms[-1], trial.fit
-    _, sizes = numbers_of(fit, one)
-    return weight_of_sizes(fit, one) - float(sizes.sum()) * math.log(len(fit.own))
+    numbers = fit.windows.numbers
+    names = {f"{one.name}.{i.name}" for i in sizes_of(one.kind)}
+    own = [i for i, n in enumerate(numbers) if n.name.rpartition(".")[0] == one.name]
+    sizes = np.array([numbers[i].name in names and not numbers[i].logarithmic for i in own])
+    if not sizes.any() or fit.solution is None:
+        return math.inf
+    size = fit.at[own][sizes]
+    precision = np.linalg.inv(fit.solution.covariance[np.ix_(own, own)])[np.ix_(sizes, sizes)]
+    return float(size @ precision @ size) - len(size) * math.log(len(fit.own))
 
 
 def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:

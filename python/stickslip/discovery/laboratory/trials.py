@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
@@ -253,40 +252,12 @@ def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     """
     What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
 
-    What tells a wave is its amplitude over the error that it has where events scatter, each by itself, squared; of
-    events that remember, as many times less as such waves are stronger. Of a belt that wobbles it is what the amplitude
-    is beyond that.
+    What tells a wave from those is its amplitude over theirs, squared, in each run.
     """
     if term.kind.wave is None:
         return 0.0
-    if bench.wobbles(term.kind):
-        told = len(bench.data) * (term.effect.parameters["a"] / bench.policy.wobble) ** 2
-    else:
-        told = weight_of_sizes(fit, term) / bench.slowness(fit, term)
+    told = len(bench.data) * (term.effect.parameters["a"] / bench.scattered(fit, term)) ** 2
     return max(gain - told, 0.0)
-
-
-def weight_of_sizes(fit: Fit, term: Term) -> float:
-    """
-    Return what the sizes of an effect are worth by their own errors, its shape as found.
-
-    Of an effect without sizes, as a time constant alone, nothing is asked. The shape is held, as both may be known only
-    together: of a peak narrower than the readings tell, height times width is.
-    """
-    own, sizes = numbers_of(fit, term)
-    if not sizes.any() or fit.solution is None:
-        return math.inf
-    size = fit.at[own][sizes]
-    precision = np.linalg.inv(fit.solution.covariance[np.ix_(own, own)])[np.ix_(sizes, sizes)]
-    return float(size @ precision @ size)
-
-
-def numbers_of(fit: Fit, term: Term) -> tuple[list[int], NDArray[np.bool_]]:
-    """Return the places of an effect's numbers in a fit, and which of them are sizes in units of their own."""
-    numbers = fit.windows.numbers
-    names = {f"{term.name}.{i.name}" for i in sizes_of(term.kind)}
-    own = [i for i, n in enumerate(numbers) if n.name.rpartition(".")[0] == term.name]
-    return own, np.array([numbers[i].name in names and not numbers[i].logarithmic for i in own])
 
 
 def _scaled(term: Term, scale: float) -> Term:
