@@ -12,7 +12,13 @@ import found_by_hand
 import stickslip as ss
 from stickslip.discovery.result import ErrorBlock, Found
 from stickslip.discovery.slider.outcome import METRIC
-from stickslip.shown.report import figures, figures_friction, figures_numbers, figures_residual
+from stickslip.shown.report import (
+    figures,
+    figures_friction,
+    figures_motion,
+    figures_numbers,
+    figures_residual,
+)
 from stickslip.shown.report.units import Axes, axes_of
 
 ROOT = Path(__file__).parent.parent
@@ -166,3 +172,17 @@ def test_a_block_on_a_belt_declared_in_si_has_its_force_in_newtons() -> None:
     axes = axes_of(ss.load_case(ROOT / "examples" / "paper_slider"))
     assert (axes.force.size, axes.force.unit) == (1.0, "N")
     assert np.isfinite(axes.t.size)
+
+
+def test_a_force_that_is_read_is_not_called_a_displacement(tmp_path: Path) -> None:
+    """The axis said x1 [N]."""
+    found, axes = made(tmp_path)
+    assert axes.sensed == "x1"
+    forced = dataclasses.replace(axes, sensed="spring force", x1=dataclasses.replace(axes.x1, unit="N"))
+    read = [ax.get_ylabel() for ax in figures_motion.motion(found, forced).axes]
+    assert "spring force [N]" in read
+    assert not any(one.startswith("x1") for one in read)
+    below = [ax.get_xlabel() for ax in figures.portrait(found, forced).axes]
+    assert "reading of spring force [N]" in below
+    block = axes_of(ss.load_case(ROOT / "examples" / "paper_slider"))
+    assert block.sensed == "spring force"

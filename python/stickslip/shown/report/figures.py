@@ -89,7 +89,9 @@ def portrait(found: Found, axes: Axes) -> Figure:
                 colour = BEFORE if which == "before" else AFTER
                 ax.set_title(f"{title}\n", fontsize=10, color=colour)  # above the line that names the run
             if run is runs[-1]:
-                ax.set_xlabel(label("reading of $x_1$", axes.x1.unit))
+                ax.set_xlabel(
+                    label(f"reading of {'$x_1$' if axes.sensed == 'x1' else axes.sensed}", axes.x1.unit)
+                )
         row[0].set_ylabel(label("rate of the reading, $\\dot x_1$", axes.x2.unit))
         row[0].set_title(run.name, loc="left", fontsize=9, color=GREY)
     handles = {

@@ -70,7 +70,8 @@ def _panel(ax: Plot, found: Found, run: RunView, channel: str, axes: Axes) -> No
         keep = slice(None, None, every)
         ax.plot(axes.t.size * time[keep], size * x[keep], color=colour, ls=style, lw=1.1, label=name)
     ax.set_xlabel(label("time", axes.t.unit))
-    ax.set_ylabel(label(channel, (axes.x1 if channel == "x1" else axes.y1).unit))
+    name, axis = (axes.sensed, axes.x1) if channel == "x1" else (channel, axes.y1)
+    ax.set_ylabel(label(name, axis.unit))
     ax.locator_params(nbins=6)
 
 

@@ -20,7 +20,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Axes:
-    """The axes of a case: time, displacements and velocities in the readings' units, forces and v_w in SI or bare."""
+    """
+    The axes of a case: time, displacements and velocities in the readings' units, forces and v_w in SI or bare.
+
+    `sensed` is what the sensor of x1 is of: the displacement, or the force of its spring.
+    """
 
     t: Axis
     x1: Axis
@@ -29,6 +33,7 @@ class Axes:
     force: Axis
     rate: Axis
     si: bool
+    sensed: str = "x1"
 
     def variable(self, name: str) -> Axis:
         """Axis of a variable that a curve may depend on."""
@@ -53,4 +58,5 @@ def axes_of(case: Case) -> Axes:
         Axis(force.size, force.unit),
         rate,
         scales_of(case.rig, run.channels) is not None,
+        "spring force" if run.channel("x1").startswith("spring_force") else "x1",
     )
