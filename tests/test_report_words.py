@@ -195,6 +195,18 @@ def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verd
         )
 
 
+def test_what_does_not_carry_over_is_in_the_headline(tmp_path: Path) -> None:
+    """Two names stood where nothing acted; that the error rose with them was the fourth line below the table."""
+    found, _ = made(tmp_path)
+    fell = dataclasses.replace(found, error=dataclasses.replace(found.error, before=0.02, after=0.0201))
+    rose = dataclasses.replace(found, error=dataclasses.replace(found.error, before=0.02, after=0.0277))
+    assert not fell.error.rises
+    assert rose.error.rises
+    told = "It does not carry over to runs that were not used: the error on them rises from 0.02 to 0.0277."
+    assert words.headline(rose) == f"{words.headline(fell)} {told}"
+    assert "carry over" not in words.headline(dataclasses.replace(rose, effects=()))
+
+
 def test_a_tie_among_two_effects_is_numbered(tmp_path: Path) -> None:
     found, _ = made(tmp_path)
     tied = found.effects[0]

@@ -126,7 +126,11 @@ def test_a_headline_of_many_effects_numbers_them():
         effects = [SimpleNamespace(name=n, where="block", alternatives=[], of_rig=False) for n in found]
         fits = SimpleNamespace(chi2=1.0)
         rig = SimpleNamespace(
-            verdict=Verdict.effect_found, before=MODEL, effects=effects, residual_after=fits
+            verdict=Verdict.effect_found,
+            before=MODEL,
+            effects=effects,
+            residual_after=fits,
+            error=SimpleNamespace(rises=False),
         )
         return headline(rig)
 

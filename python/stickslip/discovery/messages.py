@@ -16,7 +16,6 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.plausible import body_ratio
 
 LARGEST_GAIN = 0.2  # error of a sensor's gain that a laboratory might not notice
-WORSE = 1.02  # error after over error before, on runs never fitted, that is said aloud
 UNSURE = 5.0  # sampling errors below 1 of a chi-squared that says an estimated noise was too large
 LOOSE = 0.93  # and the chi-squared below which it is said
 FAR = 2.0  # error after over its floor, the same

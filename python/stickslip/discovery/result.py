@@ -23,6 +23,7 @@ from stickslip.measured.thinning import Thinned
 from stickslip.objects import Drawn, reporter
 
 Floats = NDArray[np.float64]
+WORSE = 1.02  # error after over error before, on runs never fitted, from which it is said to rise
 SEEN = 4  # samples in stick, at least, of a block that sticks
 Z = 1.959963985  # standard deviations that hold 95 %
 TIED = 8.0  # difference in -2 log evidence below which two rivals are not told apart: odds of 55 to 1
@@ -252,6 +253,11 @@ class ErrorBlock:
     floor: float
     runs: tuple[RunError, ...]
     covered: float | None = None
+
+    @property
+    def rises(self) -> bool:
+        """Whether it is larger after than before: what was found does not carry over."""
+        return self.after > WORSE * self.before
 
 
 @dataclass(frozen=True)

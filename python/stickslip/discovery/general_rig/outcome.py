@@ -20,7 +20,6 @@ from stickslip.discovery.laboratory.rival_kind import RivalKind, within
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
-from stickslip.discovery.messages import WORSE
 from stickslip.discovery.result import ErrorBlock, FoundEffect, Interval, Rival
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
@@ -198,7 +197,7 @@ def remarks(bench: GeneralBench, trial: Trial, error: ErrorBlock) -> tuple[str, 
         out.append(f"the motion at {', '.join(unread)} is not read: it is found from the other coordinates")
     if (over := unexplained(trial.fit)) > bench.policy.noise_left:
         out.append(f"{over:.3g} times the noise's variance is left: something acts that no name says")
-    if trial.terms and error.after > WORSE * error.before:
+    if trial.terms and error.rises:
         out.append(
             f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "
             "not carry over to them"

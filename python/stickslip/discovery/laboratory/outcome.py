@@ -20,7 +20,6 @@ from stickslip.discovery.laboratory.rival_kind import within
 from stickslip.discovery.laboratory.search import Searched, Step
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
-from stickslip.discovery.messages import WORSE
 from stickslip.discovery.next_experiment import next_experiments
 from stickslip.discovery.residual import describe
 from stickslip.discovery.result import (
@@ -383,7 +382,7 @@ def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
             f"the 95 % band of forecasts of one cycle holds {100 * error.covered:.0f} % of the readings of runs "
             "never used"
         )
-    if trial.terms and error.after > WORSE * error.before:
+    if trial.terms and error.rises:
         out.append(
             f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "
             "not carry over to them"

@@ -16,7 +16,7 @@ from stickslip.discovery.slider.gate import DRAWS
 from stickslip.discovery.slider.held import constants_of, held
 from stickslip.discovery.slider.model import models, phases
 from stickslip.discovery.slider.numbers import parameters
-from stickslip.discovery.slider.outcome import WORSE, error_block, residual
+from stickslip.discovery.slider.outcome import error_block, residual
 from stickslip.discovery.slider.population import blocks
 from stickslip.discovery.slider.remarks import remarks
 from stickslip.discovery.slider.ties import alternatives, evidence
@@ -102,7 +102,7 @@ def discover(
 
 def carried(found: Found) -> Found:
     """Return what was found, or nothing where the error of single events rises on runs never used."""
-    if not found.effects or not found.error.after > WORSE * found.error.before:
+    if not found.effects or not found.error.rises:
         return found
     names = ", ".join(one.name for one in found.effects)
     words = (

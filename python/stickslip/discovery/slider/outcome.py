@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery.residual import LIMIT, persistence
-from stickslip.discovery.result import ErrorBlock, Part, Residual, RunError
+from stickslip.discovery.result import WORSE, ErrorBlock, Part, Residual, RunError
 from stickslip.discovery.slider.held import Held, constants_of, held
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.predict import BlockForecaster, BlockPrediction, cycle_of, instants
@@ -25,7 +25,6 @@ METRIC = (
     "in the event; median over events, mean over runs"
 )
 FORECASTS = 60  # a run
-WORSE = 1.02  # growth of an error that is said aloud
 POINTS = 160  # readings of a forecast
 NAN = float("nan")
 

@@ -82,7 +82,16 @@ def hopeless(found: Found) -> bool:
 
 
 def headline(found: Found) -> str:
-    """The verdict as one sentence; a tie is part of it."""
+    """The verdict as one sentence; a tie is part of it, and that it does not carry over is another."""
+    said, error = _verdict(found), found.error
+    if not found.effects or hopeless(found) or not error.rises:
+        return said
+    rise = f"the error on them rises from {error.before:.3g} to {error.after:.3g}"
+    return f"{said} It does not carry over to runs that were not used: {rise}."
+
+
+def _verdict(found: Found) -> str:
+    """The verdict alone."""
     if hopeless(found):
         times = short(math.sqrt(found.residual_after.chi2), 2)
         return (
