@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -120,3 +121,20 @@ def test_a_curved_sensor_is_named(tmp_path: Path) -> None:
     # a belt of an event's own takes a part of the curvature, before and after
     assert found.error.after < 1.1 * found.error.floor < found.error.before
     assert found.error.after < 0.9 * found.error.before
+
+
+def test_belts_that_are_all_slower_than_declared_are_what_a_gain_is(tmp_path: Path) -> None:
+    """All belts 6 % slower: a gain was named, as if nothing else could be. No reading tells them apart."""
+    path = block_case(tmp_path, few=True, seed=3, scatter=SCATTER)
+    text = path.read_text()
+    for line in set(re.findall(r"belt_speed = .*", text)):
+        text = text.replace(line, f"belt_speed = {1.06 * float(line.split('=')[1])}")
+    path.write_text(text)
+    found = ss.discover(ss.load_case(path))
+    assert [one.name for one in found.effects] == ["sensor_gain"]
+    own = found.effects[0].parameters["e"]
+    assert own.low is not None
+    assert own.high is not None
+    assert own.low < 1 / 1.06 - 1 < own.high
+    assert [one.name for one in found.effects[0].alternatives if one.exact] == ["belt speed"]
+    assert any(one.between == ("sensor_gain", "belt speed") for one in found.experiments)

@@ -53,7 +53,7 @@ def test_the_top_of_a_swing_is_no_stick(top: float, sign: int) -> None:
     assert not any(one.stuck for one in every)
 
 
-@pytest.mark.parametrize("lasts", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("lasts", [0.5, 1.0, 2.0, 4.0])
 def test_a_stick_is_cut_in_its_middle(lasts: float) -> None:
     data = run(stick_slip(1.0, lasts))
     every = stretches([data])
@@ -61,13 +61,13 @@ def test_a_stick_is_cut_in_its_middle(lasts: float) -> None:
     for one in every:
         assert one.stuck
         assert data.v[one.start] == pytest.approx(BELT, rel=0.15)
-        assert lasts - 0.2 < one.rest < lasts + 0.9  # with what comes near the belt's speed at both ends
+        assert lasts - 0.2 < one.rest < lasts + 1.1  # with what comes near the belt's speed at both ends
 
 
-@pytest.mark.parametrize("slower", [0.97, 0.88])
-def test_a_stick_on_a_slower_belt_stays_one(slower: float) -> None:
+@pytest.mark.parametrize(("slower", "lasts"), [(0.97, 0.7), (0.94, 1.0), (0.88, 2.5)])
+def test_a_stick_on_a_slower_belt_stays_one(slower: float, lasts: float) -> None:
     """A belt slows down under its load; a contact creeps: what lasts longer than a swing is a stick."""
-    assert all(one.stuck for one in stretches([run(stick_slip(slower, 2.5))]))
+    assert all(one.stuck for one in stretches([run(stick_slip(slower, lasts))]))
 
 
 def test_a_run_without_sticks_is_left_out_where_others_are_enough() -> None:

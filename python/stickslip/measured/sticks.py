@@ -292,10 +292,10 @@ def passes_by(t: Array, x: Array, belt_speed: float, noise: float, period: float
     t = t - t.mean()
     square = float(t @ t)
     rise, error = float(t @ x) / square / belt_speed, noise / float(np.sqrt(square))
-    if rise + SURE * error / abs(belt_speed) >= 1 - RIPPLE:
-        return False
     half = 2 * np.pi * float(t[-1]) / period
     top = rise * (1 + half**2 / 10)  # of a cosine with that rise
+    if top + SURE * error / abs(belt_speed) >= 1 - RIPPLE:
+        return False
     return bool(top <= max(1 - band, 0.0) or half <= np.arccos(max(1 - band, 0.0) / top) + EDGE)
 
 

@@ -106,7 +106,7 @@ class GeneralBench(Bench):
         often = 0.0 if kind.wave.along_belt else one.effect.parameters[kind.wave.parameter]
         events = max(len(self.stretches) / len(self.data), 1.0)
         found, _ = memory(fit, KINETIC)
-        slow = slowness(found, often * self.cycle)
+        slow = max(slowness(found, often * self.cycle), 1.0)
         usual = max(friction, default=0.0) * math.sqrt(2.0 / events * slow)
         unit = 1.0 if KINDS[kind.name].where == "contact" else Sizes(self.model, self.data).friction()
         return max(usual * unit, 1e-300)

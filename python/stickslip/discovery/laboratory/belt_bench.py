@@ -96,7 +96,9 @@ class BeltBench(Bench):
         if one.kind.where == "belt":
             return self.policy.wobble
         events = max(len(self.stretches) / len(self.data), 1.0)
-        usual = math.sqrt(2.0 / events * self._slowness(fit, one) * self._within(fit, one))
+        # of waves that memory weakens none is held for weaker: few events tell it poorly
+        slow = max(self._slowness(fit, one), 1.0)
+        usual = math.sqrt(2.0 / events * slow * self._within(fit, one))
         unit = max(self.model.friction.static_limits) if one.kind.where == "block" else 1.0
         return max(usual * unit, 1e-300)
 

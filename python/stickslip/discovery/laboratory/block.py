@@ -38,6 +38,7 @@ from stickslip.discovery.result import (
 from stickslip.discovery.slider.loop import experiments, idle
 from stickslip.discovery.slider.outcome import error_block
 from stickslip.discovery.slider.remarks import absorbed
+from stickslip.discovery.slider.ties import set_point
 from stickslip.discovery.slider.views import Motion, validate_view, view
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.block_events.table import Measured, measure
@@ -257,7 +258,7 @@ def _constant(wrong: Freed, found: Searched) -> FoundEffect | None:
         kind.depends_on,
         {"e": _error(wrong)},
         evidence_of(found, wrong),
-        rivals_of(wrong, named),
+        (*set_point(kind.name), *rivals_of(wrong, named)),
         kind.formula,
     )
 

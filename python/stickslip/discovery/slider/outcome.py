@@ -129,10 +129,12 @@ def error_block(
                 f"{one.run.name}: the error of single events RISES from {was:.3g} to {now:.3g}: what was found does "
                 "not carry over to this run"
             )
+        off, then = (made.nrmse for made in forecasts)
         words.append(
-            f"{one.run.name}: forecasts of one cycle from the past alone are off by {forecasts[0].nrmse:.2f} of the "
-            f"readings' standard deviation before and {forecasts[1].nrmse:.2f} after: what the next event's friction "
-            "will be is not in the past"
+            f"{one.run.name}: forecasts of one cycle from the past alone are off by {off:.2f} of the readings' "
+            f"standard deviation before and {then:.2f} after: what the next event's friction will be is not in the past"
+            if np.isfinite([off, then]).all()
+            else f"{one.run.name}: no cycle of it is forecast from the past alone: no stick stands whole before one"
         )
     good = [row.one_cycle for row in rows if np.isfinite(row.one_cycle["before"])]
     mean = {

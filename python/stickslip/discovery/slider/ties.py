@@ -29,7 +29,7 @@ def alternatives(one: Weighed, choice: Choice) -> tuple[Alternative, ...]:
                 name, 1.0 if exact else odds, delta, tied, exact, _reason(one, name, exact, choice), values
             )
         )
-    out += _set_point(one)
+    out += set_point(one.candidate.name)
     return tuple(sorted(out, key=lambda a: (not a.tied, a.delta)))
 
 
@@ -71,15 +71,15 @@ def _reason(one: Weighed, name: str, exact: bool, choice: Choice) -> str:
     return "found among the rivals, each fitted in the place of the winner"
 
 
-def _set_point(one: Weighed) -> list[Alternative]:
-    """A belt whose true speed is another multiple of the set-point is a gain: no reading of the spring differs."""
-    if one.candidate.name != "sensor_gain":
-        return []
+def set_point(name: str) -> tuple[Alternative, ...]:
+    """Return what a gain is as well, no reading being another: a belt of another multiple of its set-points."""
+    if name != "sensor_gain":
+        return ()
     reason = (
         "a true belt speed of (1 + e) times the set-point, in every run alike, gives the same readings to the last: "
         "measure the speed of the pull"
     )
-    return [Alternative("belt speed", 1.0, 0.0, True, True, reason, {})]
+    return (Alternative("belt speed", 1.0, 0.0, True, True, reason, {}),)
 
 
 def evidence(one: Weighed, choice: Choice, held_out: float) -> Evidence:
