@@ -167,7 +167,7 @@ def _searched(
         if found is not None:
             return found
         found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-        messages = (*found.messages, *block.untold(case))
+        messages = (*found.messages, *block.beside_single_slips(case, found))
         return replace(found, messages=messages, seconds=time.monotonic() - began)
     except BaseException:
         workers.stop()

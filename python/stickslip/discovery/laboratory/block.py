@@ -35,6 +35,7 @@ from stickslip.discovery.result import (
     RunView,
     Verdict,
 )
+from stickslip.discovery.set_points import doubtful_set_points
 from stickslip.discovery.slider.loop import experiments, idle
 from stickslip.discovery.slider.outcome import error_block
 from stickslip.discovery.slider.remarks import absorbed
@@ -114,7 +115,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     if made is None:
         return None
     bench, units, data = made
-    case, unused = with_windows(case, bench.data)
+    case, unused = with_windows(case, bench.data, bench.stretches)
     verdicts = _verdicts(bench, case.uncertainty, tell, seed, workers)
     if verdicts is None:
         return None
@@ -143,12 +144,38 @@ def _verdicts(
     return verdicts
 
 
-def untold(case: Case) -> tuple[str, ...]:
-    """Return what became of a user's own effects where the search of single slips, without them, is told."""
+def beside_single_slips(case: Case, found: Found) -> tuple[str, ...]:
+    """
+    Return what is said where the search of single slips is told: of belt speeds, few windows, and a user's own effects.
+
+    Parameters
+    ----------
+    case, found : as declared, and what single slips say
+    """
+    made = bench_of(case)
+    if made is None:
+        return _untold(case, None)
+    bench, units, data = made
+    windows, out = len(bench.stretches), list[str]()
+    if windows < POLICY.fewest_windows:
+        out.append(
+            f"{windows} stretches from stick to stick are told in the train runs; from {POLICY.fewest_windows} on they "
+            "are searched reading by reading, which tells more than the four numbers of each slip do"
+        )
+    moved = [_displaced(units, run) for run in data]
+    doubts = doubtful_set_points(case, moved, found.effects, found.residual_after, found.error)
+    return (*doubts, *out, *_untold(case, windows))
+
+
+def _displaced(units: Scaled, run: Data) -> Data:
+    """A run in declared units, its displacement too, be it read as a force."""
+    return replace(units.data(run), readings=run.readings * units.scales.length)
+
+
+def _untold(case: Case, windows: int | None) -> tuple[str, ...]:
+    """What became of a user's own effects, which the search of single slips does without."""
     if not case.candidates:
         return ()
-    made = bench_of(case)
-    windows = None if made is None else len(made[0].stretches)
     names = ", ".join(one.name for one in case.candidates)
     if windows is None or windows < POLICY.fewest_windows:
         few = "no" if windows is None else f"{windows}"
@@ -181,6 +208,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         *(validate_view(one, before, after, forecasts[one.run.name]) for one in validate),
     ]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
+    every, after_all = [_displaced(units, run) for run in search.data], outcome.described(now)
     return Found(
         title=case.title,
         verdict=verdict if effects else Verdict.no_effect,
@@ -190,7 +218,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         law=_in_units(units, outcome.law(chosen.fit)),
         law_before=_in_units(units, outcome.law(base.fit)),
         residual_before=outcome.described(was),
-        residual_after=outcome.described(now),
+        residual_after=after_all,
         error=error,
         ranking=_ranking(search),
         experiments=experiments(effects),
@@ -199,6 +227,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         spectrum=spectrum(was, now),
         messages=(
             *idle(case.train, train),
+            *doubtful_set_points(case, every, effects, after_all, error),
             *outcome.remarks(chosen, error),
             *((absorbed(run.belt_speed > 0 for run in bench.data),) if bench.one_way else ()),
             *words,

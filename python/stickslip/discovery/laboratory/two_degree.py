@@ -88,7 +88,7 @@ def discover(
     """
     began, many = time.monotonic(), len(case.train)
     used = cut(data[:many])
-    case, unused = with_windows(case, used)
+    case, unused = with_windows(case, used, stretches(used))
     asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
     return _found(asked, verdicts, (*notes, *unused, *said), began)
 
