@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 from rich.box import SIMPLE
+from rich.markup import escape
 from rich.table import Table
 
 from stickslip.cli.options import Named, files_from_option
@@ -51,7 +52,7 @@ def runs_table(told: Telling, case: Case) -> Table:
         table.add_column(name, justify="right")
     for one in told.looks:
         table.add_row(
-            one.name,
+            escape(one.name),
             one.role,
             belt.of(one.belt_speed, 4),
             str(one.sticks),

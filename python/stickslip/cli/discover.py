@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 import stickslip
@@ -138,7 +139,9 @@ def errors_table(found: Found) -> Table:
     for name in ("before", "after", "floor"):
         table.add_column(name, justify="right")
     for run in found.error.runs:
-        table.add_row(run.run, *(words.short(run.one_cycle[k], 3) for k in ("before", "after", "floor")))
+        table.add_row(
+            escape(run.run), *(words.short(run.one_cycle[k], 3) for k in ("before", "after", "floor"))
+        )
     e = found.error
     table.add_row("all", *(words.short(v, 3) for v in (e.before, e.after, e.floor)), style="bold")
     return table

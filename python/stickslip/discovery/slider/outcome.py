@@ -118,7 +118,7 @@ def error_block(
         forecasts = (ahead(before, one), ahead(after, one))
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
-        if not len(one.events):
+        if not len(one.events) and not np.isfinite(was):
             words.append(
                 f"{one.run.name}: no error is measured on it, as no slip is found: "
                 + why_idle(case.run(one.run.name), len(one.run.track.sticks))
@@ -134,7 +134,7 @@ def error_block(
             f"{one.run.name}: forecasts of one cycle from the past alone are off by {off:.2f} of the readings' "
             f"standard deviation before and {then:.2f} after: what the next event's friction will be is not in the past"
             if np.isfinite([off, then]).all()
-            else f"{one.run.name}: no cycle of it is forecast from the past alone: no stick stands whole before one"
+            else f"{one.run.name}: no forecast of one cycle from the past alone can be made"
         )
     good = [row.one_cycle for row in rows if np.isfinite(row.one_cycle["before"])]
     mean = {

@@ -57,12 +57,17 @@ def _process(choice: Choice, train: Sequence[Measured], scale: Scale) -> str:
     drop = np.concatenate([0.5 * (m.events.p[:, S] - m.events.arrest) for m in train])
     off = np.concatenate([m.events.p[:, S] - m.events.p[:, S].mean() for m in train if len(m.events)])
     (sigma, length, tau), scatter = level.wander, plainly(float(np.std(off) / np.mean(drop)))
-    rate, frequency = percent(_spread(choice, "rate")), percent(0.5 * _spread(choice, "frequency"))
-    return (
+    rate, frequency = _spread(choice, "rate"), 0.5 * _spread(choice, "frequency")
+    told = [
+        f"{who} scatter by {percent(size)}"
+        for who, size in (("stick rates", rate), ("slip frequencies", frequency))
+        if np.isfinite(size)  # no stick, or no slip, may be long enough to have one
+    ]
+    words = (
         f"{len(level)} events; breakaway scatters by {scatter} times the mean drop: it wanders by "
-        f"{percent(sigma)} over {scale.of(length, 3)} of belt travel, {percent(tau)} from event to event. Stick rates "
-        f"scatter by {rate}, slip frequencies by {frequency}"
+        f"{percent(sigma)} over {scale.of(length, 3)} of belt travel, {percent(tau)} from event to event"
     )
+    return f"{words}; {', '.join(told)}" if told else words
 
 
 def _spread(choice: Choice, name: str) -> float:
@@ -94,6 +99,8 @@ def _waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
     if found is None:
         return ()
     rate, level = block_of(choice, "rate"), block_of(choice, "level")
+    if not len(rate):  # no stick is long enough to have one
+        return ()
     length, a = found.parameters["L"].value, found.parameters["a"].value
     angle = 2 * np.pi * rate.travel / length
     columns = [np.where(rate.run == r, f(angle), 0.0) for r in np.unique(rate.run) for f in (np.sin, np.cos)]
