@@ -17,17 +17,21 @@ DT = 0.1
 
 
 def record(
-    model: ss.Model, belt_speed: float, events: int, scatter: float, rng: np.random.Generator
+    model: ss.Model,
+    belt_speed: float,
+    events: int,
+    scatter: float,
+    rng: np.random.Generator,
+    warms: Callable[[float], float] = lambda _: 1.0,
 ) -> tuple[Floats, Floats]:
-    """Return times and readings (n, 2) of `events` cycles, each with friction of its own."""
+    """Return times and readings (n, 2) of `events` cycles, each with friction of its own; the belt's speed `warms`."""
     law = model.friction
     state, t, out = (0.1, belt_speed, 0.0, 0.0), 0.0, []
     for _ in range(events):
-        level = 1.0 + scatter * rng.standard_normal()
+        level, speed = 1.0 + scatter * rng.standard_normal(), belt_speed * warms(t)
+        state = (state[0], speed, *state[2:])
         own = ss.Model(model.rig, friction=scaled(law, level), effects=model.effects)
-        run = ss.simulate(
-            own, belt_speed=belt_speed, initial=state, t_end=30.0, t_eval=np.arange(0.0, 30.0, DT)
-        )
+        run = ss.simulate(own, belt_speed=speed, initial=state, t_end=30.0, t_eval=np.arange(0.0, 30.0, DT))
         after = run.transitions.after
         sticks = [i for i, mode in enumerate(after) if mode == 0 and run.transitions.t[i] > 1.0]
         begins = run.transitions.t[sticks[0]]
@@ -65,6 +69,7 @@ def case(
     si: bool = False,
     few: bool = False,
     more: str = "",
+    warms: Callable[[float], float] = lambda _: 1.0,
 ) -> Path:
     """
     Write a case whose declared alpha2, or J of a rig in `si`, is `off` by a share; return its rig.toml.
@@ -73,6 +78,7 @@ def case(
     ----------
     few : half as many runs, and these short
     more : text of further tables
+    warms : the belt's speed over its set-point, by time
     """
     rng = np.random.default_rng(seed)
     model = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction(), effects=effects)
@@ -86,7 +92,7 @@ def case(
         (-0.14, "validate"),
     ]
     for i, (speed, role) in enumerate(every[::2] if few else every):
-        t, readings = record(model, speed, 9 if few else 14, scatter, rng)
+        t, readings = record(model, speed, 9 if few else 14, scatter, rng, warms)
         noisy = readings + 1e-3 * rng.standard_normal(readings.shape)
         name = f"run_{i}.csv"
         np.savetxt(folder / name, np.column_stack([t, noisy]), delimiter=",", header="t,x1,y1", comments="")

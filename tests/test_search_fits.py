@@ -144,7 +144,7 @@ def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_f
     at[names.index("alpha1")] += times * sd
     away = Trial((), replace(fit, at=at))
     monkeypatch.setattr(verdicts, "null", lambda windows, *_, **__: replace(fit, windows=windows))
-    said = verdicts.Verdicts(bench, Searched(away, Trial((term(kind, {"k": 4.0}),), fit)), None)
+    said = verdicts.Verdicts(bench, Searched(away, Trial((term(kind, {"k": 4.0}),), fit)), None, fit)
     assert fit.windows.prior.farthest(at) == pytest.approx(times)
     if held:
         assert "alpha1" not in [one.name for one in said.before.fit.windows.numbers]

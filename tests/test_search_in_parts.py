@@ -196,10 +196,11 @@ def test_a_wave_has_a_gate_of_its_own(
 @pytest.mark.parametrize(
     ("named", "left", "alone", "told"),
     [
-        (True, None, "curve", (None, False)),
+        (True, None, "a little better", (None, False)),
+        (True, None, "far better", ("far better", False)),
         (True, "rest", None, ("rest", True)),
-        (True, "rest", "curve", ("curve", False)),
-        (False, None, "curve", ("curve", False)),
+        (True, "rest", "a little better", ("a little better", False)),
+        (False, None, "a little better", ("a little better", False)),
         (False, None, None, (None, False)),
     ],
 )
@@ -212,14 +213,23 @@ def test_names_that_leave_no_curve_over_stand(
     alone: str | None,
     told: tuple[str | None, bool],
 ) -> None:
-    """A drift was told as any curve in t, which followed the scatter beside it a little better; it left nothing."""
+    """
+    A drift was told as any curve in t, which followed the scatter beside it a little better; it left nothing.
+
+    A spring that is quadratic was told as a cubic one and a mass that is 8 % off, which left nothing either.
+    """
     null = Trial((), fit)
     (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
     chosen = Trial((term(kind, {"k": 4.0}),), fit) if named else null
     monkeypatch.setattr(verdicts, "search", lambda *_: Searched(null, chosen))
     monkeypatch.setattr(verdicts, "closed", lambda one, _: one)
-    monkeypatch.setattr(verdicts, "_left_over", lambda *_: left)
-    monkeypatch.setattr(verdicts, "_curve", lambda *_: alone)
+    monkeypatch.setattr(verdicts, "_left_over", lambda *_: None if left is None else (left, fit))
+    better = {"a little better": 1.0, "far better": 2 * bench.policy.noticed}
+    monkeypatch.setattr(
+        verdicts,
+        "_curve",
+        lambda *given: (alone, fit) if alone is not None and better[alone] > given[-1] else None,
+    )
     found = verdicts.searched(bench, Uncertainty(bench.model.rig, {}, {}, {}), lambda _: None, 0, base=null)
     assert (found.curve, found.beside) == told
 
@@ -285,7 +295,7 @@ def test_a_block_that_hardly_sticks_is_no_case_for_windows(
 ) -> None:
     """Where nothing lacked, friction scattered by 13 %, the belt by all it may, and a lag was named beside it."""
     chosen = Trial((), replace(fit, population=replace(fit.windows.scatter(), **more)))
-    found = verdicts.Verdicts(bench, Searched(chosen, chosen), None)
+    found = verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)
     monkeypatch.setattr(block, "searched", lambda *_, **__: found)
     monkeypatch.setattr(block, "beside_a_hum", lambda one, _: one)
     monkeypatch.setattr(block, "left", lambda *_: None)

@@ -204,3 +204,10 @@ def test_a_model_without_units_has_no_si_values() -> None:
         assert si_of("static", rig, UNITS) == SI(1.0, "N")
         assert si_of("static_aging.tau", rig, UNITS) == SI(1.0, "s")
         assert si_of("rig_mass.e", rig, UNITS) is None
+
+
+def test_a_curve_of_friction_or_of_the_belts_speed_is_a_share() -> None:
+    """A curve of the belt's speed was multiplied by the unit of force."""
+    assert curve_dimension("contact") == curve_dimension("belt") == dimensions.NUMBER
+    assert curve_dimension("block") == dimensions.FORCE
+    assert curve_dimension("x1 channel") == dimensions.LENGTH

@@ -70,7 +70,7 @@ def dimension(name: str) -> Dimension | None:
 
 def curve_dimension(where: str) -> Dimension:
     """Return what the values of a learned or tabulated curve measure, by the place where it acts."""
-    if where == "contact":
+    if where in ("contact", "belt"):  # a share of friction, or of the belt's speed
         return NUMBER
     return LENGTH if where.endswith(" channel") else FORCE
 

@@ -76,6 +76,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.effects, self.kinetic = 2 * policy.knots + 2, slice(1, 1 + policy.knots)
         self.belt = self.effects - 1
         self.common = np.zeros(self.effects) if common is None else common
+        self.added = np.zeros((len(stretches), self.effects))  # to the windows' random effects, known
         self.own, self.kinetics = self.begins + self.effects, ([*range(1, 1 + policy.knots)],)
         self.knots = [knots(run, policy) for run in data]
         self.places = [
@@ -107,7 +108,6 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.formulas = formulas_of(model)
         read = {*sensors.kept(self.fixed, self.channels), *(k for one in self.formulas for k in one.states)}
         self.kept = np.array(sorted(read), dtype=np.int32)
-        self.added = np.zeros((len(stretches), policy.knots))  # to the windows' curves, known
 
     @cached_property
     def lines(self) -> list[tuple[Floats, Floats]]:
@@ -213,8 +213,8 @@ class _Run:
     ) -> None:
         self.of, self.run, self.at, self.local, self.whole = windows, run, at, local, whole
         self.own = own.copy()
-        self.own[:, windows.begins :] += windows.common
-        self.added, self.chosen = windows.added[chosen], chosen
+        self.own[:, windows.begins :] += windows.common + windows.added[chosen]
+        self.chosen = chosen
         self.data = windows.data[run]
         self.lowered = windows.lowered[run]
         self.places = [windows.stretches[i] for i in chosen]
@@ -301,7 +301,7 @@ class _Run:
         rows = np.tile(same, (len(self.places), 1))
         if of.aging is not None:
             rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
-        rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic] + self.added
+        rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic]
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
         return rows
 

@@ -1,11 +1,13 @@
-"""Curves that no name explains: a force, a factor of friction or a reading, as any smooth function of one variable.
+"""Curves that no name explains: a force, a factor of friction or of the belt's speed, or a reading, of one variable.
 
 While the block slips, a force on it is a change of friction: the windows have columns of that at every place of the
-slip, so that a curve of anything costs no simulation. A force on the angle body is seen through that body alone.
+slip, so that a curve of anything costs no simulation. So they have of the static limit when the block breaks away, and
+of the belt's speed. A force on the angle body is seen through that body alone.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -35,13 +37,18 @@ FEWEST = 3  # samples of a slip that a curve can be read along
 
 @dataclass(frozen=True)
 class _Shaped:
-    """A curve's shapes: where, of what, its knots, columns by shape, and friction by shape if it is in the slip."""
+    """
+    A curve's shapes: where, of what, its knots, columns by shape, and what they add to random effects where it does.
+
+    `unit` is how large 1 of a random effect is there, infinite where it adds to none.
+    """
 
     where: str
     variable: str
     grid: Floats
     columns: Columns
     factors: Factors | None = None
+    unit: float = math.inf
 
 
 class _OnBelt(Protocol):
@@ -72,8 +79,9 @@ def learned(bench: _OnBelt, fit: Fit, workers: Workers = ALONE) -> list[Learned]
 
 def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> tuple[_Shaped, Floats]:
     """A curve, and which combinations of its shapes are its own."""
-    # friction as a whole is the law's, and so is a constant force or reading while all slip one way
-    if one.where == "contact" or bench.one_way:
+    # friction as a whole is the law's, and so is a constant force or reading while all slip one way; speeds that are
+    # all off are the set-points'
+    if one.where in ("contact", "belt") or bench.one_way:
         return one, scipy.linalg.null_space(_mean(motions, one.variable, one.grid)[None])
     return one, np.eye(bench.policy.curve_shapes)
 
@@ -82,19 +90,20 @@ def _scored(fit: Fit, policy: Policy, levelled: tuple[_Shaped, Floats]) -> Learn
     one, free = levelled
     reduced = [None if c is None else c @ free for c in one.columns]
     # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
-    found = score(fit, reduced, policy, tight=True)
+    # what is all but free beside the law's level, as a load is, is known as well as that level before the runs
+    found = score(fit, reduced, policy, tight=True, precision=(policy.law_spread * one.unit) ** -2)
     std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
     value, count = free @ found.size, free.shape[1]
-    friction = None
+    events = None
     if one.factors is not None:
-        friction = [None if each is None else each @ value for each in one.factors]
+        events = [None if each is None else each @ value for each in one.factors]
     return Learned(
-        one.where, one.variable, found.gain, one.grid, value, std, count, reduced, found.size, friction
+        one.where, one.variable, found.gain, one.grid, value, std, count, reduced, found.size, events
     )
 
 
 def _every(bench: _OnBelt, fit: Fit, motions: list[Motion | None]) -> Iterator[_Shaped]:
-    two = bench.two_degree
+    two, units = bench.two_degree, {"contact": 1.0, "block": max(bench.model.friction.static_limits)}
     names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
     for variable in names:
         grid = _grid(motions, variable, bench.policy.curve_shapes)
@@ -103,7 +112,10 @@ def _every(bench: _OnBelt, fit: Fit, motions: list[Motion | None]) -> Iterator[_
                 continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
             factors = _factors(bench, fit, motions, where, variable, grid)
             shown = "v_w" if (where, variable) == ("contact", "x2") else variable
-            yield _Shaped(where, shown, grid, _of_slip(bench, fit, factors), factors)
+            yield _Shaped(where, shown, grid, _of_events(fit, factors), factors, units[where])
+        if variable == "t":
+            factors = _speeds(fit, motions, grid)
+            yield _Shaped("belt", variable, grid, _of_events(fit, factors), factors, 1.0)
         for channel, place in enumerate(bench.sensors.places):
             yield _Shaped(place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid))
         if two:
@@ -135,35 +147,59 @@ def shapes(grid: Floats, x: Floats) -> Floats:
     return np.asarray(spline(np.clip(x, grid[0], grid[-1])))
 
 
-def _of_slip(bench: _OnBelt, fit: Fit, factors: Factors) -> Columns:
-    """Columns of a factor of friction, or of a force on the block, through those of the friction curve."""
-    first, k = len(fit.at) + fit.windows.begins + 1, bench.policy.knots
+def _of_events(fit: Fit, factors: Factors) -> Columns:
+    """Columns of what a curve adds to the windows' random effects, through theirs."""
+    first = len(fit.at) + fit.windows.begins
     return [
-        None if block is None or factor is None else block[:, :, first : first + k] @ factor
+        None if block is None or factor is None else block[:, :, first : first + len(factor)] @ factor
         for block, factor in zip(fit.blocks, factors, strict=True)
     ]
+
+
+def _speeds(fit: Fit, motions: list[Motion | None], grid: Floats) -> Factors:
+    """A window's belt speed, its line and its mean, over the set-point by each shape of a curve in t."""
+    out: list[Floats | None] = []
+    for motion in motions:
+        if motion is None:
+            out.append(None)
+            continue
+        factor = np.zeros((fit.windows.effects, len(grid)))
+        line = factor[fit.windows.kinetic.stop : -1]
+        line[:] = shapes(grid, np.linspace(motion.t[0], motion.t[-1], len(line)))
+        factor[-1] = line.mean(axis=0)
+        line -= factor[-1]
+        out.append(factor)
+    return out
 
 
 def _factors(
     bench: _OnBelt, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
 ) -> Factors:
-    """A window's friction at the places of its curve, over the law's, by each shape; None where it fails."""
+    """A window's static limit and its friction at the places of its curve, over the law's, by each shape."""
     assert isinstance(fit.windows, BeltWindows)
+    law = bench.model.friction
     out: list[Floats | None] = []
     for s, motion in zip(bench.stretches, motions, strict=True):
         if motion is None:
             out.append(None)
             continue
-        at = _along_slip(motion, fit.windows.knots[s.run], variable, bench.data[s.run].belt_speed)
+        factor, belt_speed = np.zeros((fit.windows.effects, len(grid))), bench.data[s.run].belt_speed
+        out.append(factor)
+        at = _along_slip(motion, fit.windows.knots[s.run], variable, belt_speed)
         if at is None:
-            out.append(np.zeros((bench.policy.knots, len(grid))))
             continue
         values, speed = at
-        factor = shapes(grid, values)
+        slip = factor[fit.windows.kinetic]
+        slip[:] = shapes(grid, values)
         if where == "block":
-            law = bench.model.friction
-            factor = -factor / (np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
-        out.append(factor)
+            slip /= -(np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
+        if motion.mode[0] == 0 and not (
+            where == "contact" and variable == "x2"
+        ):  # in a stick there is no v_w
+            there = belt_speed if variable == "x2" else _at(motion, variable)[np.argmax(motion.mode != 0)]
+            factor[0] = shapes(grid, np.array([there]))[0]
+            if where == "block":
+                factor[0] /= np.sign(belt_speed) * max(law.static_limits[0 if belt_speed > 0 else 1], 1e-6)
     return out
 
 

@@ -136,10 +136,11 @@ def _verdicts(
     verdicts = beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
     if verdicts.curve is not None and verdicts.curve.period is not None:  # it is what windows are no model of
         return verdicts
-    fit = verdicts.searched.chosen.fit
+    fit = verdicts.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
     unlike = lost(fit) or unexplained(fit) > bench.policy.noise_left
-    if unlike or (wild(fit) and not rivals):
+    named = verdicts.curve is None and not rivals  # a curve is no name that may be wrong
+    if unlike or (named and wild(fit)):
         return None
     return verdicts
 

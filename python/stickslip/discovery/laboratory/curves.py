@@ -1,7 +1,8 @@
-"""The best curve that no name explains, and what the best of all curves gains where nothing is lacking."""
+"""The best curves that no name explains, and what the best of all gains where nothing is lacking."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.discovery.laboratory.gate import gate
@@ -12,9 +13,11 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit
 
 
-def leading(bench: Bench, fit: Fit, best: Fit, seed: int, workers: Workers = ALONE) -> Learned:
+def leading(
+    bench: Bench, fit: Fit, best: Fit, seed: int, workers: Workers = ALONE, least: float = 0.0
+) -> list[Learned]:
     """
-    Return the best curve beside a hypothesis, with the gate that draws set for all curves.
+    Return the best curves beside a hypothesis, best first, with the gate that draws set for all curves.
 
     Events that remember each other make a curve in t, friction that differs along the belt one in x1: curves are many,
     and none of the names that the other gate is drawn for is as free.
@@ -25,8 +28,18 @@ def leading(bench: Bench, fit: Fit, best: Fit, seed: int, workers: Workers = ALO
     best : the fit whose scatter is drawn
     seed : of the draws
     workers : score them
+    least : what a curve is worth at least; without one no gate is drawn
     """
     every, count = bench.curves(fit, workers), len(bench.stretches)
+    worthy = [one for one in every if one.worth(count) > least]
+    if not worthy:
+        return []
+    threshold = drawn(bench, fit, best, every, seed)
+    told = [replace(one, threshold=threshold) for one in worthy if one.worth(count) > threshold]
+    return sorted(told, key=lambda one: -one.worth(count))[: bench.policy.fullest]
+
+
+def drawn(bench: Bench, fit: Fit, best: Fit, every: Sequence[Learned], seed: int) -> float:
+    """Return what the best of these curves gains, prices paid, in one of `1/false_alarm` records that lack nothing."""
     screen = Screen((), tuple(Shapes(one.count, (one.columns,)) for one in every))
-    threshold = gate(bench, fit, screen, seed, best, tight=True).threshold
-    return replace(max(every, key=lambda one: one.worth(count)), threshold=threshold)
+    return gate(bench, fit, screen, seed, best, tight=True).threshold

@@ -27,7 +27,7 @@ class Learned:
     x, value, std : (k,) the curve and its standard deviation
     count : shapes that it is made of
     columns, size : behind it, and their numbers
-    friction : of one in the slip, each window's friction over the law's at the places of its curve
+    events : what it adds to each window's random effects, of a force or a factor of friction or of the belt's speed
     threshold : what the best of all curves gains, prices paid, where nothing is lacking
     period : of one that repeats, at a phase of its own in each run
     """
@@ -41,7 +41,7 @@ class Learned:
     count: int
     columns: Columns
     size: Floats
-    friction: Factors | None = None
+    events: Factors | None = None
     threshold: float = math.inf
     period: float | None = None
 

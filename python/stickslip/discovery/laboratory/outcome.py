@@ -223,6 +223,7 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
         "contact": "friction factor minus 1",
         "block": "force on the block",
         "angle_body": "force on the angle body",
+        "belt": "relative change of the belt's speed",
         "x1 channel": "added to the x1 reading",
         "y1 channel": "added to the y1 reading",
     }

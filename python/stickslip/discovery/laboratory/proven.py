@@ -26,20 +26,23 @@ def beside(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> Fit
     """
     Return a hypothesis fitted with a curve in the model as it was scored.
 
-    One in the slip is there as friction of each window; of another, what it adds is taken out of the readings.
+    One of friction or of the belt is there as what is known of each event, and the fit begins with the motions that it
+    had: what it adds is taken out of the windows' own. Of another, what it adds is taken out of the readings.
 
     Parameters
     ----------
     bench, fit, terms : the hypothesis that it stands beside
     curve : as scored
     """
-    if curve.friction is None:
+    if curve.events is None:
         windows = replace(bench, data=_less(bench, curve)).windows(terms)
-    else:
-        windows = bench.windows(terms)
-        assert isinstance(windows, BeltWindows)
-        windows.added = np.array([windows.added[0] if one is None else one for one in curve.friction])
-    return fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
+        return fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
+    windows, own = bench.windows(terms), fit.own.copy()
+    assert isinstance(windows, BeltWindows)
+    nothing = np.zeros(windows.effects)
+    windows.added = np.array([nothing if one is None else one for one in curve.events])
+    own[:, windows.begins :] -= windows.added
+    return fitted(replace(fit, windows=windows, own=own), bench.policy, bench.policy.candidate_steps, held=2)
 
 
 def _less(bench: Bench, curve: Learned) -> list[Data]:

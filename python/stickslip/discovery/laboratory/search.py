@@ -202,7 +202,7 @@ def _forward(
         fits, done = all_full(bench, base, worthy, workers)
         if others := _of_another_kind(bench, [base, *fits], screen):
             tell(f"fitting {', '.join(one.term.name for one in others)}")
-            more, failed = all_full(bench, base, others, workers)
+            more, failed = all_full(bench, base, others, workers, fits)
             fits, done = [*fits, *more], (*done, *failed)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         # where to stand, a wave shows as well as any: what of its gain is no finding is of no matter here

@@ -90,21 +90,27 @@ class Trial:
 
 
 def all_full(
-    bench: Bench, base: Trial, every: Sequence[Candidate], workers: Workers
+    bench: Bench, base: Trial, every: Sequence[Candidate], workers: Workers, beyond: Sequence[Trial] = ()
 ) -> tuple[list[Trial], tuple[str, ...]]:
     """
     Candidates beside a hypothesis, each fitted from the best of several starts, and those fitted anew.
 
     What is worth less than its score promised is fitted anew where no other reaches that much; beside a null that is
-    no model of the windows, so is what reaches furthest, before the others are held against it.
+    no model of the windows, so is what reaches furthest, before the others are held against it; but nothing is that
+    falls short of what is there already.
+
+    Parameters
+    ----------
+    bench, base, every, workers : the hypothesis, and what to fit beside it
+    beyond : what was fitted beside it before
     """
     near = workers.map(partial(_near, bench, base), every)
     terms = {one.term.name: one.term for one in every}
     fits = {one.term.name: fit for one, fit in zip(every, near, strict=True) if fit is not None}
-    done = list[str]()
-    if fits and not explained(base.fit):
+    done, there = list[str](), min((one.fit.deviance for one in beyond), default=np.inf)
+    first = min(fits, key=lambda name: fits[name].deviance, default=None)
+    if first is not None and fits[first].deviance < there and not explained(base.fit):
         # a null that is far off is no place to start from: what comes furthest from there may come further
-        first = min(fits, key=lambda name: fits[name].deviance)
         fits[first] = _sought(bench, base, (fits[first], terms[first]))
         done.append(first)
     reached = min((fit.deviance for fit in fits.values()), default=np.inf)
@@ -112,6 +118,7 @@ def all_full(
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
+        and not beyond
         and _promised(base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
@@ -18,11 +18,13 @@ from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import closed, fitted, null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.remembered import remembered
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shared import Declared
 
 BenchT = TypeVar("BenchT", bound=Bench)
+_Told = tuple[Learned, Fit]  # a curve, and the fit with it
 
 
 @dataclass(frozen=True)
@@ -34,12 +36,14 @@ class Verdicts(Generic[BenchT]):
     ----------
     bench, searched : the case, and all that was tried
     curve : what no name explains, None if there is nothing
+    fit : the model that explains the windows, the curve in it
     beside : whether the curve is what the names found leave over: they only stand in for what acts
     """
 
     bench: BenchT
     searched: Searched
     curve: Learned | None
+    fit: Fit
     beside: bool = False
 
     @property
@@ -92,12 +96,14 @@ def searched(
     tell("looking for a curve that no name explains")
     left = _left_over(bench, found, seed, workers)
     chosen = found.chosen
-    if chosen.terms and left is None and not lost(chosen.fit):  # names stand that leave nothing over
-        return Verdicts(bench, found, None)
-    alone = _curve(bench, found, seed, workers)
+    # names that leave nothing over fall only to what explains the runs better than they do by more than a little
+    stand = chosen.terms and left is None and not lost(chosen.fit)
+    alone = _curve(bench, found, seed, workers, bench.policy.noticed if stand else 0.0)
     if alone is not None:
-        return Verdicts(bench, found, alone)
-    return Verdicts(bench, found, left, left is not None)
+        return Verdicts(bench, found, *alone)
+    if left is not None:
+        return Verdicts(bench, found, *left, beside=True)
+    return Verdicts(bench, found, None, chosen.fit)
 
 
 def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
@@ -114,20 +120,23 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
     if hum is None or hum.worth(count) <= found.null.independent() - found.chosen.independent():
         return verdicts
     least = found.steps[0].gate.threshold
-    return replace(verdicts, curve=replace(hum, threshold=least), beside=False)
+    return replace(verdicts, curve=replace(hum, threshold=least), fit=found.null.fit, beside=False)
 
 
-def _curve(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
-    """The curve that explains more than every name does, its shapes paid for."""
+def _curve(
+    bench: Bench, found: Searched, seed: int, workers: Workers = ALONE, more: float = 0.0
+) -> _Told | None:
+    """The curve that explains more than every name does, its shapes paid for; by so much `more`."""
     alone, chosen = found.null, found.chosen
-    best = leading(bench, alone.fit, chosen.fit, seed, workers)
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
     named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
-    return _proven(bench, alone, best, named)
+    least = max(named + more, 0.0)
+    promised = least if more else 0.0  # names that stand are not doubted where no curve promises more
+    return _proven(bench, alone, leading(bench, alone.fit, chosen.fit, seed, workers, promised), least)
 
 
-def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> Learned | None:
+def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
@@ -137,7 +146,7 @@ def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALON
     if not chosen.terms:
         return None
     left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed, workers))
-    if left is None or left.gain < bench.policy.stands_in**2 * _explained(bench, found):
+    if left is None or left[0].gain < bench.policy.stands_in**2 * _explained(bench, found):
         return None
     return left
 
@@ -153,18 +162,22 @@ def _explained(bench: Bench, found: Searched) -> float:
     return fitted(alone, policy, held=policy.most_steps).deviance - chosen.deviance
 
 
-def _proven(bench: Bench, beside: Trial, best: Learned, least: float = 0.0) -> Learned | None:
+def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float = 0.0) -> _Told | None:
     """
-    A curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
+    The best curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
 
     What it explains is held against what events that remember explain without it, and is worth `least` at least.
     """
-    count = len(bench.stretches)
-    if best.worth(count) <= best.threshold:
-        return None
-    try:
-        there = fitted_beside(bench, beside.fit, beside.terms, best)
-    except FloatingPointError:
-        return None
-    gain = beside.fit.deviance - beside.remembered - there.deviance + remembered(there)
-    return best if replace(best, gain=gain).worth(count) > max(best.threshold, least) else None
+    count, found = len(bench.stretches), list[tuple[float, _Told]]()
+    for one in every:
+        if found and max(worth for worth, _ in found) > one.worth(count):
+            break  # none of the others promises as much
+        try:
+            there = fitted_beside(bench, beside.fit, beside.terms, one)
+        except FloatingPointError:
+            continue
+        gain = beside.fit.deviance - beside.remembered - there.deviance + remembered(there)
+        worth = replace(one, gain=gain).worth(count)
+        if worth > max(one.threshold, least):
+            found.append((worth, (one, there)))
+    return max(found, key=lambda each: each[0])[1] if found else None
