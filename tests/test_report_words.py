@@ -19,7 +19,7 @@ from found_by_hand import SCHEMA, made
 from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Interval, Part
+from stickslip.discovery.result import Alternative, Interval, Part
 from stickslip.discovery.slider.remarks import absorbed
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
@@ -193,6 +193,25 @@ def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verd
         assert words.sureness(below)[0] == (
             "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
         )
+    # three simulated records of a hundred reach as much as the readings show
+    draws = np.array([0.1, 0.2] * 48 + [0.3, 1.1, 1.2, 1.3])
+    reached = dataclasses.replace(found.gate, observed=1.05, threshold=1.0, draws=draws)
+    assert words.sureness(dataclasses.replace(found, gate=reached))[0] == (
+        "Something is missing, in all likelihood: the best single candidate lowers chi-squared by 1.05; "
+        "noise alone does that in 3 % of 100 records."
+    )
+
+
+def test_a_rival_that_scatter_may_have_made_has_no_odds(tmp_path: Path) -> None:
+    """A seam could not be told from a peak at "odds 1.5·10¹²³ to 1"."""
+    found, _ = made(tmp_path)
+    rival = Alternative("belt_seam", 1e123, -566.0, True, False, "fits these runs better", {})
+    tied = dataclasses.replace(found.effects[0], alternatives=(rival,))
+    lines = words.sureness(dataclasses.replace(found, effects=(tied,)))
+    assert any("belt_seam (it fits better, but as scatter might)" in line for line in lines)
+    near = dataclasses.replace(tied, alternatives=(dataclasses.replace(rival, odds=1.2, delta=-0.4),))
+    lines = words.sureness(dataclasses.replace(found, effects=(near,)))
+    assert any("belt_seam (odds 1.2 to 1)" in line for line in lines)
 
 
 def test_what_does_not_carry_over_is_in_the_headline(tmp_path: Path) -> None:

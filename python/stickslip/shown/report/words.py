@@ -11,7 +11,16 @@ from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.discovery.errors import DRAWS
 from stickslip.discovery.residual import LIMIT
-from stickslip.discovery.result import Alternative, Found, FoundEffect, Interval, Part, Residual, Verdict
+from stickslip.discovery.result import (
+    TIED,
+    Alternative,
+    Found,
+    FoundEffect,
+    Interval,
+    Part,
+    Residual,
+    Verdict,
+)
 from stickslip.shown.report.units import Axes, Axis
 
 PLAIN: Mapping[str, str] = {
@@ -163,18 +172,25 @@ def sureness(found: Found) -> list[str]:
         if found.residual_after.clean:
             lines.append("An effect too small to show above the noise of these runs is not excluded.")
         return lines
-    lines = [
-        f"Something is missing, that is sure: the best single candidate lowers chi-squared by {short(g.observed, 3)}; "
-        f"{alarms(found)}."
-        if g.observed > g.threshold
-        else "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
-    ]
+    lines = [_something(found)]
     if not found.residual_after.clean and found.verdict is Verdict.effect_found:
         names = joined([effect.name for effect in found.effects])
         lines.append(
             f"But no name tried explains the readings down to their noise; {names} is the best of them."
         )
     return lines + [_of_the_name(found, effect) for effect in found.effects]
+
+
+def _something(found: Found) -> str:
+    """Whether there is something at all: sure only where no simulated record reaches what the readings show."""
+    g = found.gate
+    if g.observed <= g.threshold:
+        return "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
+    best = f"the best single candidate lowers chi-squared by {short(g.observed, 3)}"
+    if any(one >= g.observed for one in g.draws):
+        share, count = _share(found), len(g.draws)
+        return f"Something is missing, in all likelihood: {best}; noise alone does that in {share} of {count} records."
+    return f"Something is missing, that is sure: {best}; {alarms(found)}."
 
 
 def alarms(found: Found) -> str:
@@ -204,7 +220,7 @@ def _of_the_name(found: Found, effect: FoundEffect) -> str:
     if effect.of_rig:
         who = f"That it is {joined(list(effect.parameters))}"
     if equal:
-        odds = joined([f"{one.name} ({_odds(one.odds)})" for one in equal])
+        odds = joined([f"{one.name} ({_tie(one)})" for one in equal])
         exact = " The tie is exact: no run of this kind can break it." if any(a.exact for a in equal) else ""
         return f"{who} is NOT settled: these runs cannot tell it from {odds}.{exact}"
     if effect.alternatives:
@@ -232,6 +248,11 @@ def _beside_the_rest(found: Found) -> str:
         f"was held against no rival of its kind; of all that was tried {' + '.join(nearest.names)} comes nearest, its "
         f"-2 log evidence higher by {short(above, 3)}."
     )
+
+
+def _tie(one: Alternative) -> str:
+    """How a rival stands that cannot be told from a name; odds for one that scatter may have made are no odds."""
+    return "it fits better, but as scatter might" if one.delta < -TIED else _odds(one.odds)
 
 
 def _odds(odds: float) -> str:
