@@ -216,7 +216,7 @@ def test_names_that_leave_no_curve_over_stand(
     """
     A drift was told as any curve in t, which followed the scatter beside it a little better; it left nothing.
 
-    A spring that is quadratic was told as a cubic one and a mass that is 8 % off, which left nothing either.
+    An end stop was told as a cubic spring and a damping, which left nothing either.
     """
     null = Trial((), fit)
     (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]

@@ -1,8 +1,8 @@
 """Curves that no name explains: a force, a factor of friction or of the belt's speed, or a reading, of one variable.
 
 While the block slips, a force on it is a change of friction: the windows have columns of that at every place of the
-slip, so that a curve of anything costs no simulation. So they have of the static limit when the block breaks away, and
-of the belt's speed. A force on the angle body is seen through that body alone.
+slip, where the static limit follows, so that a curve of anything costs no simulation. So they have of the belt's speed.
+A force on the angle body is seen through that body alone.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def _speeds(fit: Fit, motions: list[Motion | None], grid: Floats) -> Factors:
 def _factors(
     bench: _OnBelt, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
 ) -> Factors:
-    """A window's static limit and its friction at the places of its curve, over the law's, by each shape."""
+    """What each shape adds to a window's random effects: friction at the places of its curve, over the law's."""
     assert isinstance(fit.windows, BeltWindows)
     law = bench.model.friction
     out: list[Floats | None] = []
@@ -193,13 +193,6 @@ def _factors(
         slip[:] = shapes(grid, values)
         if where == "block":
             slip /= -(np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
-        if motion.mode[0] == 0 and not (
-            where == "contact" and variable == "x2"
-        ):  # in a stick there is no v_w
-            there = belt_speed if variable == "x2" else _at(motion, variable)[np.argmax(motion.mode != 0)]
-            factor[0] = shapes(grid, np.array([there]))[0]
-            if where == "block":
-                factor[0] /= np.sign(belt_speed) * max(law.static_limits[0 if belt_speed > 0 else 1], 1e-6)
     return out
 
 

@@ -139,8 +139,7 @@ def _verdicts(
     fit = verdicts.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
     unlike = lost(fit) or unexplained(fit) > bench.policy.noise_left
-    named = verdicts.curve is None and not rivals  # a curve is no name that may be wrong
-    if unlike or (named and wild(fit)):
+    if unlike or (wild(fit) and not rivals):
         return None
     return verdicts
 

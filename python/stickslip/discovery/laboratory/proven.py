@@ -26,8 +26,8 @@ def beside(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> Fit
     """
     Return a hypothesis fitted with a curve in the model as it was scored.
 
-    One of friction or of the belt is there as what is known of each event, and the fit begins with the motions that it
-    had: what it adds is taken out of the windows' own. Of another, what it adds is taken out of the readings.
+    One of friction or of the belt is there as what is known of each event. The fit begins with the motions that it had:
+    what the curve adds is taken out of the windows' own. Of another curve, what it adds is taken out of the readings.
 
     Parameters
     ----------
@@ -42,7 +42,8 @@ def beside(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> Fit
     nothing = np.zeros(windows.effects)
     windows.added = np.array([nothing if one is None else one for one in curve.events])
     own[:, windows.begins :] -= windows.added
-    return fitted(replace(fit, windows=windows, own=own), bench.policy, bench.policy.candidate_steps, held=2)
+    start = replace(fit, windows=windows, own=own)
+    return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
 
 
 def _less(bench: Bench, curve: Learned) -> list[Data]:
