@@ -147,7 +147,7 @@ def test_a_curve_in_the_slip_begins_with_the_motions_that_there_were(pulled: Lef
 
 
 def test_a_belt_that_warms_up_is_a_curve_of_its_speed(tmp_path: Path) -> None:
-    """Such a belt was told as a gain of 19 %: no name has it, and no curve of a force or a reading moves sticks."""
+    """No name has it, and no curve of a force or a reading moves sticks."""
     path = case(tmp_path, (), 0.015, 0.005, 7, warms=lambda t: 1.0 - 0.1 * np.exp(-t / 15.0))
     read = ss.load_case(path)
     bench = bench_of(read, prepare(read.train))
