@@ -132,6 +132,15 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
     assert beside(bench, null.fit, (), far).deviance > null.fit.deviance
 
 
+def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(bent: Left) -> None:
+    alone = Searched(bent.null, bent.null)
+    told = verdicts._curve(bent.bench, alone, 0)
+    assert told is not None
+    gain = bent.null.fit.deviance - told[1].deviance
+    assert verdicts._curve(bent.bench, alone, 0, more=0.5 * gain) is not None
+    assert verdicts._curve(bent.bench, alone, 0, more=2.0 * gain) is None
+
+
 def test_a_curve_in_the_slip_begins_with_the_motions_that_there_were(pulled: Left) -> None:
     """Beside friction that had taken it already it acted twice, and a fit that began there went astray."""
     bench, null = pulled.bench, pulled.null

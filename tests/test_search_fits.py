@@ -110,6 +110,11 @@ def test_what_comes_furthest_from_a_null_that_is_far_off_is_fitted_anew_before_t
     )
     _, done = all_full(bench, Trial((), fit), [spring, pivot], ALONE)
     assert asked == list(done) == ["spring_cubic_k1", *again]
+    # what comes less far than what was fitted before, and promises no more, is not fitted anew
+    modest = [replace(spring, gain=55.0), replace(pivot, gain=55.0)]
+    for best, first in ((60.0, []), (40.0, ["spring_cubic_k1"])):
+        before = Trial((), replace(fit, deviance=fit.deviance - best))
+        assert [*all_full(bench, Trial((), fit), modest, ALONE, [before])[1]] == first
 
 
 @pytest.mark.parametrize(

@@ -257,7 +257,7 @@ def _of_another_kind(bench: Bench, tried: Sequence[Trial], screen: Screen) -> li
     if any(explained(one.fit) for one in tried):
         return []
     rest = screen.ranked[bench.policy.fullest :]
-    return [replace(one, gain=math.inf) for one in rest if one.term.kind.anywhere.bristle is not None]
+    return [one for one in rest if one.term.kind.anywhere.bristle is not None]
 
 
 def _every(trials: Sequence[Trial]) -> list[Trial]:

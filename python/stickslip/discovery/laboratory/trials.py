@@ -113,12 +113,11 @@ def all_full(
         # a null that is far off is no place to start from: what comes furthest from there may come further
         fits[first] = _sought(bench, base, (fits[first], terms[first]))
         done.append(first)
-    reached = min((fit.deviance for fit in fits.values()), default=np.inf)
+    reached = min([there, *(fit.deviance for fit in fits.values())])
     short = [
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
-        and not beyond
         and _promised(base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
