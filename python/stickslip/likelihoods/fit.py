@@ -98,13 +98,16 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     held = policy.held if held is None else held
     most = policy.most_steps if most is None else most
     fit, damping, calm = replace(fit, at=fit.windows.bounded(fit.at)), 0.0, 0
+    moved = True
     for step in range(most):
-        fit = _linearised(fit, policy)
+        if moved:
+            fit = _linearised(fit, policy)
         if step in (3, 7, 11, 15):
             sought = lifted(rescued(fit))
             if sought is not fit:
                 fit = _linearised(sought, policy)
         trial, cost = _stepped(fit, policy, damping, free=step >= held)
+        moved = trial is not None
         if trial is None:
             damping = max(damping * 10, 1e-2)
             if damping > 10:
@@ -115,17 +118,21 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
         calm = calm + 1 if cost < policy.settled else 0
         if calm and step > held:
             break
-    return closed(fit, policy, LAST_TURNS if held < most else 0)
+    return _closed(_linearised(fit, policy) if moved else fit, policy, LAST_TURNS if held < most else 0)
 
 
-def closed(fit: Fit, policy: Policy, turns: int = LAST_TURNS) -> Fit:
+def closed(fit: Fit, policy: Policy) -> Fit:
     """
     Return the fit linearised where it stands, with its population and deviance.
 
     The deviance is that of the windows as simulated. Where a fit has not settled, what the linearised windows promise
     of a further step is no likelihood; that step is taken if it holds.
     """
-    here = _linearised(fit, policy)
+    return _closed(_linearised(fit, policy), policy, LAST_TURNS)
+
+
+def _closed(here: Fit, policy: Policy, turns: int) -> Fit:
+    """See `closed`; the fit is linearised."""
     found = _estimate(here, policy, turns)
     moved = _moved(here, found, policy)
     stayed = _valued(here, _estimate(here, policy, 0))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.discovery.carry_over import unclaimed
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
 from stickslip.discovery.general_rig.errors import Told, error_block
@@ -67,7 +69,12 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     if lost(found.chosen.fit):
         words = "laws of this kind do not move the rig like the readings; are rig, units and speeds right?"
         raise StickslipError(words)
-    return _found(case, bench, found, validate, tell, (began, len(every.stretches) - len(bench.stretches)))
+    so_far = (began, len(every.stretches) - len(bench.stretches))
+    out = _found(case, bench, found, validate, tell, so_far)
+    if (why := unclaimed(out)) is not None:
+        out = _found(case, bench, replace(found, chosen=found.null), validate, tell, so_far)
+        return replace(out, messages=(why, *out.messages))
+    return out
 
 
 def _moving(runs: Sequence[BodiesData]) -> None:
@@ -108,7 +115,7 @@ def _found(
         gate=usual.gate(found),
         runs=(),
         spectrum=spectrum(*left),
-        messages=(*_left_out(out, bench), *outcome.remarks(bench, chosen, error)),
+        messages=(*_left_out(out, bench), *outcome.remarks(bench, chosen)),
         seconds=time.monotonic() - began,
         scatter=outcome.scatter(chosen.fit),
         constants=outcome.constants(bench, chosen.fit),

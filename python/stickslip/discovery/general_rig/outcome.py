@@ -20,7 +20,7 @@ from stickslip.discovery.laboratory.rival_kind import RivalKind, within
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
-from stickslip.discovery.result import ErrorBlock, FoundEffect, Interval, Rival
+from stickslip.discovery.result import FoundEffect, Interval, Rival
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
 from stickslip.likelihoods.fit_state import Fit, unexplained
@@ -183,7 +183,7 @@ def _percent(one: Interval) -> str:
     return f"{100 * one.value:.2g} %" + ("" if low is None or high is None else f" ({low} to {high})")
 
 
-def remarks(bench: GeneralBench, trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
+def remarks(bench: GeneralBench, trial: Trial) -> tuple[str, ...]:
     """Return what a person should read beside the verdict."""
     sizes = ", ".join(f"{name} by {_percent(one)}" for name, one in scatter(trial.fit).items())
     out = [
@@ -197,11 +197,6 @@ def remarks(bench: GeneralBench, trial: Trial, error: ErrorBlock) -> tuple[str, 
         out.append(f"the motion at {', '.join(unread)} is not read: it is found from the other coordinates")
     if (over := unexplained(trial.fit)) > bench.policy.noise_left:
         out.append(f"{over:.3g} times the noise's variance is left: something acts that no name says")
-    if trial.terms and error.rises:
-        out.append(
-            f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}: what was found does "
-            "not carry over to them"
-        )
     return tuple(out)
 
 

@@ -13,6 +13,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
 from stickslip.declared.uncertainty import GAINS, Uncertainty
+from stickslip.discovery.carry_over import unclaimed
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
@@ -36,6 +37,7 @@ from stickslip.discovery.result import (
     Verdict,
 )
 from stickslip.discovery.set_points import doubtful_set_points
+from stickslip.discovery.slider.choose import FEWEST
 from stickslip.discovery.slider.loop import experiments, idle
 from stickslip.discovery.slider.outcome import error_block
 from stickslip.discovery.slider.remarks import absorbed
@@ -119,29 +121,48 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     verdicts = _verdicts(bench, case.uncertainty, tell, seed, workers)
     if verdicts is None:
         return None
-    found = _found(Search(case, units, data, verdicts), tell, began)
-    return replace(found, messages=(*unused, *found.messages))
+    said: tuple[str, ...] = ()
+    if not _models(verdicts):
+        slips = sum(len(measure(prepare_events(run)).events) for run in case.train)
+        if slips >= FEWEST:
+            return None
+        verdicts, said = verdicts.silent(), (_neither(slips),)
+    searched = Search(case, units, data, verdicts)
+    found = _found(searched, tell, began)
+    if (why := unclaimed(found)) is not None:
+        found, said = _found(replace(searched, verdicts=verdicts.silent()), tell, began), (why,)
+    return replace(found, messages=(*said, *unused, *found.messages))
 
 
 def _verdicts(
     bench: BeltBench, known: Uncertainty, tell: Callable[[str], None], seed: int, workers: Workers
 ) -> Verdicts[BeltBench] | None:
-    """What windows say; None where they are few, where nothing scatters, or where no hypothesis is their model."""
+    """What windows say; None where they are few, or where no law of this kind moves like them."""
     if len(bench.stretches) < bench.policy.fewest_windows:
         return None
     try:
         verdicts = searched(bench, known, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
-    verdicts = beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
+    return beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
+
+
+def _models(verdicts: Verdicts[BeltBench]) -> bool:
+    """Whether what is told is a model of the windows."""
     if verdicts.curve is not None and verdicts.curve.period is not None:  # it is what windows are no model of
-        return verdicts
+        return True
     fit = verdicts.fit
     rivals = [one for one in verdicts.searched.chosen.terms if isinstance(one.kind, RivalKind)]
-    unlike = lost(fit) or unexplained(fit) > bench.policy.noise_left
-    if unlike or (wild(fit) and not rivals):
-        return None
-    return verdicts
+    unlike = lost(fit) or unexplained(fit) > verdicts.bench.policy.noise_left
+    return not (unlike or (wild(fit) and not rivals))
+
+
+def _neither(slips: int) -> str:
+    """Why nothing is told."""
+    return (
+        "nothing is named: no effect, curve or scatter makes every stretch from stick to stick what was read, and "
+        f"{slips} slips between sticks are too few to be searched by themselves ({FEWEST} are needed)"
+    )
 
 
 def beside_single_slips(case: Case, found: Found) -> tuple[str, ...]:

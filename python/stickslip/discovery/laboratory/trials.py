@@ -118,7 +118,7 @@ def all_full(
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
-        and _promised(base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
+        and _promised(bench, base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
     fits |= dict(zip(short, again, strict=True))
@@ -127,9 +127,9 @@ def all_full(
     return trials, tuple(done)
 
 
-def _promised(base: Trial, candidate: Candidate) -> float:
-    """The deviance that a candidate's score promises."""
-    return base.fit.deviance - candidate.gain
+def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
+    """The deviance that a candidate's score promises, less what of it is no finding."""
+    return base.fit.deviance - candidate.gain + _of_scatter(bench, base.fit, candidate.term, candidate.gain)
 
 
 def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:

@@ -66,6 +66,11 @@ class Verdicts(Generic[BenchT]):
         plain = replace(self.bench, declared=Declared())
         return Trial((), null(plain.windows(), plain.policy, twice=True))
 
+    def silent(self) -> Verdicts[BenchT]:
+        """Return the same with nothing told."""
+        found = replace(self.searched, chosen=self.searched.null)
+        return replace(self, searched=found, curve=None, fit=found.null.fit, beside=False)
+
 
 def searched(
     bench: BenchT,
@@ -177,7 +182,7 @@ def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float 
         except FloatingPointError:
             continue
         gain = beside.fit.deviance - beside.remembered - there.deviance + remembered(there)
-        worth = replace(one, gain=gain).worth(count)
-        if worth > max(one.threshold, least):
-            found.append((worth, (one, there)))
+        shown = replace(one, gain=gain)
+        if (worth := shown.worth(count)) > max(one.threshold, least):
+            found.append((worth, (shown, there)))
     return max(found, key=lambda each: each[0])[1] if found else None

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import CONSTANTS
+from stickslip.discovery.carry_over import unclaimed
 from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Interval, Rival, Verdict
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS
@@ -102,13 +103,8 @@ def discover(
 
 def carried(found: Found) -> Found:
     """Return what was found, or nothing where the error of single events rises on runs never used."""
-    if not found.effects or not found.error.rises:
+    if (why := unclaimed(found)) is None:
         return found
-    names = ", ".join(one.name for one in found.effects)
-    words = (
-        f"{names} would be named by the train runs, but the error of single events on runs never used RISES from "
-        f"{found.error.before:.3g} to {found.error.after:.3g}: nothing is claimed"
-    )
     error = replace(
         found.error,
         after=found.error.before,
@@ -127,7 +123,7 @@ def carried(found: Found) -> Found:
         error=error,
         experiments=(),
         ranking=tuple(replace(one, chosen=not one.names) for one in found.ranking),
-        messages=(words, *found.messages),
+        messages=(why, *found.messages),
     )
 
 
