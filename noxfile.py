@@ -2,7 +2,7 @@
 # /// script
 # dependencies = ["nox>=2025.2.9"]
 # ///
-"""Tasks in environments of their own: `nox -s lint`, `tests`, `wheel`. `./run test` does all of it in one."""
+"""Tasks in environments of their own: `nox -s lint`, `tests`, `wheel`. `./run all` does all of it in one."""
 
 import nox
 
