@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import stickslip as ss
 from scattering import FORCE_NOISE, KINETIC, MASS, PERIOD, STIFFNESS, block_case
@@ -11,6 +12,7 @@ from scattering import FORCE_NOISE, KINETIC, MASS, PERIOD, STIFFNESS, block_case
 BELT, TOP = 0.14, 0.85  # speed of the belt, m/s, and that of the swing over it
 
 
+@pytest.mark.study
 def test_a_run_that_only_swings_is_said_and_hides_nothing(tmp_path: Path) -> None:
     """It was cut where it came near the belt's speed: friction and belt took the rest, and a mass was named."""
     effect = ss.effect("spring_cubic_k1", k=2.4e6)

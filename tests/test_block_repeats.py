@@ -10,7 +10,10 @@ from scattering import KINETIC, STATIC, block_case
 
 @pytest.mark.parametrize(
     ("effect", "number"),
-    [(ss.effect("block_viscous_damping", c=2.0), "c"), (ss.effect("spring_cubic_k1", k=2.4e6), "k")],
+    [
+        pytest.param(ss.effect("block_viscous_damping", c=2.0), "c", marks=pytest.mark.study),
+        (ss.effect("spring_cubic_k1", k=2.4e6), "k"),
+    ],
 )
 def test_what_acts_where_every_event_repeats_is_named(tmp_path: Path, effect: ss.Effect, number: str) -> None:
     """Fewer numbers of each event, by which they were held against each other, had lost it."""
@@ -25,6 +28,7 @@ def test_what_acts_where_every_event_repeats_is_named(tmp_path: Path, effect: ss
     assert any("every event of a run is like every other" in one for one in found.messages)
 
 
+@pytest.mark.study
 def test_nothing_is_named_where_nothing_acts_and_every_event_repeats(tmp_path: Path) -> None:
     found = ss.discover(ss.load_case(block_case(tmp_path, few=True, seed=6, scatter=0.0)))
     assert found.effects == ()

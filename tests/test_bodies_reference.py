@@ -256,7 +256,7 @@ def chain(law: ss.CoulombFriction, count: int = 3) -> ss.Model:
     return ss.Model(rig, friction=law)
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_a_chain_of_blocks_keeps_its_symmetry_and_simultaneous_releases() -> None:
     law = ss.HyperbolicFriction(scale=1, decay=3)
     v = 0.2
@@ -336,6 +336,7 @@ def test_a_law_may_depend_on_the_time_at_rest_and_have_a_state() -> None:
     assert with_state.changes[0].t == pytest.approx(run.changes[0].t, abs=1e-9)
 
 
+@pytest.mark.study
 def test_tables_and_formulas_with_many_kinks_land_on_each() -> None:
     """A tabulated law is integrated as the smooth program that knows its cubics would."""
     law = ss.TabulatedFriction(speeds=[0, 0.05, 0.1, 0.2, 0.4], forces=[1, 0.7, 0.6, 0.65, 0.8], static=1.2)

@@ -80,6 +80,7 @@ def test_a_drill_string_turns_as_in_the_plain_simulator_and_the_closed_form() ->
     held_against_plain(model, [0, 0, 0, 0], 2.5, drive_speed="0.5 + 0.3*sin(2*t)")
 
 
+@pytest.mark.study
 def test_a_chain_of_blocks_releases_alike_on_both_sides() -> None:
     law = ss.HyperbolicFriction(scale=1, decay=3)
     run = held_against_plain(chain(law), [0.1, 0.4, 0.1, 0.2, 0.2, 0.2], 9, 1e-8, belt_speed=0.2)
@@ -92,6 +93,7 @@ def test_a_chain_of_blocks_releases_alike_on_both_sides() -> None:
         np.testing.assert_allclose(same.state[:, k], alone.state[:, 0], atol=1e-9)
 
 
+@pytest.mark.study
 def test_releases_that_tear_others_off_are_those_of_the_plain_simulator() -> None:
     rig = ss.MatricesRig(
         M=[[1.08, -0.36, -0.17], [-0.36, 2.76, 1.01], [-0.17, 1.01, 2.51]],

@@ -26,6 +26,7 @@ def runs() -> list[ss.Recording]:
     return [recorded(0.012, 1), recorded(-0.012, 2)]
 
 
+@pytest.mark.study
 def test_both_directions_are_found_as_if_each_were_alone(runs: list[ss.Recording]) -> None:
     found = ss.identify(runs, rig=RIG)
     assert found.law.kind == "coulomb"

@@ -64,7 +64,7 @@ def test_an_effect_that_is_in_no_list_is_named_by_the_user_s_own(tmp_path: Path)
     assert (swept["status"] == 0).all()
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_one_of_a_block_is_named_in_the_units_of_the_case(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

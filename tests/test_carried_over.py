@@ -45,6 +45,7 @@ def known(data: list[Data], *effects: ss.Effect) -> tuple[Fit, ss.Model]:
     return replace(begin(bench.windows(terms)), population=scatter), PLAIN.with_effects(effects)
 
 
+@pytest.mark.study
 def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
     runs = recorded(DAMPED, speeds=(0.1, -0.12, 0.15), seed=1)
     data = prepare(runs)

@@ -291,7 +291,7 @@ def test_a_failed_write_leaves_what_was_there(folder, tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["run.csv"]
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_demo_ends_with_the_law_the_comparison_and_the_paths(tmp_path):
     result = stickslip("demo", "--first-half", "--out", tmp_path)
     assert result.exit_code == 0, result.output

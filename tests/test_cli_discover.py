@@ -187,7 +187,7 @@ def test_findings_are_printed(tmp_path: Path, command: str) -> None:
         assert one in result.stdout or (command == "compare" and not one.startswith("run_03"))
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_a_lag_is_found_and_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = found_by_hand.write_case(tmp_path, si=True)
     quickly(monkeypatch)

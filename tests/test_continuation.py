@@ -301,6 +301,7 @@ def test_the_figure_shows_every_point_and_both_stabilities(damped):
         plot_branch(damped, "periode")
 
 
+@pytest.mark.study
 def test_a_closed_branch_is_traced_once():
     """The cycles of a forced slider that go round in the force's amplitude."""
     model = ss.Model(

@@ -100,6 +100,7 @@ def test_the_report_says_what_the_runs_say_of_a_constant(tmp_path: Path) -> None
     assert told["k3"]["runs"] is None  # type: ignore[index, call-overload]
 
 
+@pytest.mark.study
 def test_discover_says_what_the_events_say_of_a_block_s_constants(tmp_path: Path) -> None:
     case = case_of(rig_of(0.01), tmp_path, friction=OFF, length=5.0, step=2e-3)
     found = ss.discover(case)

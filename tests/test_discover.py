@@ -40,7 +40,7 @@ def test_nothing_is_found_where_nothing_is(clean):
     assert clean.error.floor < 0.03
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_a_sensor_effect_is_named_with_its_size(crossed):
     assert crossed.verdict is Verdict.effect_found
     (found,) = crossed.effects

@@ -103,6 +103,7 @@ def test_other_commands_take_the_models(hummed: Path, tmp_path: Path) -> None:
     assert out.read_text().startswith("t,along,across,along_low,along_high")
 
 
+@pytest.mark.study
 def test_where_nothing_acts_nothing_is_named() -> None:
     """The angles grow to 10 rad: with gains that the runs do not have the twist, and all that follows, was wrong."""
     case = CASES["drill"]()

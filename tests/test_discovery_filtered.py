@@ -92,6 +92,7 @@ def test_a_misfit_near_the_noise_is_no_noise(effect):
 AGING = ss.effect("static_aging", dT=1.0, tau=1.5)
 
 
+@pytest.mark.study
 def test_an_effect_behind_it_is_not_thinned_away():
     """With the effect in the model the rest is a filter's noise."""
     case = noisy(TAPS["mean of three"], (AGING,))
@@ -110,6 +111,7 @@ def test_a_search_thins_when_the_effect_is_found():
     assert any("one reading in 3 is used" in one for one in found.messages)
 
 
+@pytest.mark.study
 def test_nothing_is_found_in_a_filter_s_noise():
     case = noisy(TAPS["mean of three"], length=30.0)
     for run, at in zip(case.train, (300, 702, 1000), strict=False):

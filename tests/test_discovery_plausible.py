@@ -175,7 +175,7 @@ def test_a_belt_channel_that_the_block_contradicts_is_left_out() -> None:
     assert all((run.weight[:, 2] > 0).all() for run in data)
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
     case = make_case(length=40.0)
     found = discover(replace(case, runs=(case.runs[0], case.runs[-1])))
@@ -190,6 +190,7 @@ def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:
     assert any("all train runs have one belt speed: ties are wide" in one for one in found.messages)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("times", [0.1, 10.0])
 def test_a_noise_declared_wrong_is_said_and_put_right(times: float) -> None:
     case = make_case(length=40.0, speeds=FEW)
@@ -202,6 +203,7 @@ def test_a_noise_declared_wrong_is_said_and_put_right(times: float) -> None:
     assert found.runs[0].noise["x1"] == pytest.approx(NOISE, rel=0.06)
 
 
+@pytest.mark.study
 def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
     case = make_case(length=40.0, speeds=FEW)
     runs = []
@@ -212,6 +214,7 @@ def test_clipped_and_coarse_readings_pass_for_no_effect() -> None:
     assert found.verdict is Verdict.no_effect
 
 
+@pytest.mark.study
 def test_a_short_validate_run_is_forecast_all_the_same() -> None:
     case = make_case(length=40.0, speeds=FEW)
     runs = (*case.runs[:-1], case.runs[-1].window(0.0, 6.0))

@@ -27,6 +27,7 @@ def declared_wrong(seed: int = 1, softer: float = 0.0, **wrong: float) -> Case:
     return replace(case, rig=rig, runs=tuple(replace(run, rig=rig) for run in case.runs))
 
 
+@pytest.mark.study
 def test_an_inertia_that_is_wrong_is_found_and_mended(tmp_path: Path) -> None:
     found = ss.discover(declared_wrong(alpha2=8.8))
     assert found.verdict is Verdict.effect_found

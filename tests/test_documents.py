@@ -37,6 +37,7 @@ def test_the_readme_shows_every_command_with_options_it_has() -> None:
         command.make_context(name, words)  # refuses an option it has not, or one that is missing
 
 
+@pytest.mark.study
 def test_the_page_of_sweeps_runs_from_top_to_bottom(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # where its figures go
     shown: dict[str, Any] = {}
@@ -54,6 +55,7 @@ def test_the_two_bifurcations_that_the_page_of_sweeps_tells_of() -> None:
     assert told == [("crossing", "0.166"), ("neimark_sacker", "0.196")]
 
 
+@pytest.mark.study
 def test_the_branch_of_the_page_is_the_one_it_tells_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,6 +16,7 @@ from stickslip.discovery.driven_slider.motion import motion, spread
 from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener, autoregressions
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.search import extreme
+from studies import few
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-3, 2.5, 40.0])
@@ -199,6 +200,7 @@ def test_an_open_loop_is_not_taken_for_a_closed_one() -> None:
     assert not feedback(balance, fit).closed
 
 
+@pytest.mark.study
 def test_a_mass_keeps_to_its_uncertainty_and_no_further() -> None:
     _, held = settled(0.0, 1.01 * truth.MASS)
     assert held.law.mass == pytest.approx(1.01 * truth.MASS, rel=1e-12)
@@ -218,7 +220,9 @@ QUIET = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", QUIET)
+@pytest.mark.parametrize(
+    "kind", few(QUIET, ["coloured force noise", "open loop, white readings", "readings fed back"])
+)
 def test_a_record_that_the_declared_law_explains_names_nothing(kind, tmp_path) -> None:
     found = ss.discover(ss.load_case(truth.write_case(tmp_path, seconds=12.8, train=7.0, **QUIET[kind])))
     assert found.verdict.value == "no_effect"

@@ -125,6 +125,7 @@ def test_every_law_is_forecast_as_it_is(law: str, speed: float) -> None:
     assert size > 100
 
 
+@pytest.mark.study
 @settings(max_examples=12, deadline=None)
 @given(
     seen=st.integers(300, 2000), name=st.sampled_from(["", "static_aging", "harmonic_forcing", "sensor_lag"])

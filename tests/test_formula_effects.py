@@ -13,6 +13,7 @@ import scipy
 import stickslip as ss
 from stickslip.declared.effect import KINDS
 from stickslip.errors import InputError
+from studies import few
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-12}
 TIMES = np.linspace(0.0, 12.0, 121)
@@ -72,7 +73,7 @@ FORMULAS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", FORMULAS)
+@pytest.mark.parametrize("name", few(FORMULAS, ["with a state", "a factor on friction"]))
 def test_a_formula_acts_as_the_plain_simulator_says(name: str) -> None:
     model = string(ss.effect("formula", **FORMULAS[name]))
     soon = {"t_end": SOON[-1], "t_eval": SOON}

@@ -33,6 +33,7 @@ def error(fit: Fit, beside: Fit) -> float:
     )
 
 
+@pytest.mark.study
 def test_an_effect_that_acts_lowers_the_error_on_windows_held_out(bench: Bench) -> None:
     """Friction of a window's own takes much of a misfit: it must cost, or the null leaves as little."""
     null = fit_of(bench)

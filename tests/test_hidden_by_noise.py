@@ -29,6 +29,7 @@ def said(case: ss.Case, factor: float) -> ss.Case:
     return replace(case, noise=noise, runs=tuple(replace(run, noise=noise) for run in case.runs))
 
 
+@pytest.mark.study
 def test_an_effect_is_found_under_a_noise_declared_three_per_cent_too_large() -> None:
     """chi-squared was 1.07 in all, which noise may leave; in x1 it was 1.22, and nothing was said to be missing."""
     case = make_case((curve(0.03),), length=30.0, speeds=(0.13, -0.14, 0.1))  # too short to tell the place

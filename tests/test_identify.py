@@ -71,6 +71,7 @@ def test_law_of_a_run_made_by_the_reference_is_found_within_its_intervals(tmp_pa
     assert static.std < 0.02
 
 
+@pytest.mark.study
 def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, clean):
     speeds = (0.1, -0.1, 0.16)
     z = []

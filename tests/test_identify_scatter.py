@@ -62,6 +62,7 @@ def test_what_is_written_of_scatter_can_be_read_again(rig: ss.Identified, tmp_pa
     assert set(told) >= {"law", "estimates", "covered", "names", "covariance", "noise", "events", "thinned"}
 
 
+@pytest.mark.study
 def test_where_nothing_scatters_the_law_alone_is_fitted(tmp_path: Path) -> None:
     made = ss.load_case(case(tmp_path, (), 0.0, 0.0, 6))
     found, alone = ss.identify(made), ss.identify(made, scatter=False)
@@ -130,6 +131,7 @@ def test_events_that_are_alike_make_a_covariance_and_a_wider_one(
     assert (np.diag(wide)[levels] > 1.5 * np.diag(alone)[levels]).all() == (memories[1] > 0.5)
 
 
+@pytest.mark.study
 def test_an_effect_under_scatter_sends_to_discover(tmp_path: Path) -> None:
     damped = (ss.effect("block_viscous_damping", c=1.5),)
     found = ss.identify(ss.load_case(case(tmp_path, damped, 0.01, 0.0, 8)))

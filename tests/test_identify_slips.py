@@ -97,6 +97,7 @@ def test_friction_that_falls_with_speed_is_told_from_coulomb(tmp_path):
     np.testing.assert_allclose(found.law.magnitude(-u), law.magnitude(-u), atol=0.02)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(
     ("law", "noise", "lasts"),
     [((1.0, 3.0, 0.3), 3e-3, 100), ((1.0, 3.0, 0.0), 1e-3, 150), ((0.7, 8.0, 0.3), 1e-3, 100)],

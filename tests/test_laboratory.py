@@ -44,6 +44,7 @@ def test_nothing_is_named_where_only_friction_scatters(plain: tuple[Path, ss.Fou
     assert any("differs from event to event" in words for words in found.messages)
 
 
+@pytest.mark.study
 def test_an_effect_of_one_s_own_that_does_not_act_changes_nothing(plain: tuple[Path, ss.Found]) -> None:
     path, without = plain
     force = "-c*deflection**2*deflection_rate"
@@ -92,6 +93,7 @@ def test_a_constant_of_a_rig_in_si_is_named_by_its_own_name(tmp_path: Path) -> N
     assert first.gain > others[0].gain + 5
 
 
+@pytest.mark.study
 def test_a_constant_within_three_of_its_uncertainties_is_no_finding(plain: tuple[Path, ss.Found]) -> None:
     _, found = plain
     assert found.verdict.value == "no_effect"
@@ -180,6 +182,7 @@ def test_a_window_that_a_slow_wave_makes_another_of_is_drawn_with_a_belt_of_its_
     assert np.all(drawn["odd"] < 2 * drawn["plain"])
 
 
+@pytest.mark.study
 def test_a_wave_of_the_readings_is_asked_as_those_of_the_draws_are(tmp_path: Path) -> None:
     """What one gains with scatter estimated anew, draws show only if it is for them: a field had the name of a seam."""
     read = ss.load_case(case(tmp_path, (), 0.02, 0.0, 4, few=True))

@@ -102,6 +102,7 @@ def test_a_damping_is_named_and_the_error_falls_to_the_noise(
     assert float(ahead["spring_force"].abs().max()) < 12.0
 
 
+@pytest.mark.study
 def test_a_wrong_mass_is_named_and_nothing_beside_it(tmp_path: Path) -> None:
     found = ss.discover(
         ss.load_case(block_case(tmp_path, few=True, seed=3, scatter=SCATTER, off={"mass": 0.12}))
@@ -131,6 +132,7 @@ def test_a_hum_of_its_sensor_is_told_with_its_period(tmp_path: Path) -> None:
     assert one.curve.period == pytest.approx(2 * math.pi / w, rel=2e-3)
 
 
+@pytest.mark.study
 def test_a_wave_of_the_belt_comes_with_its_length(tmp_path: Path) -> None:
     seam = ss.effect("belt_seam", a=0.08, L=0.05, phi=0.0)
     found = ss.discover(
@@ -157,6 +159,7 @@ def test_a_curved_sensor_is_named(tmp_path: Path) -> None:
     assert found.error.after < 0.9 * found.error.before
 
 
+@pytest.mark.study
 def test_belts_that_are_all_slower_than_declared_are_what_a_gain_is(tmp_path: Path) -> None:
     """All belts 6 % slower: a gain was named, as if nothing else could be. No reading tells them apart."""
     path = block_case(tmp_path, few=True, seed=3, scatter=SCATTER)

@@ -75,6 +75,7 @@ def test_a_name_that_only_stands_in_leaves_a_curve(pulled: Left, bent: Left) -> 
     assert told.told is pulled.named
 
 
+@pytest.mark.study
 def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left) -> None:
     assert pulled.curve is not None
     found, bench = pulled.searched, pulled.bench
@@ -93,6 +94,7 @@ def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> No
         assert lost(replace(fit, linear=replace(fit.linear, weight=weight))) == gone
 
 
+@pytest.mark.study
 def test_a_curve_is_held_against_all_that_a_wave_explains(bent: Left) -> None:
     """What scatter may have of a wave's gain was taken off before a curve was held against it, and the curve won."""
     bench, null, named = bent.bench, bent.null, bent.named
@@ -115,6 +117,7 @@ def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_
     assert numbers["pivot_dry_friction.f"] == pytest.approx(0.1, rel=0.03)
 
 
+@pytest.mark.study
 def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
     """An offset of the x1 reading is the law's own level: a score may step along it, a fit gains nothing."""
     read = ss.load_case(case(tmp_path, (PULL,), 0.015, 0.005, 7))
@@ -132,6 +135,7 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
     assert beside(bench, null.fit, (), far).deviance > null.fit.deviance
 
 
+@pytest.mark.study
 def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(bent: Left) -> None:
     alone = Searched(bent.null, bent.null)
     told = verdicts._curve(bent.bench, alone, 0)
@@ -170,6 +174,7 @@ def test_a_belt_that_warms_up_is_a_curve_of_its_speed(tmp_path: Path) -> None:
     assert curve.value[-1] - curve.value[0] == pytest.approx(there[-1] - there[0], rel=0.3)
 
 
+@pytest.mark.study
 def test_the_gate_of_curves_is_drawn_for_curves(tmp_path: Path) -> None:
     """Events that remember make curves in t: what is told must pass a gate that such records set."""
     read = ss.load_case(case(tmp_path, (), 0.02, 0.005, 9))

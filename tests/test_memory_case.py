@@ -77,6 +77,7 @@ def test_a_frame_reaches_the_search() -> None:
         )
 
 
+@pytest.mark.study
 def test_the_report_of_what_was_in_memory_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     quickly(monkeypatch)
     found, case = objects()["Found"], objects()["Case"]

@@ -16,6 +16,7 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.simulated.reference import integrate as reference
+from studies import few
 
 
 def turning_points(run):
@@ -92,6 +93,7 @@ def test_den_hartog_amplitude(r, friction, amplitude):
     )
 
 
+@pytest.mark.study
 def test_forced_popp_stelter_transitions_and_strobe():
     model = known.popp_stelter()
     run = reference.simulate(
@@ -148,7 +150,7 @@ def test_reference_rig_has_the_transitions_of_the_extended_precision_run():
 
 @pytest.mark.parametrize(
     "member",
-    [one if one in FEW else pytest.param(one, marks=pytest.mark.study) for one in known.HARD_MEMBERS],
+    few(known.HARD_MEMBERS, FEW),
 )
 def test_hard_members_of_the_grid_lose_no_slip(member):
     model, v_b = known.of_the_grid(member)

@@ -250,6 +250,7 @@ def test_an_interrupt_while_drawing_ends_the_processes_and_leaves_nothing(
     assert sorted(tmp_path.iterdir()) == before
 
 
+@pytest.mark.study
 def test_processes_draw_what_one_draws(
     written: dict[str, Written], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -264,6 +265,7 @@ def test_processes_draw_what_one_draws(
         assert saved.live.document in text
 
 
+@pytest.mark.study
 def test_same_result_same_files(
     written: dict[str, Written], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -58,6 +58,7 @@ def test_a_silent_verdict_leaves_the_declared_model() -> None:
     assert found.model == found.before
 
 
+@pytest.mark.study
 def test_a_gain_is_found_with_all_that_looks_like_it() -> None:
     """A drift as fast as the gain makes sticks rise would move the levels of a run by more than their size."""
     found = discover(surrogate(origin(), 5, Planted(gain=0.15)), draws=DRAWS)
@@ -73,6 +74,7 @@ def test_a_gain_is_found_with_all_that_looks_like_it() -> None:
         assert low < 0.15 < high
 
 
+@pytest.mark.study
 def test_a_mass_is_found_and_the_error_falls_on_what_was_not_used() -> None:
     found = lighter()
     effect = found.effects[0]
@@ -99,6 +101,7 @@ def test_what_makes_other_runs_worse_is_not_claimed() -> None:
     assert [one.names for one in nothing.ranking if one.chosen] == [()]
 
 
+@pytest.mark.study
 def test_two_wrong_constants_are_one_of_three_pairs() -> None:
     found = discover(surrogate(origin(), 11, Planted(gain=0.15, mass=-0.7)), draws=DRAWS)
     assert {one.name for one in found.effects} == {"sensor_gain", "rig_mass"}

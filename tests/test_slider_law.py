@@ -63,6 +63,7 @@ def test_a_doubtful_gain_makes_the_law_as_doubtful() -> None:
         assert half(beside[name]) == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.study
 def test_the_intervals_are_as_wide_as_the_errors() -> None:
     """With the gain held they were a third as wide: of 40 intervals half held the truth."""
     z = []

@@ -98,6 +98,7 @@ def test_two_instants_stand_for_a_mean_of_a_cubic(count: int) -> None:
         np.testing.assert_allclose(both, (at**power).reshape(-1, count).mean(axis=1), rtol=1e-12)
 
 
+@pytest.mark.study
 def test_a_thinned_record_gives_the_same_law(long: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
     law = ss.PaperFriction()
     run = long.window(0.0, 0.002 * 50_000)

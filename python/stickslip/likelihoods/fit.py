@@ -121,14 +121,14 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     return _closed(_linearised(fit, policy) if moved else fit, policy, LAST_TURNS if held < most else 0)
 
 
-def closed(fit: Fit, policy: Policy) -> Fit:
+def closed(fit: Fit, policy: Policy, turns: int = LAST_TURNS) -> Fit:
     """
     Return the fit linearised where it stands, with its population and deviance.
 
     The deviance is that of the windows as simulated. Where a fit has not settled, what the linearised windows promise
     of a further step is no likelihood; that step is taken if it holds.
     """
-    return _closed(_linearised(fit, policy), policy, LAST_TURNS)
+    return _closed(_linearised(fit, policy), policy, turns)
 
 
 def _closed(here: Fit, policy: Policy, turns: int) -> Fit:
