@@ -139,6 +139,23 @@ def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
     assert [one.term.name for one in worthy] == names
 
 
+@pytest.mark.parametrize(("large", "again"), [(0.01, ()), (100.0, ("harmonic_forcing",))])
+def test_what_scatter_has_of_a_wave_is_no_promise(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, large: float, again: tuple[str, ...]
+) -> None:
+    """One no larger than the waves that scatter is made of may fall short of its score: nothing was promised."""
+    (kind,) = [one for one in bench.kinds() if one.name == "harmonic_forcing"]
+    small = term(kind, {"a": 1.0, "w": W, "phi": 0.0})
+    size = large * bench.scattered(fit, small)
+    wave = Candidate(replace(small, effect=small.effect.replace(a=size)), 200.0, 7, np.zeros(len(fit.at)))
+    anew: list[Fit] = []
+    monkeypatch.setattr(trials, "explained", lambda _: True)
+    monkeypatch.setattr(trials, "anew", lambda _, start: anew.append(start))
+    monkeypatch.setattr(trials, "from_near", lambda _, start: replace(start, deviance=fit.deviance - 50.0))
+    assert all_full(bench, Trial((), fit), [wave], ALONE)[1] == again
+    assert bool(anew) == bool(again)
+
+
 @pytest.mark.parametrize(("times", "held"), [(2.5, False), (4.0, True)])
 def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_far_off(
     bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, held: bool
