@@ -43,6 +43,7 @@ def test_what_acts_in_the_train_runs_alone_is_not_claimed(tmp_path: Path) -> Non
     assert found.effects == ()
     assert "block_viscous_damping" not in {one.name for one in found.after.effects}
     assert found.error.after == found.error.before
+    assert [one.name for one in found.unclaimed] == ["block_viscous_damping"]
     assert found.messages[0].startswith(
         "block_viscous_damping would be named by the train runs, but the error on "
     )

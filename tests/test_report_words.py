@@ -18,8 +18,9 @@ import stickslip as ss
 from found_by_hand import SCHEMA, made
 from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
+from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Alternative, Interval, Part
+from stickslip.discovery.result import Alternative, Interval, Part, Verdict
 from stickslip.discovery.slider.remarks import absorbed
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
@@ -224,6 +225,24 @@ def test_what_does_not_carry_over_is_in_the_headline(tmp_path: Path) -> None:
     told = "It does not carry over to runs that were not used: the error on them rises from 0.02 to 0.0277."
     assert words.headline(rose) == f"{words.headline(fell)} {told}"
     assert "carry over" not in words.headline(dataclasses.replace(rose, effects=()))
+
+
+def test_names_that_runs_never_used_refuse_are_in_the_headline(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    rose = dataclasses.replace(found, error=dataclasses.replace(found.error, before=0.02, after=0.0277))
+    assert carries_over(found)
+    assert not carries_over(rose)
+    silent = instead(rose, dataclasses.replace(rose, verdict=Verdict.no_effect, effects=()))
+    name = found.effects[0].name
+    assert silent.messages[0].startswith(
+        f"{name} would be named by the train runs, but the error on runs never used "
+    )
+    assert words.headline(silent) == (
+        f"Nothing is claimed: the train runs name {words.called(found.effects[0])}, but runs not used are forecast "
+        "worse with it."
+    )
+    # a curve that no name explains is no name
+    assert carries_over(dataclasses.replace(rose, verdict=Verdict.unlisted_effect))
 
 
 def test_a_tie_among_two_effects_is_numbered(tmp_path: Path) -> None:

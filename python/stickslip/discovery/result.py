@@ -320,6 +320,8 @@ class Found(Drawn):
     scatter
         Relative standard deviations of what differs from event to event: "static" and "kinetic" friction, the "belt";
         empty where every event is like every other.
+    unclaimed
+        What the train runs would name, and runs that were not used are forecast worse with.
     thinned, case
         What was done to runs too long to be fitted reading by reading; what was searched, for `write_report`.
 
@@ -357,6 +359,7 @@ class Found(Drawn):
     seconds: float
     constants: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
     scatter: Mapping[str, Interval] = field(default_factory=dict, kw_only=True)
+    unclaimed: tuple[FoundEffect, ...] = field(default=(), kw_only=True)
     thinned: tuple[Thinned, ...] = field(default=(), kw_only=True)
     case: Case | None = field(default=None, kw_only=True)
 
@@ -412,6 +415,6 @@ class Found(Drawn):
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python: numbers, strings, lists and dicts only (no arrays of readings)."""
-        skipped = {"before", "after", "runs", "spectrum", "constants", "case"}
+        skipped = {"before", "after", "runs", "spectrum", "constants", "unclaimed", "case"}
         items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
         return {name: plain(value) for name, value in items.items()}

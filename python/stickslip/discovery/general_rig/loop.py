@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.carry_over import unclaimed
+from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
 from stickslip.discovery.general_rig.errors import Told, error_block
@@ -71,10 +71,9 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         raise StickslipError(words)
     so_far = (began, len(every.stretches) - len(bench.stretches))
     out = _found(case, bench, found, validate, tell, so_far)
-    if (why := unclaimed(out)) is not None:
-        out = _found(case, bench, replace(found, chosen=found.null), validate, tell, so_far)
-        return replace(out, messages=(why, *out.messages))
-    return out
+    if carries_over(out):
+        return out
+    return instead(out, _found(case, bench, replace(found, chosen=found.null), validate, tell, so_far))
 
 
 def _moving(runs: Sequence[BodiesData]) -> None:

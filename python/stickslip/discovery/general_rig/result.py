@@ -40,5 +40,5 @@ class GeneralFound(Found):
     @property
     def report(self) -> dict[str, Json]:
         """report.json as plain Python."""
-        skipped = {"before", "after", "runs", "spectrum", "constants", "views", "case"}
+        skipped = {"before", "after", "runs", "spectrum", "constants", "views", "unclaimed", "case"}
         return {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name not in skipped}

@@ -13,7 +13,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG, BlockOnBelt
 from stickslip.declared.uncertainty import GAINS, Uncertainty
-from stickslip.discovery.carry_over import unclaimed
+from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.constants import Freed
@@ -129,8 +129,8 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         verdicts, said = verdicts.silent(), (_neither(slips),)
     searched = Search(case, units, data, verdicts)
     found = _found(searched, tell, began)
-    if (why := unclaimed(found)) is not None:
-        found, said = _found(replace(searched, verdicts=verdicts.silent()), tell, began), (why,)
+    if not carries_over(found):
+        found = instead(found, _found(replace(searched, verdicts=verdicts.silent()), tell, began))
     return replace(found, messages=(*said, *unused, *found.messages))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.declared.model import Model
 from stickslip.declared.si import scales_of
 from stickslip.discovery import messages, rig_numbers
-from stickslip.discovery.carry_over import unclaimed
+from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.laboratory import outcome, readings
 from stickslip.discovery.laboratory.belt_bench import BeltBench
@@ -93,9 +93,7 @@ def discover(
     asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
     notes = (*notes, *unused, *said)
     found = _found(asked, verdicts, notes, began)
-    if (why := unclaimed(found)) is not None:
-        return _found(asked, verdicts.silent(), (why, *notes), began)
-    return found
+    return found if carries_over(found) else instead(found, _found(asked, verdicts.silent(), notes, began))
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import CONSTANTS
-from stickslip.discovery.carry_over import unclaimed
+from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.result import Experiment, Found, FoundEffect, Gate, Interval, Rival, Verdict
 from stickslip.discovery.slider.choose import FEWEST, Choice, choose
 from stickslip.discovery.slider.gate import DRAWS
@@ -103,7 +103,7 @@ def discover(
 
 def carried(found: Found) -> Found:
     """Return what was found, or nothing where the error of single events rises on runs never used."""
-    if (why := unclaimed(found)) is None:
+    if carries_over(found):
         return found
     error = replace(
         found.error,
@@ -113,7 +113,7 @@ def carried(found: Found) -> Found:
             for one in found.error.runs
         ),
     )
-    return replace(
+    silent = replace(
         found,
         verdict=Verdict.no_effect,
         effects=(),
@@ -123,8 +123,8 @@ def carried(found: Found) -> Found:
         error=error,
         experiments=(),
         ranking=tuple(replace(one, chosen=not one.names) for one in found.ranking),
-        messages=(why, *found.messages),
     )
+    return instead(found, silent)
 
 
 def idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:

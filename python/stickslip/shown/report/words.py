@@ -107,6 +107,11 @@ def _verdict(found: Found) -> str:
             f"No explanation found: the best of all that was tried is still off by {times} times the noise and "
             "forecasts no better. Check the rig's declared numbers, the units and the belt speeds first."
         )
+    if found.unclaimed:
+        names = joined([called(one) for one in found.unclaimed])
+        return (
+            f"Nothing is claimed: the train runs name {names}, but runs not used are forecast worse with it."
+        )
     if (
         found.verdict is Verdict.no_effect
         and isinstance(found.before.rig, BlockOnBelt)
