@@ -14,6 +14,7 @@ from stickslip.discovery.laboratory.constants import Freed, freed
 from stickslip.discovery.laboratory.gate import Gate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.refitted import refitted
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_near, leader_anew
 from stickslip.discovery.workers import ALONE, Workers
@@ -138,20 +139,27 @@ def told_by_sizes(trial: Trial) -> float:
     """
     Return what the sizes of its last effect, its shape as found, are worth by their own errors, their price paid.
 
-    A fall of the deviance that they do not tell is what the fit without the effect was short of. Of an effect without
-    sizes, as a time constant alone, nothing is asked. The shape is held, as both may be known only together: of a peak
-    narrower than the readings tell, height times width is.
+    A fall of the deviance that they do not tell is what the fit without the effect was short of. The shape is held, as
+    both may be known only together: of a peak narrower than the readings tell, height times width is. Of an effect
+    that is one time alone, as a lag, that is the size. Of a contact that yields, which is nothing at no number, and of
+    a user's effects without a size nothing is asked.
     """
     one, fit = trial.terms[-1], trial.fit
     numbers = fit.windows.numbers
     names = {f"{one.name}.{i.name}" for i in sizes_of(one.kind)}
     own = [i for i, n in enumerate(numbers) if n.name.rpartition(".")[0] == one.name]
     sizes = np.array([numbers[i].name in names and not numbers[i].logarithmic for i in own])
-    if not sizes.any() or fit.solution is None:
+    time_alone = len(own) == 1 and not isinstance(one.kind, RivalKind)
+    if fit.solution is None or not (sizes.any() or time_alone):
         return math.inf
+    covariance = fit.solution.covariance[np.ix_(own, own)]
+    price = math.log(len(fit.own))
+    if not sizes.any():  # to first order its share of itself is known as well as its logarithm
+        alone = 1.0 if numbers[own[0]].logarithmic else float(fit.at[own[0]])
+        return alone**2 / float(covariance[0, 0]) - price
     size = fit.at[own][sizes]
-    precision = np.linalg.inv(fit.solution.covariance[np.ix_(own, own)])[np.ix_(sizes, sizes)]
-    return float(size @ precision @ size) - len(size) * math.log(len(fit.own))
+    precision = np.linalg.inv(covariance)[np.ix_(sizes, sizes)]
+    return float(size @ precision @ size) - len(size) * price
 
 
 def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
