@@ -37,11 +37,13 @@ def test_the_example_of_the_page(tmp_path: Path) -> None:
     errors = [found.error.before, found.error.after, found.error.floor]
     assert [float(text) for text in shown.groups()] == pytest.approx(errors, rel=5e-3)
     proof = effect.evidence
-    asked = r"lowers -2 log likelihood by ([\d.]+), where ([\d.]+) is asked for and the best wrong .* gets ([\d.]+);"
+    asked = (
+        r"lowers -2 log likelihood by ([\d.]+), where ([\d.]+) is asked for; .* held out falls to ([\d.]+) of"
+    )
     shown = re.search(asked, page)
     assert shown is not None
     assert [float(text.replace(" ", "")) for text in shown.groups()] == pytest.approx(
-        [proof.delta_chi2, proof.threshold, proof.control], rel=5e-3
+        [proof.delta_chi2, proof.threshold, proof.held_out_ratio], rel=5e-3
     )
 
 

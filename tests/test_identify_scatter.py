@@ -151,10 +151,13 @@ def test_intervals_cover_in_twenty_laboratories(tmp_path: Path) -> None:
     for one in answers:
         found = ss.identify(ss.load_case(tmp_path / one["case"]))
         law += held(found, {name: one["rig"][key] for name, key in LAW.items()})
-        gains = dict(zip(("x1", "y1"), one["laboratory"]["gains"], strict=True))
+        known = {
+            **dict(zip(("x1", "y1"), one["laboratory"]["gains"], strict=True)),
+            "omega": one["scales"]["w"],
+        }
         true = {"alpha1": "a1", "alpha2": "a2", "beta3": "b3", "eta1": "e1", "eta12": "e12"}
         for name, said in found.constants.items():
-            value = gains[name] if name in gains else one["rig"][true[name]]
+            value = known[name] if name in known else one["rig"][true[name]]
             constants.append(said.low <= value <= said.high)
         sent += any(DISCOVER in m for m in found.messages)
     assert len(law) >= 150
