@@ -309,17 +309,11 @@ def test_waves_of_scatter_are_those_of_what_goes_with_them_in_a_slip(bench: Belt
 
 @pytest.mark.parametrize(("more", "told"), [({}, True), ({"curve": 0.15}, False), ({"belt": 0.02}, False)])
 def test_a_block_that_hardly_sticks_is_no_case_for_windows(
-    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, more: dict[str, float], told: bool
+    bench: BeltBench, fit: Fit, more: dict[str, float], told: bool
 ) -> None:
     """Where nothing lacked, friction scattered by 13 %, the belt by all it may, and a lag was named beside it."""
     chosen = Trial((), replace(fit, population=replace(fit.windows.scatter(), **more)))
-    found = verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)
-    monkeypatch.setattr(block, "searched", lambda *_, **__: found)
-    monkeypatch.setattr(block, "beside_a_hum", lambda one, _: one)
-    monkeypatch.setattr(block, "left", lambda *_: None)
-    known = Uncertainty(bench.model.rig, {}, {}, {})
-    enough = replace(bench, policy=replace(bench.policy, fewest_windows=1))
-    assert (block._verdicts(enough, known, lambda _: None, 0, ALONE) is found) == told
+    assert block._models(verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)) == told
 
 
 def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(

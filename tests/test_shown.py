@@ -129,6 +129,7 @@ def test_a_headline_of_many_effects_numbers_them():
             verdict=Verdict.effect_found,
             before=MODEL,
             effects=effects,
+            unclaimed=(),
             residual_after=fits,
             error=SimpleNamespace(rises=False),
         )
