@@ -21,7 +21,7 @@ from stickslip.discovery.laboratory.screen import Screen, screened
 from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.waves import SMALL, wave_columns
-from stickslip.discovery.workers import ALONE, Workers
+from stickslip.discovery.workers import Workers
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 
