@@ -11,10 +11,9 @@ import pytest
 from discover_cases import RIG, left_by_law, make_case
 from stickslip.declared.effect import effect
 from stickslip.discovery.cleaning import cleaned
-from stickslip.discovery.discover import discover
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.left import left
-from stickslip.discovery.laboratory.readings import masked
+from stickslip.discovery.laboratory.readings import left_out, masked
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.discovery.messages import remarks
 from stickslip.discovery.result import ErrorBlock
@@ -82,15 +81,18 @@ def test_what_stands_out_from_a_fit_is_masked_in_its_windows(case):
         assert np.argwhere(run.weight == 0).tolist() == [[i, 0] for i in at]
 
 
-@pytest.mark.study
 def test_what_is_left_out_is_said(case):
-    runs = [replace(run, x1=run.x1.copy()) for run in case.runs]
-    for run, at in zip(runs[:3], (200, 500, 800), strict=True):
-        run.x1[at : at + 2] += 0.03
-    found = discover(replace(case, runs=tuple(runs)))
-    assert [one.name for one in found.effects] == [CAUSE.name]
-    said = [one for one in found.messages if one.startswith("left out of the fits")]
-    assert said == ["left out of the fits: 6 readings that stand out from both sides (0.078 % of all)"]
+    data = prepare(case.train)
+    many = [replace(run, weight=run.weight.copy()) for run in data]
+    assert left_out(data, many) == ()
+    for run, at in zip(many[:2], (200, 500), strict=True):
+        run.weight[at : at + 2, 0] = 0.0
+    count = sum(run.readings.size for run in data)
+    (said,) = left_out(data, many)
+    assert (
+        said
+        == f"left out of the fits: 4 readings that stand out from both sides ({400 / count:.2g} % of all)"
+    )
 
 
 @pytest.mark.parametrize(
