@@ -12,7 +12,7 @@ from stickslip.fitted.data import prepare
 from stickslip.likelihoods import fit as fitting
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.policy import POLICY, Policy
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,31 @@ def test_a_fit_that_settled_is_not_repeated(found: Fit, monkeypatch: pytest.Monk
     monkeypatch.setattr(fitting, "fitted", counted)
     assert fitting.null(found.windows, POLICY, twice=True) is found
     assert len(begun) == 1
+
+
+def test_a_place_is_linearised_once(found: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However often a step from there fails."""
+    places: list[Fit] = []
+    linearised = fitting._linearised
+
+    def counted(fit: Fit, policy: Policy) -> Fit:
+        places.append(fit)
+        return linearised(fit, policy)
+
+    tried: list[float] = []
+
+    def no_step(_: Fit, __: Policy, damping: float, **___: object) -> tuple[None, float]:
+        tried.append(damping)
+        return None, 0.0
+
+    monkeypatch.setattr(fitting, "_linearised", counted)
+    monkeypatch.setattr(fitting, "_stepped", no_step)
+    monkeypatch.setattr(fitting, "rescued", lambda fit: fit)  # no other place is sought
+    monkeypatch.setattr(fitting, "lifted", lambda fit: fit)
+    monkeypatch.setattr(fitting, "_closed", lambda here, *_: here)
+    fitting.fitted(found, POLICY)
+    assert len(tried) > 3
+    assert len(places) == 1
 
 
 def test_a_scatter_that_ended_at_nothing_has_another_try(found: Fit) -> None:

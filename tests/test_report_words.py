@@ -241,6 +241,9 @@ def test_names_that_runs_never_used_refuse_are_in_the_headline(tmp_path: Path) -
         f"Nothing is claimed: the train runs name {words.called(found.effects[0])}, but runs not used are forecast "
         "worse with it."
     )
+    assert words.headline(dataclasses.replace(silent, unclaimed=2 * silent.unclaimed)).endswith(
+        "worse with them."
+    )
     # a curve that no name explains is no name
     assert carries_over(dataclasses.replace(rose, verdict=Verdict.unlisted_effect))
 

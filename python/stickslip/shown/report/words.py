@@ -109,9 +109,8 @@ def _verdict(found: Found) -> str:
         )
     if found.unclaimed:
         names = joined([called(one) for one in found.unclaimed])
-        return (
-            f"Nothing is claimed: the train runs name {names}, but runs not used are forecast worse with it."
-        )
+        them = "it" if len(found.unclaimed) == 1 else "them"
+        return f"Nothing is claimed: the train runs name {names}, but runs not used are forecast worse with {them}."
     if (
         found.verdict is Verdict.no_effect
         and isinstance(found.before.rig, BlockOnBelt)
