@@ -152,6 +152,7 @@ def test_steps_of_the_belt_tear_the_block_off() -> None:
     np.testing.assert_allclose(run.state[:, 1], [0.1, 0.1 + 0.5 * 0.5, 0.6], atol=1e-8)
 
 
+@pytest.mark.study
 def test_lugre_against_a_stiff_solver() -> None:
     s0, s1, s2, Fc, Fs, vs = 1e3, 30.0, 0.4, 1.0, 1.5, 0.01
 

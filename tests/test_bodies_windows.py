@@ -18,6 +18,7 @@ from stickslip.likelihoods.bodies_cuts import STATE
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import POLICY
+from studies import few
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +71,9 @@ def fitted(case: Case, seed: int, lasts: float, **scatter: float) -> Fit:
     return null(bench(case, *recorded(case, seed, lasts=lasts, **scatter)).windows(), POLICY)
 
 
-@pytest.mark.parametrize(("name", "lasts"), [("drill", 20.0), ("pin", 6.0), ("chain", 15.0)])
+@pytest.mark.parametrize(
+    ("name", "lasts"), few([("drill", 20.0), ("pin", 6.0), ("chain", 15.0)], [("pin", 6.0)])
+)
 def test_true_numbers_and_scatter_are_found(name: str, lasts: float) -> None:
     case = CASES[name]()
     fit = fitted(case, 3, lasts, level=0.02, static=0.02)

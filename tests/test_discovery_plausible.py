@@ -184,6 +184,7 @@ def test_one_train_run_gives_a_verdict_with_a_remark() -> None:
     assert any("no train run slips both ways" in one for one in found.messages)
 
 
+@pytest.mark.study
 def test_all_runs_at_one_speed_give_a_verdict_with_a_remark() -> None:
     found = discover(make_case(length=30.0, speeds=(0.1, 0.1, 0.1)))
     assert found.verdict is Verdict.no_effect

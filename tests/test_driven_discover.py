@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Callable
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -22,6 +24,7 @@ from stickslip.discovery.driven_slider.motion import Band, instant
 from stickslip.discovery.driven_slider.published import inverse_model, loop_errors, symmetric_model
 from stickslip.discovery.result import Found
 from stickslip.simulated.driven_slider import Loop
+from studies import few
 
 SHARED = Path(os.environ.get("STICKSLIP_SHARED", Path(__file__).resolve().parents[2] / "shared"))
 EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
@@ -63,20 +66,25 @@ PHYSICS = {
 }
 
 
+Searched = Callable[[str], tuple[ss.Case, Found]]
+
+
 @pytest.fixture(scope="module")
-def searched(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[ss.Case, Found]]:
-    """Records with nothing, a ripple, a late drive and an unlisted friction, and what the loop makes of them."""
-    out = {}
-    for name, one in PHYSICS.items():
+def searched(tmp_path_factory: pytest.TempPathFactory) -> Searched:
+    """Make a record with nothing, a ripple, a late drive or an unlisted friction, and say what the loop makes of it."""
+
+    @cache
+    def of(name: str) -> tuple[ss.Case, Found]:
         folder = tmp_path_factory.mktemp(name)
-        case = ss.load_case(truth.write_case(folder, seconds=11.6, train=7.0, **one))
-        out[name] = (case, ss.discover(case))
-    return out
+        case = ss.load_case(truth.write_case(folder, seconds=11.6, train=7.0, **PHYSICS[name]))
+        return case, ss.discover(case)
+
+    return of
 
 
-@pytest.mark.slow
-def test_nothing_is_named_where_nothing_is(searched: dict[str, tuple[ss.Case, Found]]) -> None:
-    _, found = searched["nothing"]
+@pytest.mark.study
+def test_nothing_is_named_where_nothing_is(searched: Searched) -> None:
+    _, found = searched("nothing")
     assert found.verdict.value == "no_effect"
     assert found.effects == ()
     for name, true in (("damping", truth.DAMPING), ("kinetic", truth.MINUS), ("kinetic_plus", truth.PLUS)):
@@ -89,8 +97,8 @@ def test_nothing_is_named_where_nothing_is(searched: dict[str, tuple[ss.Case, Fo
 
 
 @pytest.mark.slow
-def test_a_ripple_is_found_with_its_wavelength(searched: dict[str, tuple[ss.Case, Found]]) -> None:
-    _, found = searched["ripple"]
+def test_a_ripple_is_found_with_its_wavelength(searched: Searched) -> None:
+    _, found = searched("ripple")
     assert [one.name for one in found.effects] == ["position_ripple"]
     numbers = found.effects[0].parameters
     assert numbers["L"].value == pytest.approx(0.004, rel=1e-3)
@@ -103,9 +111,9 @@ def test_a_ripple_is_found_with_its_wavelength(searched: dict[str, tuple[ss.Case
     assert proof.delta_chi2 > 5 * proof.control
 
 
-@pytest.mark.slow
-def test_a_late_drive_is_found(searched: dict[str, tuple[ss.Case, Found]]) -> None:
-    _, found = searched["late"]
+@pytest.mark.study
+def test_a_late_drive_is_found(searched: Searched) -> None:
+    _, found = searched("late")
     (effect,) = found.effects
     named = {effect.name, *(one.name for one in effect.alternatives if one.tied)}
     assert "drive_delay" in named
@@ -114,8 +122,8 @@ def test_a_late_drive_is_found(searched: dict[str, tuple[ss.Case, Found]]) -> No
 
 
 @pytest.mark.slow
-def test_what_has_no_name_is_a_curve(searched: dict[str, tuple[ss.Case, Found]]) -> None:
-    _, found = searched["unlisted"]
+def test_what_has_no_name_is_a_curve(searched: Searched) -> None:
+    _, found = searched("unlisted")
     assert found.verdict.value == "unlisted_effect"
     (effect,) = found.effects
     assert (effect.name, effect.where, effect.depends_on) == ("unlisted", "contact", ("x1",))
@@ -130,25 +138,26 @@ def test_what_has_no_name_is_a_curve(searched: dict[str, tuple[ss.Case, Found]])
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", few(PHYSICS, ["unlisted"]))
 def test_the_report_holds_to_the_schema_and_the_models_load(
-    searched: dict[str, tuple[ss.Case, Found]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    searched: Searched, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     schema = json.loads((files("stickslip.shown.report") / "report.schema.json").read_text(encoding="utf-8"))
     from stickslip.shown.report.write import write_report
 
-    for name, (case, found) in reversed(searched.items()):
-        if name != "unlisted":  # which has every figure
-            quickly(monkeypatch)
-        written = write_report(found, case, tmp_path / name)
-        report = json.loads((tmp_path / name / "report.json").read_text())
-        jsonschema.validate(report, schema)
-        assert {"before", "after", "floor"} <= report["error"].keys()
-        assert ss.load_model(tmp_path / name / "model_after.toml") == found.after
-        page = (tmp_path / name / "report.html").read_text()
-        assert "<svg" in page
-        assert "http" not in re.sub(r"<script>.*?</script>|http://www.w3.org", "", page, flags=re.DOTALL)
-        assert '<div class="live">' in page
-        assert all(one.stat().st_size > 0 for one in written)
+    case, found = searched(name)
+    if name != "unlisted":  # which has every figure
+        quickly(monkeypatch)
+    written = write_report(found, case, tmp_path / name)
+    report = json.loads((tmp_path / name / "report.json").read_text())
+    jsonschema.validate(report, schema)
+    assert {"before", "after", "floor"} <= report["error"].keys()
+    assert ss.load_model(tmp_path / name / "model_after.toml") == found.after
+    page = (tmp_path / name / "report.html").read_text()
+    assert "<svg" in page
+    assert "http" not in re.sub(r"<script>.*?</script>|http://www.w3.org", "", page, flags=re.DOTALL)
+    assert '<div class="live">' in page
+    assert all(one.stat().st_size > 0 for one in written)
 
 
 def test_the_command_line_refuses_what_it_cannot_search(tmp_path: Path) -> None:

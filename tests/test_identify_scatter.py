@@ -89,6 +89,7 @@ def block(tmp_path_factory: pytest.TempPathFactory) -> tuple[ss.Identified, Fit]
         return ss.identify(case), fits[0]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_block_whose_friction_differs_from_slip_to_slip(
     tmp_path: Path, block: tuple[ss.Identified, Fit], exact: bool

@@ -159,6 +159,7 @@ def test_a_curve_in_the_slip_begins_with_the_motions_that_there_were(pulled: Lef
         np.testing.assert_allclose(now.state, was.state, atol=1e-9)
 
 
+@pytest.mark.study
 def test_a_belt_that_warms_up_is_a_curve_of_its_speed(tmp_path: Path) -> None:
     """No name has it, and no curve of a force or a reading moves sticks."""
     path = case(tmp_path, (), 0.015, 0.005, 7, warms=lambda t: 1.0 - 0.1 * np.exp(-t / 15.0))

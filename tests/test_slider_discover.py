@@ -111,6 +111,7 @@ def test_two_wrong_constants_are_one_of_three_pairs() -> None:
     assert any("weigh the block" in one.what for one in found.experiments)
 
 
+@pytest.mark.study
 def test_the_shipped_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = discover(shipped(), draws=DRAWS)
     assert found.verdict is Verdict.effect_found

@@ -93,6 +93,7 @@ def killing(client: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]
         yield delivered
 
 
+@pytest.mark.study
 @pytest.mark.slow
 def test_all_workers_killed_and_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
     with cluster(n_workers=2) as client, killing(client, monkeypatch) as delivered:

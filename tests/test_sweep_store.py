@@ -272,6 +272,7 @@ print(int((ds.status >= 0).sum()), flush=True)
 """
 
 
+@pytest.mark.study
 def test_time_to_interrupt() -> None:
     """Ctrl-C in a sweep that would take minutes comes back at once, with what is done; a busy machine is given time."""
     code = LONG.format(path=[str(Path(__file__).parent)])

@@ -250,6 +250,7 @@ def written(folder: Path, x: np.ndarray, dt: float) -> Path:
     return folder
 
 
+@pytest.mark.study
 def test_reading_and_identification_cost_200_bytes_a_sample_beyond_the_columns(tmp_path: Path) -> None:
     x = moved(120_000, 0.002)
     sizes = (60_000, 120_000)
