@@ -140,3 +140,19 @@ def test_a_run_that_slides_for_long_is_no_noise(run: Data) -> None:
     assert not drowned(replace(run, readings=swings, slips=often))
     assert drowned(replace(run, readings=slow, slips=often))
     assert not drowned(replace(run, readings=slow, slips=often[:1]))
+
+
+def test_the_scale_of_forces_is_told_by_no_position(run: Data) -> None:
+    """Friction of a window's own is relative to the law as it is: mass, springs and friction twice as large move alike.
+
+    Relative to the declared law it was not, and all forces were lowered to half of what they are.
+    """
+    windows = made(run, (), force=False)
+    own = windows.first()
+    own[:, windows.begins :] = 0.02 * np.random.default_rng(1).normal(size=own[:, windows.begins :].shape)
+    here = start(windows)
+    twice = here + np.log(2.0) * np.isin([one.name for one in windows.numbers], CONSTANTS)
+    for a, b in zip(windows.blocks(here, own), windows.blocks(twice, own), strict=True):
+        assert a is not None
+        assert b is not None
+        assert np.abs(a[:, :, -1] - b[:, :, -1]).max() < 1e-3  # of the noise

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.bodies_model import law_of
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
@@ -25,6 +28,7 @@ FEWEST = 60  # samples of a run
 NARROW = 7  # samples of the narrowest polynomial that a velocity is taken from
 SHARE = 6  # parts of the shortest natural period that the widest one spans at most
 QUIET = 4.0  # standard deviations of a velocity's noise that count as rest
+SLIPS = 0.2  # share of the fastest slip above which a contact slips for sure
 AT_REST = 0.03  # share of the fastest slip within which a contact on the ground rests
 RIDING = 0.25  # share of a belt's speed within which a contact on it rides
 FASTEST = 0.98  # quantile of the slip speeds that counts as the fastest
@@ -70,6 +74,7 @@ class BodiesData:
     reads: tuple[str, ...]
     offsets: Mapping[str, tuple[float, float]]
     declared: tuple[bool, ...] = ()  # whether a channel's noise is
+    placed: tuple[bool, ...] = ()  # whether what is read says where a coordinate is: itself, or a force
 
     @property
     def belt_speed(self) -> float:
@@ -102,9 +107,16 @@ def natural_periods(own: Equations) -> tuple[float, float]:
     return 2 * math.pi / math.sqrt(squares[0]), 2 * math.pi / math.sqrt(squares[-1])
 
 
-def prepare_bodies(rig: GeneralRig, runs: Sequence[Recording]) -> list[BodiesData]:
+def prepare_bodies(
+    rig: GeneralRig, runs: Sequence[Recording], friction: FrictionLaw | None = None
+) -> list[BodiesData]:
     """
     Return the runs with their noise, from [noise] where it is given and from the readings where not.
+
+    Parameters
+    ----------
+    rig, runs : what was recorded
+    friction : about what it is; where a velocity is read alone, it says where the body is
 
     Raises
     ------
@@ -120,7 +132,7 @@ def prepare_bodies(rig: GeneralRig, runs: Sequence[Recording]) -> list[BodiesDat
         if len(run.t) < FEWEST:
             raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least {FEWEST} are needed")
         noise = np.array([run.noise.get(name, size) for name, size in zip(channels, usual, strict=True)])
-        out.append(_prepared(rig.equations, run, channels, noise))
+        out.append(_prepared(rig.equations, run, channels, noise, friction))
     return out
 
 
@@ -130,7 +142,13 @@ def _noise(x: Floats, t: Floats) -> float:
     return max(float(signals.noise_std(x[good], t=t[good])), 1e-9 * float(np.ptp(x[good])), 1e-300)
 
 
-def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: Floats) -> BodiesData:
+def _prepared(
+    own: Equations,
+    run: Recording,
+    channels: tuple[str, ...],
+    noise: Floats,
+    friction: FrictionLaw | None,
+) -> BodiesData:
     t = run.t - run.t[0]
     readings = np.column_stack([run.coordinates[name] for name in channels])
     noise = np.hypot(noise, rounding(readings))
@@ -151,7 +169,8 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
     read = {reads[c]: Reading(readings[:, c], weight[:, c], float(noise[c])) for c in order}
     speed = np.asarray(drive(t)) + np.zeros(len(t))
     go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
-    q, v, doubt = _all_motion(own, t, read, go, speed, periods[1])
+    law = partial(_expected, own, friction, np.asarray(belt(t)) + np.zeros(len(t)), speed)
+    q, v, doubt, placed = _all_motion(own, t, read, go, speed, periods[1], law)
     stuck, seen = _stuck(own, t, v, doubt, belt)
     offsets = {
         name: (run.offset(name), one.offset_uncertainty * abs(run.factor(name) / one.scale))
@@ -161,26 +180,55 @@ def _prepared(own: Equations, run: Recording, channels: tuple[str, ...], noise: 
     return BodiesData(
         run.name, run.role, t, channels, readings, weight, noise, q, v, stuck, seen, belt, drive, drawn, periods,
         reads, offsets,
-        tuple(name in run.noise for name in channels),
+        tuple(name in run.noise for name in channels), placed,
     )  # fmt: skip
 
 
 def _all_motion(
-    own: Equations, t: Floats, read: Mapping[str, Reading], go: Floats, speed: Floats, shortest: float
-) -> tuple[Floats, Floats, Floats]:
-    """Positions, velocities, and the noise of these: read, found from forces and accelerations, or in balance."""
+    own: Equations,
+    t: Floats,
+    read: Mapping[str, Reading],
+    go: Floats,
+    speed: Floats,
+    shortest: float,
+    law: Callable[[Floats], Floats],
+) -> tuple[Floats, Floats, Floats, tuple[bool, ...]]:
+    """Positions, velocities, and the noise of these: read, found from all that is, or in balance; which are placed."""
     values = {name: one.values for name, one in read.items()}
     sizes = {name: one.noise for name, one in read.items()}
     for name, (found, size) in placed_by_links(own, t, values, sizes, go).items():
         values[name], sizes[name] = found, size
     q, v, doubt = _motion(own, t, values, sizes, shortest / SHARE)
     lost = np.array([name not in values for name in own.names])
-    if lost.any() and any(name in own.sensed for name in read):
-        moved = most_likely_motion(own, t, read, go, speed, shortest / (2 * math.pi))
+    rates = {f"v_{name}" for name, gone in zip(own.names, lost, strict=True) if gone}
+    if lost.any() and any(name in own.sensed or name in rates for name in read):
+        moved = most_likely_motion(own, t, read, go, speed, shortest / (2 * math.pi), law(v))
         q[:, lost], v[:, lost], doubt[lost] = (one[..., lost] for one in moved)
     elif lost.any():
         _balance(own, q, v, speed, go)
-    return q, v, doubt
+    forces = any(name in own.sensed and not name.startswith("a_") for name in read)
+    return q, v, doubt, tuple((~lost | forces).tolist())
+
+
+def _expected(own: Equations, friction: FrictionLaw | None, belt: Floats, drive: Floats, v: Floats) -> Floats:
+    """
+    Return about what friction at each contact is, (n, contacts): that of the law at the slip that is read.
+
+    Where a contact sticks it is what it is in the slip that follows, as a stick's mean is near that. Where no slip is
+    read, that of a body at rest on its belt, or dragged over the ground by its drive.
+    """
+    out = np.zeros((len(v), len(own.contacts)))
+    if friction is None:
+        return out
+    for j, one in enumerate(own.contacts):
+        slip = v @ one.direction - (belt if one.against == "belt" else 0.0)
+        if not np.isfinite(slip).all():
+            slip = -belt if one.against == "belt" else drive
+        clear = np.flatnonzero(np.abs(slip) > SLIPS * np.quantile(np.abs(slip), FASTEST))
+        if len(clear):
+            following = clear[np.minimum(np.searchsorted(clear, np.arange(len(v))), len(clear) - 1)]
+            out[:, j] = law_of(friction, one).force(slip[following])
+    return out
 
 
 def _motion(

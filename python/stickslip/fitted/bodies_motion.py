@@ -1,9 +1,9 @@
 """The motion of a rig of bodies from whatever sensors read, where they do not read every coordinate.
 
 The most likely positions, velocities and accelerations at the samples, of the readings, of the equations of motion as
-well as constants are usually known, of friction that is not read, about 0 and as large as the forces that are, and of
-accelerations that change by as much once in a radian of the shortest natural period: a least-squares problem whose
-matrix is banded.
+well as constants are usually known, of friction that is not read, about that of the declared law and as uncertain as
+the forces that are read are large, and of accelerations that change by as much once in a radian of the shortest natural
+period: a least-squares problem whose matrix is banded.
 """
 
 from __future__ import annotations
@@ -37,7 +37,13 @@ class Reading:
 
 
 def most_likely_motion(
-    own: Equations, t: Floats, read: Mapping[str, Reading], go: Floats, speed: Floats, radian: float
+    own: Equations,
+    t: Floats,
+    read: Mapping[str, Reading],
+    go: Floats,
+    speed: Floats,
+    radian: float,
+    friction: Floats,
 ) -> tuple[Floats, Floats, Floats]:
     """
     Return positions and velocities (n, coordinates), and how well the velocities are known, (coordinates,).
@@ -49,19 +55,20 @@ def most_likely_motion(
     read : sensors by what they read
     go, speed : (n,) way and speed of the drive
     radian : of the shortest natural period, a time
+    friction : (n, contacts) about what that is which is not read
     """
     count = int(radian / FINEST / float(np.median(np.diff(t))))
     if count > 1:  # samples so near each other that the matrix would be singular to rounding
         few, kept = _means(t, read, count)
         go, speed = (np.interp(few, t, x) for x in (go, speed))
-        q, v, doubt = most_likely_motion(own, few, kept, go, speed, radian)
+        q, v, doubt = most_likely_motion(own, few, kept, go, speed, radian, _between(few, t, friction))
         return _between(t, few, q), _between(t, few, v), doubt
     n = len(own.names)
     force = _forces(own, read)
     jump = force / np.diag(own.M)
     units = np.concatenate([jump * radian**2, jump * radian, jump])  # in which the unknowns are about 1
     dt = np.maximum(np.diff(t), 1e-300)
-    rows, values, weight = _observed(own, t, read, go, speed, force, units)
+    rows, values, weight = _observed(own, t, read, go, speed, force, units, friction)
     steps, before = _steps(n, dt, jump, radian, units)
     normal = np.tensordot(weight**2, rows[:, :, None] * rows[:, None, :], 1) + RIDGE * np.eye(3 * n)
     right = (weight**2 * values) @ rows
@@ -80,8 +87,8 @@ def most_likely_motion(
 
 
 def _between(t: Floats, few: Floats, x: Floats) -> Floats:
-    """Values (n, k) at times, from those at fewer."""
-    return np.column_stack([np.interp(t, few, one) for one in x.T])
+    """Values (n, k) at times, from those at others."""
+    return np.column_stack([np.interp(t, few, one) for one in x.T]) if x.size else np.zeros((len(t), 0))
 
 
 def _means(t: Floats, read: Mapping[str, Reading], count: int) -> tuple[Floats, dict[str, Reading]]:
@@ -121,6 +128,7 @@ def _observed(
     speed: Floats,
     force: Floats,
     units: Floats,
+    friction: Floats,
 ) -> tuple[Floats, Floats, Floats]:
     """Rows over the scaled unknowns, (rows, 3 coordinates), what they are, and the weights of that, (n, rows) each."""
     n, eye = len(own.names), np.eye(3 * len(own.names))
@@ -148,6 +156,7 @@ def _observed(
             np.where(good, 1 / np.where(good, sensor.weight, 1.0) ** 2, np.var(sensor.values)), along**2
         )
     free = scipy.linalg.null_space(own.directions[hidden]).T if hidden else np.eye(n)
+    pulled = pulled - friction[:, hidden] @ own.directions[hidden]
     for turn in free:
         rows.append((turn @ moved, pulled @ turn, 1 / np.sqrt(noise @ turn**2)))
     if hidden:

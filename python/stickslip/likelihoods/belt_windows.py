@@ -29,6 +29,7 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Samples, Sensors
 from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.static_limit import StaticLimit
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
 from stickslip.measured.sticks import rides
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
@@ -104,7 +105,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
         self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
         self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
-        self.limits = dict(zip((1, -1), model.friction.static_limits, strict=True))
+        self.limits = {sign: StaticLimit(model.friction, sign > 0) for sign in (1, -1)}
         self.formulas = formulas_of(model)
         read = {*sensors.kept(self.fixed, self.channels), *(k for one in self.formulas for k in one.states)}
         self.kept = np.array(sorted(read), dtype=np.int32)
@@ -234,12 +235,16 @@ class _Run:
         """Simulate, read, weigh."""
         p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
         seeds, owner, apart = self._seeds(columns)
-        raw = self._simulated(self._derived(self.values, self.own), seeds, owner, columns + len(apart))
+        limit = p + self.of.begins if self.local else columns
+        every = columns + (bool(self._moves_limit) and not self.local)
+        raw = self._simulated(self._derived(self.values, self.own), seeds, owner, every + len(apart))
         slopes = {}
         for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
             folded = one[:, :columns]
+            for i, by in self._moves_limit.items():
+                folded[:, i] += one[:, limit] * np.repeat(by, self.lengths)
             if apart:
-                self._chained(folded, one[:, columns:], apart)
+                self._chained(folded, one[:, every:], apart)
             if self.local and self.of.beyond:  # what sticks has no speed of its own
                 beyond = slice(p + len(self.of.sensors.begins), p + self.of.begins)
                 folded[:, beyond] *= np.repeat(self.slips, self.lengths)[:, None]
@@ -300,13 +305,33 @@ class _Run:
                 same[list(of.slots.get(one.name, ()))] = value * self.lowered.factors.get(one.name, 1.0)
         rows = np.tile(same, (len(self.places), 1))
         if of.aging is not None:
-            rows[:, of.aging[0]] += self._limit() * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
+            rows[:, of.aging[0]] += self._limit * self.own[:, of.begins] / self._aged(rows[0, of.aging[1]])
         rows[:, of.curve] = self.own[:, of.begins :][:, of.kinetic]
         rows[:, SLOTS["belt_speed"]] = self.data.belt_speed * (1 + self.own[:, -1])
         return rows
 
+    @cached_property
     def _limit(self) -> float:
+        """The static limit of the law as it is here, to which a window's own is relative."""
+        return self._static.at(self.values)
+
+    @property
+    def _static(self) -> StaticLimit:
         return self.of.limits[1 if self.data.belt_speed > 0 else -1]
+
+    @cached_property
+    def _moves_limit(self) -> dict[int, Floats]:
+        """By how much of itself each shared number moves the windows' own limits, by column, (w,), where it does."""
+        of = self.of
+        if of.aging is None:
+            return {}
+        own = self.own[:, of.begins] / self._aged(self.values.get("static_aging.tau", AT_ONCE)) / self._limit
+        rates = {
+            i: self._static.slope(self.values, of.numbers[j].name)
+            for i, j in enumerate(self.shared)
+            if self.active(j)
+        }
+        return {i: rate * own for i, rate in rates.items() if rate and own.any()}
 
     def _aged(self, tau: float) -> Floats:
         """Return what of a growing static limit is there at the breakaway."""
@@ -359,11 +384,14 @@ class _Run:
         if self.local:
             rows |= {len(self.shared) + k: {entry: size} for k, entry, size in self._entries()}
         apart = list[int]()
+        if not self.local and self._moves_limit:
+            rows[columns] = {self.of.aging[0]: self._limit}  # type: ignore[index]  # there is one, or nothing moves
+        first = columns + (not self.local and bool(self._moves_limit))
         for place in acting(self.values):
             state = WIDTH + DERIVED[place]
             moved = {i: rate[:, place] for i, rate in self._rates.items() if rate[:, place].any()}
             if any(np.ptp(rate) > ALIKE * np.abs(rate).max() for rate in moved.values()):
-                rows[columns + len(apart)] = {state: 1.0}
+                rows[first + len(apart)] = {state: 1.0}
                 apart.append(place)
                 continue
             for i, rate in moved.items():
@@ -378,7 +406,7 @@ class _Run:
         of = self.of
         yield from ((k, WIDTH + state, 1.0) for k, state in enumerate((*of.sensors.begins, *of.beyond)))
         if of.aging is not None:
-            yield of.begins, of.aging[0], self._limit()
+            yield of.begins, of.aging[0], self._limit
         yield from ((of.begins + 1 + k, entry, 1.0) for k, entry in enumerate(of.curve))
         yield of.own - 1, SLOTS["belt_speed"], self.data.belt_speed
 

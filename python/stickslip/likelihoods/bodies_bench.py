@@ -100,7 +100,7 @@ def bench_of(
         A run is too short, or none can be cut into windows.
     """
     assert isinstance(model.rig, GeneralRig)
-    data = prepare_bodies(model.rig, runs)
+    data = prepare_bodies(model.rig, runs, model.friction)
     stretches = cuts(data, policy)
     if not stretches:
         raise InputError("the runs are shorter than a natural period; nothing can be fitted to them")

@@ -130,7 +130,7 @@ def compare_bodies(
     if not isinstance(rig, GeneralRig) or getattr(recording.rig, "state_names", ()) != rig.state_names:
         raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
     tell("reading the motion", 0.0)
-    run = prepare_bodies(rig, [recording])[0]
+    run = prepare_bodies(rig, [recording], model.friction)[0]
     cut = cuts([run])
     if len(cut) < FEWEST:
         raise InputError(f"{recording.name} holds {len(cut)} windows; {FEWEST} are needed")
@@ -143,7 +143,7 @@ def compare_bodies(
     part = slice(cut[0].start, len(run.t))
     simulated = free_run(fit, run, part)
     error = one_ahead(fit, run).error
-    rows = [*_contact_rows(rig, run, part, _as_read(rig, recording, run, part, simulated))]
+    rows = [*_contact_rows(rig, run, part, _as_read(model, recording, run, part, simulated))]
     rows.append(
         Row("forecast error", "1", None, error, None, "one event ahead, over how far the readings move")
     )
@@ -156,13 +156,15 @@ def compare_bodies(
 
 
 def _as_read(
-    rig: GeneralRig, recording: Recording, run: BodiesData, part: slice, simulated: Floats
+    model: Model, recording: Recording, run: BodiesData, part: slice, simulated: Floats
 ) -> BodiesData:
     """The free run as it would have been recorded, noise included."""
     noisy = simulated + run.noise * np.random.default_rng(0).standard_normal(simulated.shape)
     own = dict(zip(run.channels, noisy.T, strict=True))
     kept = {name: one[part] for name, one in recording.coordinates.items()} | own
-    return prepare_bodies(rig, [replace(recording, t=recording.t[part], coordinates=kept)])[0]
+    own_rig, shown = model.rig, replace(recording, t=recording.t[part], coordinates=kept)
+    assert isinstance(own_rig, GeneralRig)
+    return prepare_bodies(own_rig, [shown], model.friction)[0]
 
 
 def _contact_rows(rig: GeneralRig, run: BodiesData, part: slice, other: BodiesData) -> list[Row]:

@@ -99,7 +99,7 @@ def forecast_bodies(
     ):
         raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
     past = replace(recording, speeds={**recording.speeds, **speeds})
-    run = prepare_bodies(own, [past])[0]
+    run = prepare_bodies(own, [past], model.friction)[0]
     step = float(np.median(np.diff(run.t)))
     count = int(number("horizon", horizon, above=0) / step + 0.05)
     if not 1 <= count <= MOST:

@@ -240,8 +240,9 @@ def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tupl
             f"{lost} of {len(fit.blocks)} windows cannot be simulated, and {poor} fit poorly; they count less"
         )
     if unexplained(fit) > POLICY.noise_left:
-        words = f"{unexplained(fit):.3g} times the noise's variance is left: something acts that the laws do not say"
-        out.append(words + "; `discover` looks for it")
+        words = f"{unexplained(fit):.3g} times the noise's variance is left: something acts that the laws do not say,"
+        words += " or the fit went astray; no number here can be relied on. `discover` looks for what acts"
+        out.append(words)
     if len(fit.blocks) < POLICY.fewest_windows:
         words = f"{len(fit.blocks)} windows tell little of how friction scatters; record longer"
         out.append(words)
@@ -256,7 +257,7 @@ def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tupl
     if unseen:
         out.append(f"the motion at {', '.join(unseen)} is not read: it is found from the other coordinates")
     for name, one in _constants(bench, fit).items():
-        if one.beyond:
+        if one.beyond and unexplained(fit) <= POLICY.noise_left:
             words = (
                 f"{name} is {one.value:.4g}, {abs(one.off):.2g} standard uncertainties from what is declared"
             )

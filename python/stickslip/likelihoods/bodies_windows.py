@@ -23,6 +23,7 @@ from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
+from stickslip.likelihoods.bodies_release import let_go
 from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
@@ -115,7 +116,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         n = self.dimension
         for row, w, start in zip(out, self.stretches, self.starts, strict=True):
             run = self.data[w.run]
-            row[:n] = run.q[w.start] / start.scale_q
+            row[:n] = (run.q[w.start] + let_go(run, w, self.lowered[w.run].own, self.model)) / start.scale_q
             row[n : 2 * n] = start.free.T @ ((run.v[w.start] - start.held) / start.scale_v)
         return out
 

@@ -51,6 +51,13 @@ class ContactScatter:
         """Return the same effects with other standard deviations."""
         return ContactScatter(self.names, tuple(float(x) for x in np.exp(coordinates)), self.of)
 
+    def wider(self, times: float) -> ContactScatter:
+        """Return the scatter in which friction differs so many times as much."""
+        of = zip(self.names, self.sizes, strict=True)
+        return ContactScatter(
+            self.names, tuple(size if name == "belt" else times * size for name, size in of), self.of
+        )
+
     def without(self) -> ContactScatter:
         """Return the scatter in which nothing differs."""
         return ContactScatter(self.names, (0.0,) * len(self.sizes), self.of)

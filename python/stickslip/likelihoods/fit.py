@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits, unexplained
-from stickslip.likelihoods.mixed import products, solve, taken
+from stickslip.likelihoods.mixed import Bounds, products, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import factor, start
+from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.repeating import explained, lost, swollen
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled
@@ -50,18 +50,26 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     first = begun(windows)
     fit = fitted(first, policy)
     if isinstance(windows, BodiesWindows):
-        return fit
-    if twice and _doubtful(fit, policy):
-        fit = min(
-            fit, fitted(replace(fit, population=windows.scatter()), policy), key=lambda one: one.deviance
+        return (
+            fit
+            if unexplained(fit) < policy.noise_left
+            else _best(fit, _from_wide(windows.first(), first, policy))
         )
+    if twice and _doubtful(fit, policy):
+        fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
-    p = start(policy)
-    wide = replace(p, level=WIDE * p.level, curve=WIDE * p.curve, static=WIDE * p.static)
-    again = replace(first, population=wide, own=shown)
-    again = fitted(replace(again, own=settled(again, ALONE)[0]), policy)
-    return min(fit, again, key=lambda one: one.deviance)
+    return _best(fit, _from_wide(shown, first, policy))
+
+
+def _best(*fits: Fit) -> Fit:
+    return min(fits, key=lambda one: one.deviance)
+
+
+def _from_wide(own: Floats, first: Fit, policy: Policy) -> Fit:
+    """The fit from windows that settle alone with as much scatter as it takes: where a law is far off, they say so."""
+    again = replace(first, population=first.windows.scatter().wider(WIDE), own=own)
+    return fitted(replace(again, own=settled(again, ALONE)[0]), policy)
 
 
 def _doubtful(fit: Fit, policy: Policy) -> bool:
@@ -183,7 +191,7 @@ def _linearised(fit: Fit, policy: Policy) -> Fit:
     return replace(fit, linear=replace(linear, weight=weight), knee=knee)
 
 
-def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
+def _estimate(fit: Fit, policy: Policy, turns: int, bounds: Bounds | None = None) -> Estimate[Any]:
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
     return estimate(
@@ -195,15 +203,23 @@ def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
         fit.random,
         policy,
         turns,
-        fit.windows.steps(fit.at),
+        fit.windows.steps(fit.at) if bounds is None else bounds,
     )
 
 
 def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float]:
-    """The fit a step on and the cost that it saves; None where no step saves any."""
+    """
+    The fit a step on and the cost that it saves; None where no step saves any.
+
+    The population is what the windows say of it within a stride of each number. Further away, where a law is known
+    loosely, what the windows' own friction multiplies passes for what the law alone does, and no scatter is left.
+    """
     assert fit.linear is not None
     windows = fit.windows
-    found = _estimate(fit, policy, TURNS if free else 0)
+    stride = np.array([n.stride for n in windows.numbers])
+    low, high = windows.steps(fit.at)
+    bounds = np.maximum(low, -stride), np.minimum(high, stride)
+    found = _estimate(fit, policy, TURNS if free else 0, bounds)
     population, noise = found.population, found.noise
     if not free:
         noise = _freed_noise(fit, found)
@@ -211,16 +227,14 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     if damping or not free:
         roots = factor(population, windows.places)
         prior = windows.prior.at(fit.at)
-        solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
+        solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, bounds)
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
-    stride = np.array([n.stride for n in windows.numbers])
-    share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
     for size in STEPS:
-        at = windows.bounded(fit.at + size * share * solution.shared)
+        at = windows.bounded(fit.at + size * solution.shared)
         own = fit.own.copy()
-        own[:, : windows.begins] += size * share * np.clip(solution.own, -1, 1)
-        own[:, windows.begins :] += size * share * np.clip(solution.effects - fit.random, -1, 1)
+        own[:, : windows.begins] += size * np.clip(solution.own, -1, 1)
+        own[:, windows.begins :] += size * np.clip(solution.effects - fit.random, -1, 1)
         blocks = windows.blocks(at, own, shared=(), local=False)
         new, then = cost.total(blocks, own, at)
         worse = new > each + WORSE[0] + WORSE[1] * each

@@ -98,6 +98,10 @@ class Population:
         low = np.log([LEAST, LEAST, SHORTEST, LEAST, LEAST])
         return low, np.log([MOST, MOST, LONGEST, MOST, policy.wildest_belt])
 
+    def wider(self, times: float) -> Population:
+        """Return the population whose friction differs so many times as much."""
+        return replace(self, level=times * self.level, curve=times * self.curve, static=times * self.static)
+
     def without(self) -> Population:
         """Return the population in which nothing differs."""
         return replace(self, level=0.0, curve=0.0, static=0.0, belt=0.0)

@@ -29,5 +29,5 @@ def shown_levels(windows: Windowed) -> Floats | None:
         static, kinetic = shown
         level = kinetic / float(windows.model.friction.magnitude(-run.belt_speed)) - 1
         row[q:][windows.kinetic] = level
-        row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1] - 1 - level
+        row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1].declared - 1 - level
     return own

@@ -56,7 +56,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     if len(bench.stretches) < bench.policy.fewest_windows:
         words = f"the train runs hold {len(bench.stretches)} windows, from stick to stick or a natural period long"
         raise InputError(f"{words}; {bench.policy.fewest_windows} are needed to see how friction scatters")
-    validate = prepare_bodies(declared.rig, case.validate)  # type: ignore[arg-type]  # a general rig's
+    validate = prepare_bodies(declared.rig, case.validate, declared.friction)  # type: ignore[arg-type]  # a general rig's
     try:
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
