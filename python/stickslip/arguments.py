@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import inspect
 import os
@@ -154,5 +155,15 @@ def path(key: str, value: object) -> Path:
     if isinstance(value, (str, os.PathLike)) and isinstance(os.fspath(value), str):
         if value == "":  # an unset variable of a shell; Path would take it for the working folder
             raise InputError("is empty; give a path", key=key)
+        try:
+            os.stat(value)
+        except OSError as error:
+            if error.errno in (
+                errno.ENAMETOOLONG,
+                errno.ELOOP,
+            ):  # asked of anything, it would say so in many lines
+                raise InputError((error.strerror or str(error)).lower(), key=key, value=value) from None
+        except ValueError:
+            raise InputError("holds a zero byte; no file has such a name", key=key, value=value) from None
         return Path(value)
     raise InputError(f"must be the path of a file, not {_kind(value)}", key=key)

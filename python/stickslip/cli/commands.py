@@ -54,6 +54,16 @@ def ended_cleanly() -> Iterator[None]:
             signal.signal(one, signal.SIG_DFL)
 
 
+WORDS = 300  # characters of a refusal, what was given in it
+
+
+def _refused(error: click.UsageError) -> None:
+    """Say in one line what click refuses."""
+    words = quoted(error.format_message().rstrip("."), WORDS)
+    where = error.ctx.command_path if error.ctx else "stickslip"
+    click.echo(f"stickslip: {words[:1].lower()}{words[1:]} (see {where} --help)", err=True)
+
+
 class OneLine(click.Group):
     """Errors of ours are one line on standard error and exit status 2; a traceback is a bug."""
 
@@ -88,6 +98,14 @@ class OneLine(click.Group):
         with ended_cleanly():
             return super().main(*args, **extra)
 
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        """Take the arguments before the command's name."""
+        try:
+            return super().make_context(*args, **extra)
+        except click.NoSuchOption as error:
+            _refused(error)
+            sys.exit(BAD_INPUT)
+
     def invoke(self, ctx: click.Context) -> object:
         """Run the command."""
         try:
@@ -95,9 +113,7 @@ class OneLine(click.Group):
         except StickslipError as error:
             click.echo(f"stickslip: {error}", err=True)
         except click.UsageError as error:
-            words = error.format_message().rstrip(".")
-            where = error.ctx.command_path if error.ctx else "stickslip"
-            click.echo(f"stickslip: {words[:1].lower()}{words[1:]} (see {where} --help)", err=True)
+            _refused(error)
         except BrokenPipeError:  # who reads us has gone: click's to end quietly
             raise
         except OSError as error:

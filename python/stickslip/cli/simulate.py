@@ -14,7 +14,7 @@ from rich.console import Console
 
 from stickslip.cli.options import Named
 from stickslip.cli.printed import console, say_lines, say_written
-from stickslip.cli.simulate_rig import Asked, read_speed, simulate_rig
+from stickslip.cli.simulate_rig import Asked, is_file, read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
@@ -76,7 +76,9 @@ def simulate(model: Path, **given: Any) -> None:
       stickslip simulate identified --belt-speed '14 mm/s' --t-end '60 s' --out run.csv
     """
     asked = Asked(**given)
-    apart(asked.out, asked.figure, {"MODEL": model_file(model)})
+    speeds = {"--belt-speed": asked.belt_speed, "--drive-speed": asked.drive_speed}
+    files = {key: Path(text) for key, text in speeds.items() if text is not None and is_file(text)}
+    apart(asked.out, asked.figure, {"MODEL": model_file(model), **files})
     loaded = load_model(model)
     if isinstance(loaded.rig, GeneralRig):
         sys.exit(simulate_rig(loaded, asked))

@@ -51,9 +51,14 @@ def read_speed(text: str, time: Scale, speed: Scale, rig: AnyRig, key: str = "--
     return given.scaled(time.size, 1 / speed.size)
 
 
+def is_file(text: str) -> bool:
+    """Say whether a speed is given by a file."""
+    return Path(text).suffix.lower() in (".toml", ".csv")
+
+
 def prescribed(text: str, key: str) -> Speed | None:
     """Return the speed that a formula of t or a file tells of; None for what should be a number with a unit."""
-    if Path(text).suffix.lower() in (".toml", ".csv"):
+    if is_file(text):
         return _steps(text) if Path(text).suffix.lower() == ".toml" else _measured(text, key)
     return formula_of_time(text, key)
 

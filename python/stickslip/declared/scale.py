@@ -148,8 +148,12 @@ def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
         size, own = to_si(size, unit)
     except InputError as error:
         raise InputError(error.what, key=key, value=given) from None
-    if dimensions(own) not in (dimensions("m/s"), dimensions("rad/s")):
-        raise InputError("measures no speed; give one like '12 mm/s'", key=key, value=given)
+    moved = rig.equations.drive_unit if key == "drive_speed" else rig.equations.belt_unit
+    right = [dimensions(moved)] if moved != "1" else [dimensions("m/s"), dimensions("rad/s")]
+    if dimensions(own) not in right:
+        like = "30 rpm" if moved == "rad/s" else "12 mm/s"
+        words = f"is no speed of what moves in {moved}; give one like '{like}'"
+        raise InputError(words, key=key, value=given)
     return size
 
 

@@ -91,6 +91,8 @@ def identify(
     static: 2.000 N, identified
     kinetic: 1.200 N, identified
     """
+    if friction is not None:
+        must_be("friction", friction, (FrictionLaw, Mapping), "like CoulombFriction(static=4, kinetic=2)")
     own = general_rig(source, rig)
     declared = (
         known(source) if own is None and isinstance(source, Case) and rig in (None, source.rig) else None

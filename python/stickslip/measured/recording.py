@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -270,12 +270,19 @@ def load_recording(
     3000 samples, x1 up to 0.0005 m
     """
     must_be("rig", rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
+    if role not in get_args(Role):
+        raise InputError("must be 'train' or 'validate'", key="role", value=role)
     table: Held | Path
     if hasattr(source, "keys"):
-        table = Held(name or "recording", dict(source))  # type: ignore[arg-type]  # a data frame is no Mapping
+        held = dict(source)  # type: ignore[arg-type]  # a data frame is no Mapping
+        strange = next((one for one in held if not isinstance(one, str)), None)
+        if strange is not None or None in held:
+            words = "columns are asked for by text; rename them, like frame.rename(columns=str)"
+            raise InputError(f"a column is named {strange!r}; {words}", key="source")
+        table = Held(name or "recording", held)
     else:
         table = as_path("source", source)
-    declared = dict(channels) if channels is not None else bare_channels(table, rig)
+    declared = _channels(channels) if channels is not None else bare_channels(table, rig)
     check_channels(declared, rig)
     opened = open_table(table, [channel.column for channel in declared.values()])
     declared, doubts = by_heads(opened, declared, os.fspath(table))
@@ -316,6 +323,15 @@ def load_recording(
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
     law = None if friction is None else in_model(friction, rig)
     return replace(recording, findings=(*guessed, *_findings(recording, law)))
+
+
+def _channels(given: object) -> dict[str, Channel]:
+    """The channels, each a `Channel`."""
+    channels = must_be("channels", given, Mapping, "give a Channel by name")
+    for name, one in channels.items():
+        like = f"like Channel({str(one)!r}, 'mm')" if isinstance(one, str) else ""
+        must_be(f"channels.{name}", one, Channel, like)
+    return dict(channels)
 
 
 def _set_point(rig: AnyRig, channels: Mapping[str, Channel], given: float | str) -> float:

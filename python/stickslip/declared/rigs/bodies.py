@@ -133,6 +133,9 @@ class BodiesRig(GeneralRig):
         if mixed and one.gear is None:
             words = "joins a body that slides and one that turns; it needs a gear, like gear = '0.05 m/rad'"
             raise RigError(words, "link", i, "between")
+        if one.gear is not None and one.between[1] == "ground":
+            words = "the ground does not move, so that a gear to it does nothing; leave it out"
+            raise RigError(words, "link", i, "gear")
         self._check_units(i, one, bool(rotation), mixed)
         row, of_drive = np.zeros(len(names)), 0.0
         for end, share in zip(ends, (1.0, -1.0 if one.gear is None else -float(one.gear)), strict=True):

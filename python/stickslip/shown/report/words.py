@@ -149,6 +149,12 @@ def _verdict(found: Found) -> str:
         for e in found.effects
     ]
     tied = any(ties(e) for e in found.effects)
+    if found.residual_after.chi2 > FAR:
+        names = joined([called(one) for one in found.effects])
+        helps = "helps" if len(found.effects) == 1 else "help"
+        times = short(math.sqrt(found.residual_after.chi2), 2)
+        best = f"of all that was tried {names} {helps} most"
+        return f"Not explained: {best}, and what is left is still {times} times the noise."
     if len(lacking) == 1 or (
         len(lacking) <= FEW and not tied
     ):  # "and" and "or" in one sentence may be read either way
@@ -220,6 +226,8 @@ def _of_the_name(found: Found, effect: FoundEffect) -> str:
     if guessed(effect):
         on = " and on what" if effect.depends_on else ""
         return f"Where it acts{on} is the likeliest guess: no name and no curve explains the readings."
+    if not curve and found.residual_after.chi2 > FAR:
+        return f"The name {effect.name} does not stand: with so much left it may stand in for something else."
     who = "Where it acts and on what" if curve else f"The name {effect.name}"
     if effect.of_rig:
         who = f"That it is {joined(list(effect.parameters))}"

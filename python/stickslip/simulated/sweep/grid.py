@@ -194,7 +194,7 @@ def _slots(given: str, name: str, model: Model, lowered: Slots) -> tuple[int, ..
         if all(one.name != owner for one in model.effects):
             raise InputError(f"the model has no effect '{owner}'; add it to its effects first", key=given)
         CATALOGUE[owner].parameter(name.partition(".")[2])
-    if "." not in name and name not in known and name != "belt_speed":
+    if "." not in name and name not in known and name not in lowered.slots:
         model.parameter_name(name)  # says what is wrong, and the nearest name
     return tuple(int(slot) for slot in np.flatnonzero(lowered.seeds([name])[0]))
 
