@@ -15,7 +15,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.units import Channel
 from stickslip.discovery.driven_slider import loop as driven
 from stickslip.discovery.general_rig import loop as general_rig
-from stickslip.discovery.laboratory import block, two_degree
+from stickslip.discovery.laboratory import block, block_law, two_degree
 from stickslip.discovery.result import Found, Verdict
 from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.workers import Workers
@@ -163,12 +163,13 @@ def _searched(
         if isinstance(case.rig, GeneralRig):
             return general_rig.discover(case, tell, seed, workers)
         began = time.monotonic()
+        case, said = block_law.with_law(case, tell)
         found = block.discover(case, tell, seed, workers)
-        if found is not None:
-            return found
-        found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-        messages = (*found.messages, *block.beside_single_slips(case, found))
-        return replace(found, messages=messages, seconds=time.monotonic() - began)
+        if found is None:
+            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
+            found = replace(found, messages=(*found.messages, *block.beside_single_slips(case, found)))
+        said = (*said, *block_law.law_to_declare(case, found, tell))
+        return replace(found, messages=(*said, *found.messages), seconds=time.monotonic() - began)
     except BaseException:
         workers.stop()
         raise

@@ -175,10 +175,13 @@ def sureness(found: Found) -> list[str]:
             if count
             else ""
         )
-        lines = [
-            f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. "
-            f"To be believed it must lower it by {short(g.threshold, 3)}."
-        ]
+        if g.observed > g.threshold:
+            believed = (
+                "It is not believed all the same: its own size is not told, or scatter may pass for it."
+            )
+        else:
+            believed = f"To be believed it must lower it by {short(g.threshold, 3)}."
+        lines = [f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. {believed}"]
         if found.residual_after.clean:
             lines.append("An effect too small to show above the noise of these runs is not excluded.")
         return lines
