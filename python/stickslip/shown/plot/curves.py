@@ -24,6 +24,7 @@ from stickslip.fitted.identified import BRANCHES, Branch, Identified
 from stickslip.measured.fit_window import Array
 from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import Track
+from stickslip.shown.plot.between import between
 from stickslip.shown.plot.drawing import Drawing
 from stickslip.simulated.trajectory import Trajectory
 
@@ -379,9 +380,14 @@ def _label_of(recording: Recording, name: str) -> str:
 
 
 def _with_corners(run: Trajectory) -> tuple[Array, Array]:
-    """Times and states of a run's samples and of the transitions between them, where its curves have their corners."""
+    """Times and states of a run's samples, of transitions, where its curves have their corners, and between them."""
     change = run.transitions
     inside = (change.t >= run.t[0]) & (change.t <= run.t[-1])
     times = np.append(run.t, change.t[inside])
     order = np.argsort(times, kind="stable")
-    return times[order], np.vstack([run.state, change.state[inside]])[order]
+    states = np.vstack([run.state, change.state[inside]])[order]
+    places = [0, 2] if states.shape[1] == 4 else [0]  # of the coordinates; each has its velocity after it
+    t, q, v = between(times[order], states[:, places], states[:, [i + 1 for i in places]])
+    out = np.empty((len(t), states.shape[1]))
+    out[:, places], out[:, [i + 1 for i in places]] = q, v
+    return t, out
