@@ -19,6 +19,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
+from stickslip.simulated.goes_on import where_it_ends
 from stickslip.simulated.lowering import Lowered, lower
 from stickslip.simulated.named_readings import named_readings
 from stickslip.simulated.simulate_bodies import constant_speed, lacks_belt_speed, needs_bodies, simulate_any
@@ -36,7 +37,7 @@ def simulate(
     *,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
-    initial: ArrayLike | None = None,
+    initial: ArrayLike | Trajectory | None = None,
     t_end: float,
     t_start: float = 0.0,
     t_eval: ArrayLike | None = None,
@@ -65,10 +66,11 @@ def simulate(
         formula of t ("0.5*sin(1.7*t)"), or a `Speed`.
         Left out where no contact rubs on a belt.
     drive_speed
-        Likewise of the drive that pulls at links of a rig of bodies, which is at 0 at `t_start`.
+        Likewise of the drive that pulls at links of a rig of bodies; it is at 0 at `t_start`, or where a run left it.
     initial
         State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
-        b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it.
+        b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it. Or a
+        run that goes on: from its last sample, in its modes, with all that is hidden in it.
     t_end, t_start
         Time span, in the rig's unit of time.
     t_eval
@@ -126,6 +128,9 @@ def simulate(
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
     belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
     drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
+    before, begun = (initial, None) if isinstance(initial, Trajectory) else (None, initial)
+    if before is not None:
+        t_start, begun, contact = where_it_ends(before, model, t_start, contact)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
     times = None if t_eval is None else _sample_times(t_eval, start, end)
@@ -146,7 +151,9 @@ def simulate(
         if order is not None or step is not None:
             key = "step" if order is None else "order"
             raise InputError("is for a named rig under its own laws; leave it out", key=key)
-        return simulate_any(model, belt_speed, drive_speed, initial, contact, names, times, **shared)
+        return simulate_any(
+            model, belt_speed, drive_speed, begun, contact, names, times, before=before, **shared
+        )
     if belt_speed is None:
         raise lacks_belt_speed()
     speed = constant_speed(belt_speed)
@@ -156,7 +163,7 @@ def simulate(
     lowered = lower(model, speed)
     if not isinstance(contact, str) or contact not in CONTACTS:
         raise InputError(f"must be one of {', '.join(CONTACTS)}", key="contact", value=contact)
-    start_state = _started(model, lowered, initial, contact, speed)
+    start_state = _started(model, lowered, begun, contact, speed)
     run: Callable[..., dict[str, Any]] = partial(
         _core.simulate,
         structure=lowered.structure,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ def simulate_any(
     contact: str | Sequence[str],
     names: tuple[str, ...],
     times: Floats | None,
+    before: Trajectory | None = None,
     **settings: Any,
 ) -> Trajectory:
     """Return the trajectory; what was given has been looked at, but for the start and the modes.
@@ -58,6 +60,8 @@ def simulate_any(
         Parameters to differentiate by.
     times
         As `_core.simulate_bodies` takes them.
+    before
+        The run that goes on.
     settings
         The rest of what `_core.simulate_bodies` takes.
     """
@@ -68,7 +72,14 @@ def simulate_any(
     z = own.start(visible, hidden, settings["t_start"])
     seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
     settings |= {"t_eval": times, "sensed": isinstance(model.rig, GeneralRig)}
-    return run_bodies(lowered, lowered.started(z), modes, names, seeds, belt_speed, **settings)
+    values = lowered.started(z)
+    rested = np.zeros(len(own.equations.contacts))
+    if before is not None and len(before.rested):
+        rested = before.rested
+        values[lowered.layout["dwell"] :][: len(rested)] = rested
+        for place, key in enumerate(_ways(own), lowered.layout["initial"] + len(z)):
+            values[place] = before.travelled[key][-1]
+    return run_bodies(lowered, values, modes, names, seeds, belt_speed, rested, **settings)
 
 
 def run_bodies(
@@ -78,6 +89,7 @@ def run_bodies(
     names: tuple[str, ...],
     seeds: Floats,
     belt_speed: object,
+    rested: Floats | None = None,
     **settings: Any,
 ) -> Trajectory:
     """Return the trajectory of a lowered model.
@@ -94,11 +106,33 @@ def run_bodies(
         What to differentiate by.
     belt_speed
         As it was given.
+    rested : (m,)
+        For how long each contact has stuck at the start; 0 if absent.
     settings
         The rest of what `_core.simulate_bodies` takes.
     """
     raw = _core.simulate_bodies(**lowered.arguments, values=values, modes=modes, seeds=seeds, **settings)
-    return _trajectory(raw, lowered, names, belt_speed)
+    made = _trajectory(raw, lowered, names, belt_speed)
+    return replace(made, rested=_rested(raw, settings["t_start"], rested)) if len(made.t) else made
+
+
+def _ways(own: General) -> list[str]:
+    """Which of belt and drive move, in the order in which their ways follow the states."""
+    used = (own.equations.on_belt, own.equations.driven)
+    return [key for key, moves in zip(own.effects.keys, used, strict=True) if moves]
+
+
+def _rested(raw: dict[str, Any], start: float, before: Floats | None) -> Floats:
+    """For how long each contact has stuck at the last sample, (m,)."""
+    end, modes = float(raw["t"][-1]), np.asarray(raw["mode"])[-1]
+    past = np.asarray(raw["transition_t"]) <= end
+    was, then = (np.asarray(raw[f"transition_{key}"])[past] for key in ("before", "after"))
+    out = np.zeros(len(modes))
+    for j in np.flatnonzero(modes == 0):
+        came = np.asarray(raw["transition_t"])[past][(was[:, j] != 0) & (then[:, j] == 0)]
+        earlier = 0.0 if before is None else float(before[j])
+        out[j] = end - came[-1] if len(came) else end - start + earlier
+    return out
 
 
 def split_initial(own: General, initial: ArrayLike | None) -> tuple[Floats, dict[str, float]]:
@@ -145,8 +179,7 @@ def _trajectory(
     own = lowered.own
     n, order = len(own.equations.names), list(own.order)
     hidden = slice(2 * n, 2 * n + len(own.hidden))
-    used = (own.equations.on_belt, own.equations.driven)
-    ways = [key for key, moves in zip(own.effects.keys, used, strict=True) if moves]
+    ways = _ways(own)
     alone = not isinstance(lowered.model.rig, GeneralRig)  # of a named rig the one contact is the mode
 
     def modes(given: NDArray[np.int8]) -> NDArray[np.int8]:

@@ -159,6 +159,9 @@ class Trajectory(Sampled):
         The derivatives of these.
     model, belt_speed
         What was simulated.
+    rested : (m,)
+        For how long each contact has stuck at the last sample, of what is simulated as a rig of bodies or matrices;
+        empty for a named rig, of which `hidden` has it as dwell.
 
     Examples
     --------
@@ -194,6 +197,7 @@ class Trajectory(Sampled):
     sensed_sensitivity: dict[str, Floats] = field(default_factory=dict, repr=False)
     model: Model | None = None
     belt_speed: float | Speed | None = None
+    rested: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __getattr__(self, name: str) -> Floats:
         """A state, a mode or a hidden state by its name, (n,)."""
