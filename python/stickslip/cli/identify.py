@@ -64,9 +64,8 @@ def estimates_table(found: Identified | IdentifiedRig) -> Table:
     table = Table(title=title, box=SIMPLE, pad_edge=False)
     rows = found.table()
     for name in rows[0]:
-        table.add_column(
-            name, justify="left" if name in ("parameter", "unit", "status") else "right", no_wrap=True
-        )
+        text = name in ("parameter", "unit", "status")
+        table.add_column(name, justify="left" if text else "right", no_wrap=name != "status")
     for row in rows:
         table.add_row(*row.values())
     return table

@@ -76,9 +76,11 @@ def plainly(value: float, digits: int = 2) -> str:
 
 
 def percent(share: float, digits: int = 2) -> str:
-    """Write a share of 1 in per cent; below a hundredth of one it is only said to be less."""
+    """Write a share of 1 in per cent; below a hundredth of one, and above a thousand, that alone is said."""
     if 0 < abs(share) < 1e-4:
         return "less than 0.01 %"
+    if share > 10:
+        return "more than 1000 %"
     return f"{plainly(100 * share, digits)} %"
 
 

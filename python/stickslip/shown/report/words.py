@@ -56,7 +56,9 @@ def kind(effect: FoundEffect) -> str:
 
 def called(effect: FoundEffect) -> str:
     """An effect in plain words; one at a place of a rig of bodies or matrices by its name and that place."""
-    if effect.where == "drive" and effect.name == "belt_speed_ripple":  # named for the belt, of all that is driven
+    if (
+        effect.where == "drive" and effect.name == "belt_speed_ripple"
+    ):  # named for the belt, of all that is driven
         return "a ripple of the drive's speed"
     if effect.of_rig or effect.where in PLACE:
         return kind(effect)
