@@ -140,7 +140,7 @@ class IdentifiedRig(SavedResult):
             cells = {"parameter": f"scatter of {name}", "value": percent(s.value), "95 % interval": span}
             rows.append({**cells, "declared": "", "status": ""})
         for name, c in self.constants.items():
-            status = "not as declared" if c.beyond else "as well known as declared"
+            status = "not as declared" if c.beyond else "as declared"
             rows.append(_row(name, c.value, c.low, c.high, c.declared, status))
         for name, e in self.offsets.items():
             rows.append(_row(f"offset.{name}", e.value, e.low, e.high, e.declared, e.status))

@@ -21,7 +21,7 @@ def _identified(one: IdentifiedRig) -> Description:
         (f"scatter of {name}", s.value, Span(s.low, s.high), "scatter") for name, s in one.scatter.items()
     ]
     rows += [
-        (name, c.value, Span(c.low, c.high), "not as declared" if c.beyond else "as well known as declared")
+        (name, c.value, Span(c.low, c.high), "not as declared" if c.beyond else "as declared")
         for name, c in one.constants.items()
     ]
 
