@@ -61,11 +61,11 @@ def estimates_table(found: Identified | IdentifiedRig) -> Table:
     title = f"identified law: {found.law.kind}"
     if isinstance(found, IdentifiedRig):
         title = "identified: " + ", ".join(f"{name} {law.kind}".strip() for name, law in found.laws.items())
-    table = Table(title=title, box=SIMPLE, pad_edge=False)
+    table = Table(title=title, box=SIMPLE, pad_edge=False, collapse_padding=True)
     rows = found.table()
     for name in rows[0]:
         text = name in ("parameter", "unit", "status")
-        table.add_column(name, justify="left" if text else "right", no_wrap=name != "status")
+        table.add_column(name, justify="left" if text else "right", no_wrap=name != "status", overflow="fold")
     for row in rows:
         table.add_row(*row.values())
     return table
