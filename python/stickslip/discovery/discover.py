@@ -163,13 +163,12 @@ def _searched(
         if isinstance(case.rig, GeneralRig):
             return general_rig.discover(case, tell, seed, workers)
         began = time.monotonic()
-        case, said = block_law.with_law(case, tell)
         found = block.discover(case, tell, seed, workers)
         if found is None:
             found = slider.carried(slider.discover(case, progress=tell, seed=seed))
             found = replace(found, messages=(*found.messages, *block.beside_single_slips(case, found)))
-        said = (*said, *block_law.law_to_declare(case, found, tell))
-        return replace(found, messages=(*said, *found.messages), seconds=time.monotonic() - began)
+        said = block_law.law_to_declare(case, found, tell)
+        return replace(found, messages=(*found.messages, *said), seconds=time.monotonic() - began)
     except BaseException:
         workers.stop()
         raise
