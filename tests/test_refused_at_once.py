@@ -76,7 +76,7 @@ def test_a_gear_to_the_ground_does_nothing() -> None:
 
 def test_a_drive_that_turns_has_no_speed_in_metres() -> None:
     model = ss.Model(DRILL, friction=LAW)
-    with pytest.raises(InputError, match="is no speed of what moves in rad/s; give one like '30 rpm'"):
+    with pytest.raises(InputError, match="measures no speed of what moves in rad/s; give one like '30 rpm'"):
         ss.simulate(model, drive_speed="3 m/s", t_end=1.0)
     turning = ss.simulate(model, drive_speed="30 rpm", t_end=1.0)
     assert turning.state[-1] == pytest.approx(ss.simulate(model, drive_speed=np.pi, t_end=1.0).state[-1])

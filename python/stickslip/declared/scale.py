@@ -154,7 +154,7 @@ def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
     right = [dimensions(moved)] if moved != "1" else [dimensions("m/s"), dimensions("rad/s")]
     if dimensions(own) not in right:
         like = "30 rpm" if moved == "rad/s" else "12 mm/s"
-        words = f"is no speed of what moves in {moved}; give one like '{like}'"
+        words = f"measures no speed of what moves in {moved}; give one like '{like}'"
         raise InputError(words, key=key, value=given)
     return size
 
