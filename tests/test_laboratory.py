@@ -60,8 +60,10 @@ def test_an_effect_of_one_s_own_that_does_not_act_changes_nothing(plain: tuple[P
 def test_an_effect_is_named_through_the_scatter(tmp_path: Path) -> None:
     effect = ss.effect("block_viscous_damping", c=1.0)
     found = ss.discover(ss.load_case(case(tmp_path, (effect,), SCATTER, OFF, 2, few=True)), threads=1)
-    assert [one.name for one in found.effects] == ["block_viscous_damping"]
-    number = found.effects[0].parameters["c"]
+    # one short run is unused: where it happens to be forecast worse, the name is told and not claimed
+    (effect_found,) = (*found.effects, *found.unclaimed)
+    assert effect_found.name == "block_viscous_damping"
+    number = effect_found.parameters["c"]
     assert number.low is not None
     assert number.high is not None
     assert number.low < 1.0 < number.high
