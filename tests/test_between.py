@@ -3,7 +3,7 @@
 import numpy as np
 
 import stickslip as ss
-from stickslip.shown.plot.between import ENOUGH, between
+from stickslip.shown.plot.between import ENOUGH, between, own_steps
 
 MODEL = ss.Model(ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2), friction=ss.PaperFriction())
 
@@ -27,3 +27,14 @@ def test_many_samples_stay_as_they_are() -> None:
     assert (times == t).all()
     assert (q[:, 0] == np.sin(t)).all()
     assert (v[:, 0] == np.cos(t)).all()
+
+
+def test_what_lies_between_samples_that_were_asked_for_is_not_drawn() -> None:
+    """A cubic through a few samples of many periods would be loops that nobody simulated."""
+    few = ss.simulate(MODEL, belt_speed=0.1, t_end=60.0, t_eval=np.linspace(0, 60, 30))
+    assert not own_steps(few)
+    assert own_steps(ss.simulate(MODEL, belt_speed=0.1, t_end=60.0))
+    (left, right) = few.plot().axes[:2]
+    ways = few.transitions.t[few.transitions.t <= 60.0]
+    assert len(left.lines[0].get_xdata()) == len(few.t) + len(ways)
+    assert right.lines

@@ -32,6 +32,17 @@ def test_where_it_is_follows_from_the_law() -> None:
     assert np.mean(found.q[:, 0] - made.arm) == pytest.approx(0, abs=0.2 * np.std(made.arm))
 
 
+def test_a_fit_that_explains_nothing_calls_no_constant_wrong() -> None:
+    """A sine is no stick-slip: whatever numbers it drives a fit to are none of the rig's."""
+    t = np.arange(0.0, 3.0, 1e-3)
+    reading = 0.3 * np.sin(2 * np.pi * 7.3 * t) + NOISE * np.random.default_rng(5).normal(size=len(t))
+    run = ss.load_recording({"t": t, "v_arm": reading}, ARM, belt_speed=0.012)
+    found = ss.identify(run, rig=ARM, friction=LAW)
+    assert found.reduced_chi2 > 2
+    assert any("no number here can be relied on" in one for one in found.messages)
+    assert not any("from what is declared" in one for one in found.messages)
+
+
 @pytest.mark.parametrize(("static", "kinetic"), [(4.0, 2.0), (4.4, 1.8)])
 def test_the_drop_is_found_and_constants_stay(static: float, kinetic: float) -> None:
     """Of both limits the readings show the difference alone; a gain of 0.5 and half the inertia was told."""

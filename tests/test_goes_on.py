@@ -98,6 +98,11 @@ def test_what_cannot_go_on_is_refused() -> None:
         ss.simulate(model, belt_speed=0.1, initial=run, t_start=3.0, t_end=9.0)
     with pytest.raises(InputError, match="the run to go on from has its own; leave it out"):
         ss.simulate(model, belt_speed=0.1, initial=run, contact="stick", t_end=9.0)
+    aged, swings = CASES["paper, aging"], CASES["paper, aging on a belt that swings"]
+    for before, after in ((aged, swings), (swings, aged)):
+        part = ss.simulate(before.model, **before.speeds, t_end=9.0)
+        with pytest.raises(InputError, match="goes on as it began"):
+            ss.simulate(after.model, **after.speeds, initial=part, t_end=19.0)
     on = ss.simulate(model, belt_speed=0.1, initial=run, t_end=9.0)
     assert on.t[0] == run.t[-1]
     assert np.array_equal(on.state[0], run.state[-1])

@@ -283,6 +283,28 @@ def test_what_explains_nothing_is_no_finding(tmp_path: Path) -> None:
     assert "stands" not in said
     helps = dataclasses.replace(lost, error=dataclasses.replace(worse, after=0.3))
     assert not words.hopeless(helps)
+    assert words.headline(helps).startswith("Not explained: of all that was tried ")
+    assert words.headline(helps).endswith("comes nearest, and leaves 78 times the noise.")
+    said = " ".join(words.sureness(helps))
+    assert "does not stand: with so much left it may stand in for something else" in said
+    assert " stands:" not in said
+
+
+def test_what_is_beyond_its_gate_and_not_named_is_no_contradiction(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    gate = dataclasses.replace(found.gate, observed=120.0, threshold=7.0)
+    silent = dataclasses.replace(found, verdict=Verdict.no_effect, effects=(), gate=gate)
+    assert "It is not believed: its own size is not told" in words.sureness(silent)[0]
+    assert "To be believed" not in words.sureness(silent)[0]
+    below = dataclasses.replace(silent, gate=dataclasses.replace(gate, observed=3.0))
+    assert "To be believed it must lower it by 7." in words.sureness(below)[0]
+
+
+def test_a_drive_s_ripple_is_not_the_belt_s(tmp_path: Path) -> None:
+    found, _ = made(tmp_path)
+    ripple = dataclasses.replace(found.effects[0], name="belt_speed_ripple", where="drive")
+    assert words.called(ripple) == "a ripple of the drive's speed"
+    assert "belt" in words.called(dataclasses.replace(ripple, where="belt"))
 
 
 @pytest.mark.parametrize("si", [True, False])

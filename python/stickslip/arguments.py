@@ -158,10 +158,7 @@ def path(key: str, value: object) -> Path:
         try:
             os.stat(value)
         except OSError as error:
-            if error.errno in (
-                errno.ENAMETOOLONG,
-                errno.ELOOP,
-            ):  # asked of anything, it would say so in many lines
+            if error.errno in (errno.ENAMETOOLONG, errno.ELOOP):  # others are said where the file is opened
                 raise InputError((error.strerror or str(error)).lower(), key=key, value=value) from None
         except ValueError:
             raise InputError("holds a zero byte; no file has such a name", key=key, value=value) from None

@@ -221,7 +221,7 @@ def _expected(own: Equations, friction: FrictionLaw | None, belt: Floats, drive:
     if friction is None:
         return out
     for j, one in enumerate(own.contacts):
-        slip = v @ one.direction - (belt if one.against == "belt" else 0.0)
+        slip = one.slip(v, belt)
         if not np.isfinite(slip).all():
             slip = -belt if one.against == "belt" else drive
         clear = np.flatnonzero(np.abs(slip) > SLIPS * np.quantile(np.abs(slip), FASTEST))
@@ -305,7 +305,7 @@ def _stuck(own: Equations, t: Floats, v: Floats, doubt: Floats, belt: Speed) -> 
         if math.isnan(noise):
             continue
         seen[j] = True
-        slip = v @ one.direction - (speed if one.against == "belt" else 0.0)
+        slip = one.slip(v, speed)
         fastest = float(np.quantile(np.abs(slip), FASTEST))
         band = AT_REST * fastest
         if one.against == "belt":

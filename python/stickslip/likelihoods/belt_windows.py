@@ -235,16 +235,14 @@ class _Run:
         """Simulate, read, weigh."""
         p, columns = len(self.shared), len(self.shared) + (self.of.own if self.local else 0)
         seeds, owner, apart = self._seeds(columns)
-        limit = p + self.of.begins if self.local else columns
-        every = columns + (bool(self._moves_limit) and not self.local)
-        raw = self._simulated(self._derived(self.values, self.own), seeds, owner, every + len(apart))
+        raw = self._simulated(self._derived(self.values, self.own), seeds, owner, columns + len(apart))
         slopes = {}
         for k, one in zip(self.of.kept.tolist(), np.asarray(raw["slopes"]), strict=True):
             folded = one[:, :columns]
             for i, by in self._moves_limit.items():
-                folded[:, i] += one[:, limit] * np.repeat(by, self.lengths)
+                folded[:, i] += one[:, p + self.of.begins] * np.repeat(by, self.lengths)
             if apart:
-                self._chained(folded, one[:, every:], apart)
+                self._chained(folded, one[:, columns:], apart)
             if self.local and self.of.beyond:  # what sticks has no speed of its own
                 beyond = slice(p + len(self.of.sensors.begins), p + self.of.begins)
                 folded[:, beyond] *= np.repeat(self.slips, self.lengths)[:, None]
@@ -321,9 +319,13 @@ class _Run:
 
     @cached_property
     def _moves_limit(self) -> dict[int, Floats]:
-        """By how much of itself each shared number moves the windows' own limits, by column, (w,), where it does."""
+        """
+        By how much of itself each shared number moves the windows' own limits, by column, (w,), where it does.
+
+        It goes with the columns of these: asked for alone, none of a law is.
+        """
         of = self.of
-        if of.aging is None:
+        if of.aging is None or not self.local:
             return {}
         own = self.own[:, of.begins] / self._aged(self.values.get("static_aging.tau", AT_ONCE)) / self._limit
         rates = {
@@ -384,14 +386,11 @@ class _Run:
         if self.local:
             rows |= {len(self.shared) + k: {entry: size} for k, entry, size in self._entries()}
         apart = list[int]()
-        if not self.local and self._moves_limit:
-            rows[columns] = {self.of.aging[0]: self._limit}  # type: ignore[index]  # there is one, or nothing moves
-        first = columns + (not self.local and bool(self._moves_limit))
         for place in acting(self.values):
             state = WIDTH + DERIVED[place]
             moved = {i: rate[:, place] for i, rate in self._rates.items() if rate[:, place].any()}
             if any(np.ptp(rate) > ALIKE * np.abs(rate).max() for rate in moved.values()):
-                rows[first + len(apart)] = {state: 1.0}
+                rows[columns + len(apart)] = {state: 1.0}
                 apart.append(place)
                 continue
             for i, rate in moved.items():

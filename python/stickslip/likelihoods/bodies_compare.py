@@ -162,9 +162,9 @@ def _as_read(
     noisy = simulated + run.noise * np.random.default_rng(0).standard_normal(simulated.shape)
     own = dict(zip(run.channels, noisy.T, strict=True))
     kept = {name: one[part] for name, one in recording.coordinates.items()} | own
-    own_rig, shown = model.rig, replace(recording, t=recording.t[part], coordinates=kept)
-    assert isinstance(own_rig, GeneralRig)
-    return prepare_bodies(own_rig, [shown], model.friction)[0]
+    assert isinstance(model.rig, GeneralRig)
+    shown = replace(recording, t=recording.t[part], coordinates=kept)
+    return prepare_bodies(model.rig, [shown], model.friction)[0]
 
 
 def _contact_rows(rig: GeneralRig, run: BodiesData, part: slice, other: BodiesData) -> list[Row]:
@@ -175,9 +175,7 @@ def _contact_rows(rig: GeneralRig, run: BodiesData, part: slice, other: BodiesDa
         sides = []
         for data, own in ((run, part), (other, slice(None))):
             stuck = data.stuck[own, j]
-            slip = np.abs(
-                data.v[own] @ one.direction - (data.belt(data.t[own]) if one.against == "belt" else 0.0)
-            )
+            slip = np.abs(one.slip(data.v[own], data.belt(data.t[own])))
             gaps = np.diff(starts_of_slips(data, j, own))
             sides.append((float(stuck.mean()), gaps, float(np.quantile(slip, 0.999))))
         (stick, gaps, fast), (stick_, gaps_, fast_) = sides

@@ -222,10 +222,7 @@ def _fastest(bench: BodiesBench) -> dict[str, float]:
     assert isinstance(bench.model.rig, GeneralRig)
     out = {}
     for one in bench.model.rig.equations.contacts:
-        slips = [
-            np.max(np.abs(run.v @ one.direction - (run.belt(run.t) if one.against == "belt" else 0.0)))
-            for run in bench.data
-        ]
+        slips = [np.max(np.abs(one.slip(run.v, run.belt(run.t)))) for run in bench.data]
         out[one.name] = float(max(slips))
     return out
 

@@ -40,8 +40,7 @@ def let_go(run: BodiesData, window: Cut, own: General, model: Model) -> Floats:
         first = window.start + int(free[0])
         last = max(first - 1, window.start)
         ahead = slice(first, min(first + AHEAD, window.stop))
-        belt = run.belt(run.t[ahead]) if contact.against == "belt" else 0.0
-        slip = float(np.mean(run.v[ahead] @ contact.direction - belt))
+        slip = float(np.mean(contact.slip(run.v[ahead], run.belt(run.t[ahead]))))
         limit = law_of(model.friction, contact).static_limits[0 if slip < 0 else 1]
         pulls = rig.force - rig.K @ (run.q[last] + out) - rig.C @ run.v[last]
         pulls = pulls + rig.drive_stiffness * (run.drawn + way(run.drive, float(run.t[last])))

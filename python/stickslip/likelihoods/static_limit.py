@@ -43,6 +43,5 @@ class StaticLimit:
         if name not in self.numbers:
             return 0.0
         step = NEARBY * max(abs(values[name]), 1e-9)
-        ends = (self.at({**values, name: values[name] + sign * step}) for sign in (1, -1))
-        ahead, behind = ends
+        ahead, behind = (self.at({**values, name: values[name] + sign * step}) for sign in (1, -1))
         return (ahead - behind) / (2 * step)

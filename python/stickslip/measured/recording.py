@@ -275,8 +275,7 @@ def load_recording(
     table: Held | Path
     if hasattr(source, "keys"):
         held = dict(source)  # type: ignore[arg-type]  # a data frame is no Mapping
-        strange = next((one for one in held if not isinstance(one, str)), None)
-        if strange is not None or None in held:
+        for strange in (one for one in held if not isinstance(one, str)):
             words = "columns are asked for by text; rename them, like frame.rename(columns=str)"
             raise InputError(f"a column is named {strange!r}; {words}", key="source")
         table = Held(name or "recording", held)

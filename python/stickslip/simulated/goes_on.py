@@ -18,7 +18,7 @@ NAMED: dict[int, Mode] = {-1: "slip-", 0: "stick", 1: "slip+"}
 
 
 def where_it_ends(
-    run: Trajectory, model: Model, t_start: float, contact: Mode | Sequence[Mode]
+    run: Trajectory, model: Model, t_start: float, contact: Mode | Sequence[Mode], *, of_bodies: bool
 ) -> tuple[float, NDArray[np.float64], Mode | Sequence[Mode]]:
     """
     Return time, state with what is hidden, and modes at the last sample of a run.
@@ -28,11 +28,13 @@ def where_it_ends(
     run : that goes on
     model : that goes on with it
     t_start, contact : as given, if they were
+    of_bodies : whether what goes on is simulated as a rig of bodies or matrices
 
     Raises
     ------
     InputError
-        The run is of another rig, has no samples, or a start of another time or mode is given.
+        The run is of another rig, has no samples, or a start of another time or mode is given; a named rig goes on
+        under a belt of another kind, whose way and rest are kept elsewhere.
     """
     if run.state_names != model.rig.state_names:
         raise InputError("is a run of another rig than the model's", key="initial")
@@ -43,7 +45,9 @@ def where_it_ends(
         raise InputError(f"the run to go on from ends at {end:g}; leave it out", key="t_start", value=t_start)
     if contact != "auto":
         raise InputError("the run to go on from has its own; leave it out", key="contact", value=contact)
-    of_bodies = len(run.rested) > 0
+    if of_bodies != (len(run.rested) > 0):
+        words = "goes on as it began: under a belt at a constant speed, or under one by a formula"
+        raise InputError(words, key="initial")
     hidden = run.hidden_names if of_bodies else HIDDEN
     state = np.array(
         [*run.state[-1], *(float(run.hidden[k][-1]) if k in run.hidden_names else 0.0 for k in hidden)]

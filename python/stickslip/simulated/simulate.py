@@ -70,7 +70,7 @@ def simulate(
     initial
         State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
         b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it. Or a
-        run that goes on: from its last sample, in its modes, with all that is hidden in it.
+        run that goes on: from its last sample, in its modes, with all that is hidden in it; derivatives begin anew.
     t_end, t_start
         Time span, in the rig's unit of time.
     t_eval
@@ -130,7 +130,8 @@ def simulate(
     drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
     before, begun = (initial, None) if isinstance(initial, Trajectory) else (None, initial)
     if before is not None:
-        t_start, begun, contact = where_it_ends(before, model, t_start, contact)
+        kind = needs_bodies(model, belt_speed, drive_speed)
+        t_start, begun, contact = where_it_ends(before, model, t_start, contact, of_bodies=kind)
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
     times = None if t_eval is None else _sample_times(t_eval, start, end)

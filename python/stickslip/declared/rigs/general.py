@@ -50,6 +50,10 @@ class ContactRow:
     law: str
     rotation: bool  # its force is a torque, its v an angular speed
 
+    def slip(self, v: Floats, belt: Floats | float) -> Floats:
+        """Return its v, of velocities (..., n) and the belt's speed there."""
+        return np.asarray(v @ self.direction - (belt if self.against == "belt" else 0.0))
+
 
 @dataclass(frozen=True, eq=False)
 class LinkRow:

@@ -116,8 +116,7 @@ class Sizes:
 
 def slip(run: BodiesData, one: ContactRow) -> Floats:
     """Return the slip speed of a contact as the readings show it, (n,)."""
-    belt = np.asarray(run.belt(run.t)) if one.against == "belt" else 0.0
-    return np.asarray(run.v @ one.direction - belt)
+    return one.slip(run.v, run.belt(run.t))
 
 
 def placed_kinds(model: Model, data: Sequence[BodiesData], *, one_way: bool) -> list[EffectKind]:

@@ -15,7 +15,7 @@ from stickslip.declared.scale import Scale, scales
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, ShownSamples, describe
 from stickslip.shown.plot import bodies, curves
-from stickslip.shown.plot.between import between
+from stickslip.shown.plot.between import between, own_steps
 from stickslip.shown.plot.curves import DOTS, GREY, SIMULATED, label
 from stickslip.simulated.trajectory import MODE_NAMES, Modes, Trajectory, Transitions
 
@@ -80,7 +80,7 @@ def _portrait(ax: Axes, one: Trajectory) -> None:
     velocity = next((name for name in ("x2", f"v_{place}") if name in one.state_names), one.state_names[-1])
     read = read_in(one.model, one.state_names)
     x, v = (read[name].size * one.state[:, one.state_names.index(name)] for name in (place, velocity))
-    if len(one.t) > 1:
+    if own_steps(one):
         rate = read[place].size / read[velocity].size  # of what is drawn, over the model's
         _, q, w = between(one.t, x[:, None], rate * v[:, None])
         x, v = q[:, 0], w[:, 0] / rate

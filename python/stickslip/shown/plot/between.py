@@ -6,8 +6,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.simulated.trajectory import Trajectory
+
 Floats = NDArray[np.float64]
 ENOUGH = 2000  # samples of a run that make a curve by themselves
+
+
+def own_steps(run: Trajectory) -> bool:
+    """Say whether samples are no farther apart than the integrator's steps: what lies between others is not known."""
+    return len(run.t) > run.steps
 
 
 def between(t: Floats, q: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:

@@ -13,7 +13,7 @@ from stickslip.fitted.bodies_data import smoothed
 from stickslip.fitted.bodies_sensors import may_jump
 from stickslip.likelihoods.bodies_compare import RigComparison
 from stickslip.likelihoods.identified_rig import IdentifiedRig
-from stickslip.shown.plot.between import between
+from stickslip.shown.plot.between import between, own_steps
 from stickslip.simulated.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -30,7 +30,8 @@ def coordinates(run: Trajectory, rig: GeneralRig) -> Figure:
     n = len(own.names)
     figure = Drawing(figsize=(WIDTH, HEIGHT * n + 0.6), layout="constrained")
     axes = figure.subplots(n, 2, sharex=True, squeeze=False)
-    t, *drawn = between(run.t, run.state[:, :n], run.state[:, n : 2 * n])
+    q, v = run.state[:, :n], run.state[:, n : 2 * n]
+    t, *drawn = between(run.t, q, v) if own_steps(run) else (run.t, q, v)
     for i, (name, unit) in enumerate(zip(own.names, own.units, strict=True)):
         for k, (label, scale) in enumerate(
             ((name, unit), (f"v_{name}", "1" if unit == "1" else f"{unit}/s"))

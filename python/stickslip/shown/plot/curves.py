@@ -24,7 +24,7 @@ from stickslip.fitted.identified import BRANCHES, Branch, Identified
 from stickslip.measured.fit_window import Array
 from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import Track
-from stickslip.shown.plot.between import between
+from stickslip.shown.plot.between import between, own_steps
 from stickslip.shown.plot.drawing import Drawing
 from stickslip.simulated.trajectory import Trajectory
 
@@ -386,6 +386,8 @@ def _with_corners(run: Trajectory) -> tuple[Array, Array]:
     times = np.append(run.t, change.t[inside])
     order = np.argsort(times, kind="stable")
     states = np.vstack([run.state, change.state[inside]])[order]
+    if not own_steps(run):
+        return times[order], states
     places = [0, 2] if states.shape[1] == 4 else [0]  # of the coordinates; each has its velocity after it
     t, q, v = between(times[order], states[:, places], states[:, [i + 1 for i in places]])
     out = np.empty((len(t), states.shape[1]))

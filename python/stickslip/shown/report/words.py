@@ -56,9 +56,7 @@ def kind(effect: FoundEffect) -> str:
 
 def called(effect: FoundEffect) -> str:
     """An effect in plain words; one at a place of a rig of bodies or matrices by its name and that place."""
-    if (
-        effect.where == "drive" and effect.name == "belt_speed_ripple"
-    ):  # named for the belt, of all that is driven
+    if (effect.where, effect.name) == ("drive", "belt_speed_ripple"):
         return "a ripple of the drive's speed"
     if effect.of_rig or effect.where in PLACE:
         return kind(effect)
@@ -144,6 +142,9 @@ def _verdict(found: Found) -> str:
         place = PLACE.get(effect.where, effect.where)
         acts = "acts, most likely" if guessed(effect) else "acts"
         return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
+    if found.residual_after.chi2 > FAR:
+        best = f"of all that was tried {joined([called(one) for one in found.effects])} comes nearest"
+        return f"Not explained: {best}, and leaves {short(math.sqrt(found.residual_after.chi2), 2)} times the noise."
     if all(e.of_rig for e in found.effects):
         return f"A declared number of the rig is wrong: {'; '.join(e.formula for e in found.effects)}."
     lacking = [
@@ -153,12 +154,6 @@ def _verdict(found: Found) -> str:
         for e in found.effects
     ]
     tied = any(ties(e) for e in found.effects)
-    if found.residual_after.chi2 > FAR:
-        names = joined([called(one) for one in found.effects])
-        helps = "helps" if len(found.effects) == 1 else "help"
-        times = short(math.sqrt(found.residual_after.chi2), 2)
-        best = f"of all that was tried {names} {helps} most"
-        return f"Not explained: {best}, and what is left is still {times} times the noise."
     if len(lacking) == 1 or (
         len(lacking) <= FEW and not tied
     ):  # "and" and "or" in one sentence may be read either way
@@ -180,9 +175,7 @@ def sureness(found: Found) -> list[str]:
             else ""
         )
         if g.observed > g.threshold:
-            believed = (
-                "It is not believed all the same: its own size is not told, or scatter may pass for it."
-            )
+            believed = "It is not believed: its own size is not told, or scatter may pass for it."
         else:
             believed = f"To be believed it must lower it by {short(g.threshold, 3)}."
         lines = [f"The best candidate lowers chi-squared by {short(g.observed, 3)}{chance}. {believed}"]
