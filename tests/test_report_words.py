@@ -20,7 +20,7 @@ from stickslip.cli.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Alternative, Interval, Part, Verdict
+from stickslip.discovery.result import Alternative, Interval, Likelihood, Part, Verdict
 from stickslip.discovery.slider.remarks import absorbed
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
@@ -227,6 +227,32 @@ def test_what_does_not_carry_over_is_in_the_headline(tmp_path: Path) -> None:
     assert "carry over" not in words.headline(dataclasses.replace(rose, effects=()))
 
 
+def test_the_likelihood_of_runs_never_used_decides_before_their_error(tmp_path: Path) -> None:
+    """An error is mostly friction of events to come: a right name was not claimed, as it rose by chance."""
+    found, _ = made(tmp_path)
+    rose = dataclasses.replace(found.error, before=0.02, after=0.0277, floor=0.03)
+    likelier = dataclasses.replace(
+        found, error=dataclasses.replace(rose, likelihood=Likelihood(40.0, 9, 0.98))
+    )
+    assert carries_over(likelier)
+    assert words.headline(likelier).endswith(
+        "The error on runs that were not used rises from 0.02 to 0.0277 (friction of events to come alone makes 0.03), "
+        "but they do not speak against it."
+    )
+    fell = dataclasses.replace(rose, after=0.0199, likelihood=Likelihood(-12.0, 9, 0.01))
+    refused = dataclasses.replace(found, error=fell)
+    assert not carries_over(refused)
+    silent = instead(refused, dataclasses.replace(refused, verdict=Verdict.no_effect, effects=()))
+    assert (
+        "runs never used are less likely with it, by 12 in -2 log likelihood over 9 forecasts (p = 0.01)"
+        in silent.messages[0]
+    )
+    curve = dataclasses.replace(refused, verdict=Verdict.unlisted_effect)
+    assert words.headline(curve).endswith(
+        "It does not carry over to runs that were not used: they are less likely with it."
+    )
+
+
 def test_names_that_runs_never_used_refuse_are_in_the_headline(tmp_path: Path) -> None:
     found, _ = made(tmp_path)
     rose = dataclasses.replace(found, error=dataclasses.replace(found.error, before=0.02, after=0.0277))
@@ -238,11 +264,11 @@ def test_names_that_runs_never_used_refuse_are_in_the_headline(tmp_path: Path) -
         f"{name} would be named by the train runs, but the error on runs never used "
     )
     assert words.headline(silent) == (
-        f"Nothing is claimed: the train runs name {words.called(found.effects[0])}, but runs not used are forecast "
-        "worse with it."
+        f"Nothing is claimed: the train runs name {words.called(found.effects[0])}, but runs not used speak "
+        "against it."
     )
     assert words.headline(dataclasses.replace(silent, unclaimed=2 * silent.unclaimed)).endswith(
-        "worse with them."
+        "speak against them."
     )
     # a curve that no name explains is no name
     assert carries_over(dataclasses.replace(rose, verdict=Verdict.unlisted_effect))

@@ -5,21 +5,26 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TypeVar
 
-from stickslip.discovery.result import Found, Verdict
+from stickslip.discovery.result import ErrorBlock, Found, Verdict
 
 FoundT = TypeVar("FoundT", bound=Found)
 
 
 def carries_over(found: Found) -> bool:
-    """Whether names are claimed: the error on runs never used does not rise with them."""
-    return found.verdict is not Verdict.effect_found or not found.error.rises
+    """Whether names are claimed: runs never used do not speak against them."""
+    return found.verdict is not Verdict.effect_found or found.error.carries
 
 
 def instead(found: Found, silent: FoundT) -> FoundT:
     """Return the result without the names, and which they would have been."""
     names = ", ".join(one.name for one in found.effects)
-    why = (
-        f"{names} would be named by the train runs, but the error on runs never used RISES from "
-        f"{found.error.before:.3g} to {found.error.after:.3g}: nothing is claimed"
-    )
+    why = f"{names} would be named by the train runs, but {doubt(found.error)}: nothing is claimed"
     return replace(silent, unclaimed=found.effects, messages=(why, *silent.messages))
+
+
+def doubt(error: ErrorBlock) -> str:
+    """Return in words why what was found does not carry over."""
+    if (held := error.likelihood) is None:
+        return f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
+    less = f"by {-held.gain:.3g} in -2 log likelihood over {held.forecasts} forecasts"
+    return f"runs never used are less likely with it, {less} (p = {held.chance:.2g})"

@@ -23,6 +23,7 @@ from stickslip.measured.thinning import Thinned
 from stickslip.objects import Drawn, reporter
 
 Floats = NDArray[np.float64]
+AGAINST = 0.05  # chance of so little likelihood from which runs never fitted speak against what was found
 WORSE = 1.02  # error after over error before, on runs never fitted, from which it is said to rise
 SEEN = 4  # samples in stick, at least, of a block that sticks
 Z = 1.959963985  # standard deviations that hold 95 %
@@ -241,10 +242,25 @@ class RunError:
 
 
 @dataclass(frozen=True)
+class Likelihood:
+    """How likely runs never fitted are with what was found, by forecasts of one cycle as ensembles.
+
+    `gain`: by how much their -2 log likelihood falls with it, over all `forecasts`; `chance`: how often it would fall
+    by so little if they were as likely without, by ranks of the forecasts (Wilcoxon, one-sided):
+    a single one in which much goes wrong decides nothing.
+    """
+
+    gain: float
+    forecasts: int
+    chance: float
+
+
+@dataclass(frozen=True)
 class ErrorBlock:
     """`error` of report.json: one metric over all validate runs, and every run's table.
 
     `covered`: share of the validate runs' readings that the 95 % band of the model after holds; None without a band.
+    `likelihood` is that of the validate runs with what was found; None where nothing was, or it cannot be told.
     """
 
     metric: str
@@ -253,11 +269,22 @@ class ErrorBlock:
     floor: float
     runs: tuple[RunError, ...]
     covered: float | None = None
+    likelihood: Likelihood | None = None
 
     @property
     def rises(self) -> bool:
-        """Whether it is larger after than before: what was found does not carry over."""
+        """Whether it is larger after than before."""
         return self.after > WORSE * self.before
+
+    @property
+    def carries(self) -> bool:
+        """
+        Whether what was found carries over: runs never used are not clearly less likely with it.
+
+        Without their likelihood, that their error does not rise. An error alone is a poor judge: most of it is friction
+        of the next event, which no model knows.
+        """
+        return not self.rises if self.likelihood is None else self.likelihood.chance >= AGAINST
 
 
 @dataclass(frozen=True)

@@ -7,22 +7,25 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery import errors
 from stickslip.discovery.errors import Measured
-from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.discovery.result import ErrorBlock, Likelihood, RunError
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.fitted.predict import Prediction, joined
 from stickslip.fitted.readings import reading_rate
 from stickslip.likelihoods.ahead import KEPT, Ahead, ahead
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.foretold import deviance
 from stickslip.measured.case import Recording
 
 Floats = NDArray[np.float64]
 Samples = NDArray[np.int64]
+FEWEST = 5  # forecasts, the fewest whose ranks can speak against anything at 5 %
 METRIC = (
     "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone and events to come as they scatter; "
     "mean over validate runs"
@@ -32,6 +35,7 @@ METRIC = (
 def error_block(
     fits: tuple[Fit, Fit],
     models: tuple[Model, Model],
+    without: Fit | None,
     runs: Sequence[Data],
     recordings: Sequence[Recording],
     workers: Workers,
@@ -45,17 +49,22 @@ def error_block(
     Parameters
     ----------
     fits, models : before and after
+    without : what is told where nothing is named; None where nothing is
     runs, recordings : never fitted
     workers, seed : make the forecasts
     """
-    light = tuple(replace(one, blocks=[], linear=None, solution=None) for one in fits)
     same = fits[0] is fits[1]
-    tasks = [(fit, run) for run in runs for fit in (light[1:] if same else light)]
+    third = () if without is None or any(without is one for one in fits) else (without,)
+    every = (*(fits[1:] if same else fits), *third)
+    light = tuple(replace(one, blocks=[], linear=None, solution=None) for one in every)
+    tasks = [(fit, run) for run in runs for fit in light]
     done = iter(workers.map(partial(_made, seed=seed), tasks))
+    falls = []
     table: list[RunError] = []
     kept: dict[str, tuple[Measured, Measured]] = {}
     for run, recording in zip(runs, recordings, strict=True):
-        made = [one for one in (next(done) for _ in range(1 if same else 2)) if one is not None]
+        flown = [next(done) for _ in light]
+        made = [one for one in flown[: 1 if same else 2] if one is not None]
         if len(made) < (1 if same else 2):  # too few windows to know where the run stands
             part, others = errors.error_block(*models, [run], [recording], workers, seed)
             table.append(part.runs[0])
@@ -64,7 +73,23 @@ def error_block(
         (was, _), (now, floor) = made[0], made[-1]
         kept[run.name] = (was, now)
         table.append(errors.row(run, recording, (was, now, floor)))
-    return replace(errors.block(METRIC, table), covered=_covered(runs, kept)), kept
+        if without is not None and (held := flown[-1 if third else 0]) is not None:
+            falls += _falls(held[0].deviance, now.deviance)
+    block = replace(errors.block(METRIC, table), covered=_covered(runs, kept))
+    return replace(block, likelihood=_likelihood(falls)), kept
+
+
+def _falls(was: Mapping[int, float], now: Mapping[int, float]) -> list[float]:
+    """By how much that of what both forecast falls."""
+    return [each - now[at] for at, each in was.items() if at in now]
+
+
+def _likelihood(falls: Sequence[float]) -> Likelihood | None:
+    """What forecasts say whose -2 log likelihoods fall by so much each."""
+    if len(falls) < FEWEST:
+        return None
+    test = scipy.stats.wilcoxon(falls, alternative="less")
+    return Likelihood(float(np.sum(falls)), len(falls), float(test.pvalue))
 
 
 def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[Measured, Measured]]) -> float | None:
@@ -100,8 +125,12 @@ def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | N
         np.concatenate([side[i][: b - a, :2] for side, (a, b) in zip(sides, firsts, strict=True)])
         for i in range(2)
     )
-    measured = replace(errors.compared(run, expected, samples, longer), band=(low, high))
     noise = noise[:2]
+    measured = replace(
+        errors.compared(run, expected, samples, longer),
+        band=(low, high),
+        deviance={a: _deviance(one, run, b, noise) for one, (a, b) in zip(short, firsts, strict=True)},
+    )
     draws = [
         errors.compared(_as(run, _member(short, run, stops, k), samples), expected, samples, None)
         for k in range(1, KEPT)
@@ -122,6 +151,13 @@ def _first(one: Ahead, run: Data) -> tuple[int, int]:
     """The samples of its first cycle."""
     stop = int(np.searchsorted(run.t, run.t[one.start] + run.cycle))
     return one.start, min(max(stop, one.start + 1), one.stop)
+
+
+def _deviance(one: Ahead, run: Data, stop: int, noise: Floats) -> float:
+    """-2 log density of the readings it is of, to a sample."""
+    part = slice(one.start, stop)
+    members = one.flown.readings[1:, : stop - one.start, :2]
+    return deviance(members, noise, run.readings[part, :2], run.weight[part, :2] > 0)
 
 
 def _expected(every: Sequence[Ahead], run: Data, stops: Sequence[int]) -> Prediction:

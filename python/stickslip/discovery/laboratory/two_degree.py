@@ -175,7 +175,13 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
     before, after = (outcome.model(bench, one, declared) for one in (base, chosen))
     tell("forecasting the validate runs")
     error, forecasts = error_block(
-        (base.fit, chosen.fit), (before, after), validate, case.validate, asked.workers, asked.seed
+        (base.fit, chosen.fit),
+        (before, after),
+        verdicts.without(base),
+        validate,
+        case.validate,
+        asked.workers,
+        asked.seed,
     )
     effects = outcome.effects(bench, found)
     if curve is not None:

@@ -66,6 +66,12 @@ class Verdicts(Generic[BenchT]):
         plain = replace(self.bench, declared=Declared())
         return Trial((), null(plain.windows(), plain.policy, twice=True))
 
+    def without(self, before: Trial) -> Fit | None:
+        """Return what is held against what was found on runs never used: effects, all else as free as beside them."""
+        if self.told.terms:
+            return self.searched.null.fit
+        return before.fit if self.told.freed is not None else None
+
     def silent(self) -> Verdicts[BenchT]:
         """Return the same with nothing told."""
         found = replace(self.searched, chosen=self.searched.null)

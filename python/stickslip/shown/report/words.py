@@ -95,10 +95,16 @@ def hopeless(found: Found) -> bool:
 def headline(found: Found) -> str:
     """The verdict as one sentence; a tie is part of it, and that it does not carry over is another."""
     said, error = _verdict(found), found.error
-    if not found.effects or hopeless(found) or not error.rises:
+    if not found.effects or hopeless(found) or (error.carries and not error.rises):
         return said
-    rise = f"the error on them rises from {error.before:.3g} to {error.after:.3g}"
-    return f"{said} It does not carry over to runs that were not used: {rise}."
+    rise = f"rises from {error.before:.3g} to {error.after:.3g}"
+    if error.carries:
+        floor = f"friction of events to come alone makes {error.floor:.3g}"
+        return (
+            f"{said} The error on runs that were not used {rise} ({floor}), but they do not speak against it."
+        )
+    why = f"the error on them {rise}" if error.rises else "they are less likely with it"
+    return f"{said} It does not carry over to runs that were not used: {why}."
 
 
 def _verdict(found: Found) -> str:
@@ -112,7 +118,7 @@ def _verdict(found: Found) -> str:
     if found.unclaimed:
         names = joined([called(one) for one in found.unclaimed])
         them = "it" if len(found.unclaimed) == 1 else "them"
-        return f"Nothing is claimed: the train runs name {names}, but runs not used are forecast worse with {them}."
+        return f"Nothing is claimed: the train runs name {names}, but runs not used speak against {them}."
     if (
         found.verdict is Verdict.no_effect
         and isinstance(found.before.rig, BlockOnBelt)
