@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.declared.dimensions import Dimension
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.law_numbers import Sized, law_number, measure_of
 from stickslip.declared.quantity import InUnits
 from stickslip.errors import number
@@ -45,7 +47,8 @@ class FrictionLaw(InUnits, Drawn):
     of one branch, `each_way` those that have a twin `..._plus` for v_w > 0, which is None where both are the same.
     `dimensions` has what every number measures, twins aside; `formula` and `at_rest` say R(u) and the static limits in
     the table of laws. `equations` are R(u) and the static limit in Python's syntax, of both branches or of each, with
-    its name; `drawn` are the numbers of the example in the documents, drawn up to the speed `drawn_to`.
+    its name; `form` reads them. `drawn` are the numbers of the example in the documents, drawn up to the speed
+    `drawn_to`.
     """
 
     kind: ClassVar[str]
@@ -82,6 +85,14 @@ class FrictionLaw(InUnits, Drawn):
     def branch(self, direction: Direction) -> Branch:
         """Return what `reference` integrates for slip with the sign `direction`."""
         raise NotImplementedError
+
+    def form(self) -> LawForm:
+        """Return the law as trees, with which a rig of bodies or matrices is simulated."""
+        branches = [BranchForm(parse(kinetic), parse(static)) for _, kinetic, static in self.equations]
+        if len(branches) == 2:
+            return LawForm(branches[0], branches[1], self.numbers)
+        twins = {name: f"{name}_plus" for name in self.each_way if getattr(self, f"{name}_plus") is not None}
+        return LawForm(branches[0], branches[0].renamed(twins), self.numbers)
 
     def _minus(self, u: Floats) -> Floats:
         raise NotImplementedError

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from stickslip.declared.formula.value import value
 from stickslip.declared.friction_law import FrictionLaw
-from stickslip.simulated.general import form_of
 
 NEARBY = 1e-6  # share of a number by which it is moved for a slope; a limit is linear in the law's numbers
 
@@ -26,7 +25,7 @@ class StaticLimit:
     """
 
     def __init__(self, law: FrictionLaw, forward: bool) -> None:
-        form = form_of(law)
+        form = law.form()
         static = (form.minus if forward else form.plus).static
         assert static is not None
         self.tree, self.numbers = static, {**form.numbers, "dwell": 0.0, "t": 0.0}

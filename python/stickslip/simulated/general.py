@@ -10,15 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.effect import Tabulated
-from stickslip.declared.formula.parse import parse
-from stickslip.declared.formula.tree import Name, Tree, substituted
 from stickslip.declared.formula.value import value
-from stickslip.declared.formula_law import LawByFormula
-from stickslip.declared.friction.coulomb import CoulombFriction
-from stickslip.declared.friction.hyperbolic import HyperbolicFriction
-from stickslip.declared.friction.paper import PaperFriction
-from stickslip.declared.friction_law import FrictionLaw
-from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Places, seen
 from stickslip.declared.rigs.general import Equations
@@ -134,7 +127,7 @@ def general(
         )
     effects = effects_of(model.effects, Places(rig, own, order))
     laws = tuple(
-        effects.changed(j, differing(form_of(law_of(model.friction, one)), j))
+        effects.changed(j, differing(law_of(model.friction, one).form(), j))
         for j, one in enumerate(own.contacts)
     )
     speeds = []
@@ -152,35 +145,3 @@ def general(
     effects = replace(effects, prescribed=(speeds[0], speeds[1]))
     belt, drive = (effects.moved(key, one) for key, one in zip(effects.keys, speeds, strict=True))
     return General(own, laws, belt, drive, order, rig.state_names, effects)
-
-
-def form_of(law: FrictionLaw) -> LawForm:
-    """Return a law of any kind as trees."""
-    if isinstance(law, LawByFormula):
-        return law.form()
-    if isinstance(law, CoulombFriction):
-        return _each_way(law, "kinetic", "static")
-    if isinstance(law, HyperbolicFriction):
-        return _each_way(law, "scale/(1 + decay*u) + constant + quadratic*u**2", "scale + constant")
-    if isinstance(law, PaperFriction):
-        return _paper(law)
-    raise InputError(f"the law '{law.kind}' is not known as a formula", key="friction")
-
-
-def _each_way(law: FrictionLaw, kinetic: str, static: str) -> LawForm:
-    minus = BranchForm(parse(kinetic), parse(static))
-    twins = {name: f"{name}_plus" for name in law.each_way if getattr(law, f"{name}_plus") is not None}
-    return LawForm(minus, minus.renamed(twins), law.numbers)
-
-
-def _paper(law: PaperFriction) -> LawForm:
-    """(4.1) and (4.2) with their floors; beyond twice the speed of the floor the exponentials are left alone."""
-    kink = law.kinks[0]
-    u: Tree = Name("u") if kink is None else parse(f"min(u, {2 * kink!r})")
-    open_ = parse("T_s_minus - A1*exp((w + v_w_min)/t1) - A2*exp((w + v_w_min)/t2)")
-    minus = parse("max(T_min_minus, open)")
-    minus = substituted(minus, {"open": substituted(open_, {"w": u})})
-    if kink is None and float(law.magnitude(-1e-300)) <= law.T_min_minus:
-        minus = Name("T_min_minus")
-    plus = parse("max(T_min_plus, T_s_plus - u*(T_s_plus - T_min_plus)/v_w_max)")
-    return LawForm(BranchForm(minus, Name("T_s_minus")), BranchForm(plus, Name("T_s_plus")), law.numbers)

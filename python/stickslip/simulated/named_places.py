@@ -23,7 +23,7 @@ from stickslip.declared.rigs.general import ContactRow, Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
-from stickslip.simulated.general import General, form_of, general
+from stickslip.simulated.general import General, general
 from stickslip.simulated.placed_effects import of_placed
 
 Floats = NDArray[np.float64]
@@ -71,7 +71,7 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     """
     own, order = stiffened(model, *equations_of(corrected(model)))
     places = Places(model.rig, own, order)
-    law = form_of(law_of(model.friction, own.contacts[0]))
+    law = law_of(model.friction, own.contacts[0]).form()
     acting = [one for one in model.effects if readings or not _read_alone(one)]
     found = [each for one in acting if (each := _placed(one, places, law, model)) is not None]
     pivot = next((one for one in found if one.label == PIVOT and one.direction is None), None)

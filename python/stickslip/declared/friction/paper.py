@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,7 +12,10 @@ import scipy
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import Name, substituted
 from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, Value, check_numbers
+from stickslip.declared.law_form import LawForm
 from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
@@ -59,7 +62,7 @@ class PaperFriction(FrictionLaw):
     equations: ClassVar[tuple[tuple[str, str, str], ...]] = (
         (
             "R_minus",
-            "max(T_min_minus, T_s_minus - A1*exp(-(abs(v_w_min) - u)/t1) - A2*exp(-(abs(v_w_min) - u)/t2))",
+            "max(T_min_minus, T_s_minus - A1*exp((u + v_w_min)/t1) - A2*exp((u + v_w_min)/t2))",
             "T_s_minus",
         ),
         ("R_plus", "max(T_min_plus, T_s_plus - u*(T_s_plus - T_min_plus)/v_w_max)", "T_s_plus"),
@@ -165,6 +168,17 @@ class PaperFriction(FrictionLaw):
             if high > 1e6:  # amplitudes so small that no speed of this world saturates the branch
                 return None
         return float(scipy.optimize.brentq(above, 0.0, high, xtol=1e-16, rtol=4 * np.finfo(float).eps))
+
+    def form(self) -> LawForm:
+        """Return (4.1) and (4.2) as trees; beyond twice the speed of the floor the exponentials are left alone."""
+        form, kink = super().form(), self.kinks[0]
+        minus = form.minus.kinetic
+        assert minus is not None
+        if kink is not None:
+            minus = substituted(minus, {"u": parse(f"min(u, {2 * kink!r})")})
+        elif float(self.magnitude(-1e-300)) <= self.T_min_minus:
+            minus = Name("T_min_minus")
+        return replace(form, minus=replace(form.minus, kinetic=minus))
 
     def branch(self, direction: Direction) -> Branch:
         """Return Table 1's branch for slip with the sign `direction`."""
