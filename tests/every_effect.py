@@ -1,8 +1,14 @@
-"""Every effect that moves the rig, at sizes that a laboratory would meet, alone and some together."""
+"""Every effect that moves the rig, at sizes that a laboratory would meet, alone and some together.
+
+Tests that need other sizes have numbers of their own; an effect that they do not name takes those of here.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import stickslip as ss
+from stickslip.declared.catalogue import KINDS
 
 SHAPE = ([-0.3, -0.1, 0, 0.1, 0.3], [0.1, -0.1, 0.15, 0, 0.1])
 
@@ -47,3 +53,29 @@ EFFECTS: dict[str, list[ss.Effect | ss.Tabulated]] = {
         *one("spring_gap_k3", k=10.0, d=0.05),
     ],
 }
+
+# numbers of a size that shows within twelve units of time; of a name that is not here, those that it is drawn with
+SOON = {
+    "c": 0.2, "k": 0.5, "d": 1e-3, "f": 0.1, "a": 0.1, "w": 1.3, "phi": 0.4, "beta2": 0.5, "eta2": 0.3,
+    "dT": 0.3, "v_s": 0.1, "tau": 0.5, "r": 0.01, "L": 0.7, "delay": 0.1, "q": 0.1, "e": 0.1,
+}  # fmt: skip
+
+
+def made(name: str, **more: str) -> ss.Effect:
+    """An effect at a size that shows soon."""
+    kind = KINDS[name]
+    own = {"contact_compliance": {"k": 200.0, "c": 1.0}}.get(name, {})
+    given = {
+        one.name: own.get(one.name, SOON.get(one.name, kind.drawn.get(one.name, 0.0)))
+        for one in kind.parameters
+        if not one.optional
+    }
+    return ss.effect(name, **given, **more)
+
+
+def usual(name: str) -> Mapping[str, float]:
+    """The numbers of an effect in EFFECTS; of one that moves no rig on a belt, those that it is drawn with."""
+    for term in EFFECTS.get(name, []):
+        if isinstance(term, ss.Effect):
+            return term.parameters
+    return KINDS[name].drawn

@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from every_effect import usual
 from stickslip.declared.effect import CATALOGUE, effect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.hyperbolic import HyperbolicFriction
@@ -104,6 +105,11 @@ SIZES = {
     "contact_compliance": {"k": (100, 500), "c": (0.5, 3)},
     "belt_speed_ripple": {"a": (0.05, 0.4), "w": (0.5, 3), "phi": (0, 6)},
     "belt_load_droop": {"k": (0.001, 0.02), "tau": (0.2, 1)},
+}
+SIZES |= {  # of one that is not here, about what it is tested with elsewhere
+    name: {key: (0.5 * size, 1.5 * size) for key, size in usual(name).items()}
+    for name, kind in CATALOGUE.items()
+    if name not in SIZES and kind.physics == "dynamics"
 }
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from every_effect import made
 from stickslip.declared.effect import CONSTANTS, KINDS
 from stickslip.declared.laws import LAWS as DECLARED
 from stickslip.declared.model import idle
@@ -34,25 +35,7 @@ UNEVEN = {  # every number of every law; of one that is not here, its defaults
         scale_plus=0.8, decay_plus=2, constant_plus=0.2, quadratic_plus=0.05,
     ),
 }  # fmt: skip
-# numbers of a size that shows within twelve units of time; of a name that is not here, those that it is drawn with
-NUMBERS = {
-    "c": 0.2, "k": 0.5, "d": 1e-3, "f": 0.1, "a": 0.1, "w": 1.3, "phi": 0.4, "beta2": 0.5, "eta2": 0.3,
-    "dT": 0.3, "v_s": 0.1, "tau": 0.5, "r": 0.01, "L": 0.7, "delay": 0.1, "q": 0.1, "e": 0.1,
-}  # fmt: skip
 TIMES = np.linspace(0.0, 12.0, 241)
-
-
-def made(name: str) -> ss.Effect:
-    kind = KINDS[name]
-    own = {"contact_compliance": {"k": 200.0, "c": 1.0}}.get(name, {})
-    return ss.effect(
-        name,
-        **{
-            one.name: own.get(one.name, NUMBERS.get(one.name, kind.drawn.get(one.name, 0.0)))
-            for one in kind.parameters
-            if not one.optional
-        },
-    )
 
 
 def watched(rig: str, law: ss.FrictionLaw, *effects: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ import pytest
 
 import found_by_hand
 import stickslip as ss
+from every_effect import made
 from slider import coulomb_record
 from slider_cases import MASS, STATIC, STIFFNESS, case_of, rig_of
 from stickslip.declared.catalogue import CATALOGUE
@@ -18,7 +19,7 @@ from stickslip.fitted.identify_check import checked
 from stickslip.measured.constants import block_constants, swing_rate
 from stickslip.measured.findings import drive_findings
 from stickslip.measured.prefixes import GIVEN_IN, power, put_right
-from test_acts import LAWS, made
+from test_acts import LAWS
 
 
 def rewritten(path: Path, factors: dict[str, float]) -> ss.Case:

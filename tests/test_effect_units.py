@@ -8,10 +8,10 @@ import pytest
 
 import stickslip as ss
 from bodies_cases import CASES
+from every_effect import made
 from stickslip.declared.catalogue import CATALOGUE, KINDS
 from stickslip.declared.dimensions import NUMBER
 from stickslip.declared.si import si_of
-from test_acts import made
 
 IN_SI = ss.Rig.from_si(m=1.5, J=0.005, r=0.07, k1=1500.0, k2=100.0, k3=300.0, c1=1.0, c2=1.0, length=0.01)
 BARE = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)

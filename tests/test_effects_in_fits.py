@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 import stickslip as ss
+from every_effect import made
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
 from stickslip.simulated.reference import integrate as reference
-from test_acts import made
 
 NOISE, SPAN, DT, SEEN = 1e-3, 45.0, 0.04, 875
 RIGS = {

@@ -11,6 +11,7 @@ import pytest
 import scipy
 
 import stickslip as ss
+from every_effect import made
 from stickslip.declared.effect import KINDS
 from stickslip.errors import InputError
 from studies import few
@@ -174,18 +175,7 @@ def test_formulas_on_named_rigs_are_the_effects_of_the_catalogue(law: ss.Frictio
             np.testing.assert_allclose(runs[0].state, runs[1].state, atol=1e-9, err_msg=name)
 
 
-NUMBERS = {
-    "c": 0.2, "k": 0.5, "d": 1e-3, "f": 0.1, "a": 0.1, "w": 1.3, "phi": 0.4, "beta2": 0.5, "eta2": 0.3,
-    "dT": 0.3, "v_s": 0.1, "tau": 0.5, "r": 0.01, "L": 0.7, "delay": 0.1, "q": 0.1, "e": 0.1,
-}  # fmt: skip
 COORDINATE = {"block": "x1", "angle_body": "y1", "contact": "contact", "belt": "belt"}
-
-
-def made(name: str, **more: str) -> ss.Effect:
-    kind = KINDS[name]
-    own = {"contact_compliance": {"k": 200.0, "c": 1.0}}.get(name, {})
-    given = {one.name: own.get(one.name, NUMBERS[one.name]) for one in kind.parameters if not one.optional}
-    return ss.effect(name, **given, **more)
 
 
 @pytest.mark.parametrize("name", [name for name in KINDS if name in ss.CATALOGUE])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
-from stickslip.declared.laws import ALL_LAWS
+from stickslip.declared.laws import ALL_LAWS, LAWS
 
 SI = {
     "m": 42.3,
@@ -44,6 +44,14 @@ GIVEN: dict[str, tuple[dict[str, object], dict[str, object]]] = {
     "tabulated": ({"speeds": [0, 0.25], "forces": [2, 1], "static": 3.0},
                   {"speeds": ["0 m/s", "25 cm/s"], "forces": ["2 N", "1 N"], "static": "3 N"}),
 }  # fmt: skip
+
+
+# of a law that is not above: what it is drawn with, in the units of its numbers
+for _kind, _law in LAWS.items():
+    if _kind not in GIVEN:
+        _units = {name: _law.dimensions[name].unit for name in _law.drawn}
+        _text = {name: f"{size} {_units[name]}" for name, size in _law.drawn.items() if _units[name] != "1"}
+        GIVEN[_kind] = dict(_law.drawn), {**_law.drawn, **_text}
 
 
 def test_every_named_law_is_tried() -> None:

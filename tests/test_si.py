@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from every_effect import made
 from stickslip.declared import dimensions
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.dimensions import Dimension
@@ -20,7 +21,7 @@ from stickslip.declared.units import Channel
 from stickslip.simulated.driven_slider import forecast
 from stickslip.simulated.reference import integrate as reference
 from test_acts import LAWS as PLAIN
-from test_acts import UNEVEN, made
+from test_acts import UNEVEN
 from test_driven_simulate import model as slider
 from test_driven_simulate import numbers_of
 
