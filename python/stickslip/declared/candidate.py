@@ -16,16 +16,19 @@ import numpy as np
 from stickslip.arguments import explained, listed, must_be
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.catalogue import KINDS
+from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.formula.tree import names
 from stickslip.declared.formula.value import value
 from stickslip.declared.formula_effect import formula_effect, range_of
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.number_names import check_effect_name
 from stickslip.declared.placed import NAMED_PLACES, SPEEDS, Placed, Places, placed
 from stickslip.declared.quantity import quantity
 from stickslip.declared.rig import AnyRig, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.named import equations_of
+from stickslip.declared.rigs.parts import RESERVED_OWNERS
 from stickslip.declared.si import scales_of
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
@@ -80,7 +83,7 @@ def candidate(
         raise InputError(
             "is an effect of the catalogue, which is sought anyway; name it otherwise", key="name", value=name
         )
-    if name in RESERVED or name.startswith(PREFIXES):
+    if name in RESERVED or name in RESERVED_OWNERS or name.startswith(PREFIXES):
         raise InputError("is what reports call something else; name it otherwise", key="name", value=name)
     bounds = must_be("ranges", ranges, Mapping, 'like {"c": ["0 N s/m", "5 N s/m"]}')
     if not bounds:
@@ -127,6 +130,7 @@ def on_rig(
     if isinstance(rig, DrivenSlider):
         words = "is for rigs on a belt and rigs of bodies or matrices; a driven slider has its own list alone"
         raise InputError(words, key="candidate", value=one.name)
+    check_effect_name(one, rig, dict(friction.laws) if isinstance(friction, ContactLaws) else ())
     own, order = equations_of(rig)
     places = Places(rig, own, order)
     if not isinstance(rig, GeneralRig):

@@ -28,6 +28,7 @@ from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulate
 from stickslip.declared.effect_numbers import effects_in_model
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.law_dimensions import in_model
+from stickslip.declared.number_names import check_number_names
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import read_toml, write_text
@@ -116,6 +117,7 @@ class Model(Drawn):
         if not isinstance(self.rig, GeneralRig) and (why := idle(self.friction, names)):
             raise InputError(why, key="effects")
         self._check_readings()
+        check_number_names(self.rig, self.friction, self.effects)
         check_general(self.rig, self.friction, self.effects, {**(self.noise or {}), **(self.channels or {})})
         if isinstance(self.rig, GeneralRig):
             return

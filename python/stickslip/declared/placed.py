@@ -183,7 +183,11 @@ class Places:
         """Index of a contact, the number of its law ("bit.normal") or None, and what is read there."""
         contacts = self.own.contacts
         known = [one.name for one in contacts]
-        name, _, number = where.partition(".")
+        # a contact's name may have a dot
+        name = next(
+            (one for one in known if where == one or where.startswith(f"{one}.")), where.partition(".")[0]
+        )
+        number = where.removeprefix(name).removeprefix(".")
         if len(contacts) == 1 and name in ("", "contact"):
             name = known[0]
         if name not in known:

@@ -60,7 +60,7 @@ class BodiesBench:
         """Return the constants, over what is declared of them, and the gains that are not exact."""
         out = []
         for name in self.declared.names:
-            if name.startswith("gain."):
+            if name in self.declared.gains:
                 out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
             else:
                 out.append(Number(name, 0.0, 0.0, math.inf, True, low=-FAR, high=FAR, stride=STRIDE_CONSTANT))
@@ -109,10 +109,9 @@ def bench_of(
 
 def declared_of(rig: GeneralRig, known: Uncertainty, channels: Sequence[str]) -> Declared:
     """Return what is known of the constants and the gains of what is read, less what is exact."""
-    every = {name: name for name in rig.uncertain} | {
-        f"gain.{name}": name for name in channels if name in known.gains
-    }
+    gains = {f"gain.{name}": name for name in channels if name in known.gains}
+    every = {name: name for name in rig.uncertain} | gains
     covariance = known.covariance(list(every.values()))
     kept = [i for i in range(len(every)) if covariance[i, i] > 0]
     names = list(every)
-    return Declared(tuple(names[i] for i in kept), covariance[np.ix_(kept, kept)])
+    return Declared(tuple(names[i] for i in kept), covariance[np.ix_(kept, kept)], gains)

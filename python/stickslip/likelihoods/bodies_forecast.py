@@ -107,12 +107,18 @@ def forecast_bodies(
         raise InputError(words, key="horizon", value=horizon)
     found = distribution(model, run, run.t[-1] + step * np.arange(1, count + 1))
     columns = {"t": (found.t + float(recording.t[0])) / recording.factors["t"]}
-    sides = (("", found.mean), ("_low", found.low), ("_high", found.high))
+    sides = (("_low", found.low), ("_high", found.high))
     kept = [(k, name) for k, name in enumerate(found.channels) if name != "belt"]
     for k, name in kept:
         columns[name] = recording.to_readings(name, found.mean[:, k])
     for k, name in kept:
-        columns |= {f"{name}{end}": recording.to_readings(name, side[:, k]) for end, side in sides[1:]}
+        for end, side in sides:
+            if f"{name}{end}" in columns:
+                words = (
+                    f"'{name}{end}' names a channel and the band of '{name}'; name the coordinate otherwise"
+                )
+                raise InputError(words, key="model")
+            columns[f"{name}{end}"] = recording.to_readings(name, side[:, k])
     return pd.DataFrame(columns)
 
 

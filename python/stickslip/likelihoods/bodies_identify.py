@@ -162,11 +162,11 @@ def _estimates(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> dic
 def _offsets(bench: BodiesBench, fit: Fit) -> dict[str, Estimate]:
     """What must be added to sensors' columns: what is declared, less what the fit finds them to read too much."""
     assert fit.solution is not None
-    out = {}
+    out, channel_of = {}, {f"offset.{name}": name for name in bench.data[0].offsets}
     for i, one in enumerate(fit.windows.numbers):
-        if not one.name.startswith("offset."):
+        if one.name not in channel_of:
             continue
-        name = one.name.removeprefix("offset.")
+        name = channel_of[one.name]
         declared, size = bench.data[0].offsets[name]
         sd = math.sqrt(float(fit.solution.covariance[i, i]))
         value, share = declared - float(fit.at[i]), (sd / size) ** 2  # of the information that is declared
@@ -186,7 +186,7 @@ def _constants(bench: BodiesBench, fit: Fit) -> dict[str, Constant]:
             continue
         k = bench.declared.names.index(one.name)
         sd = math.sqrt(float(fit.solution.covariance[i, i]))
-        gain = one.name.startswith("gain.")
+        gain = one.name in bench.declared.gains
         declared = 1.0 if gain else bench.model.parameters[one.name]
         size = 1.0 + one.value(float(fit.at[i])) if gain else one.value(float(fit.at[i]))
         low, high = sorted(declared * size * math.exp(s * Z * sd) for s in (-1, 1))

@@ -91,7 +91,7 @@ def known(case: Case) -> Declared:
     size = sizes(case.model(), list(every))
     covariance = case.uncertainty.on_time(list(every.values())) * np.outer(size, size)
     kept = [i for i, n in enumerate(every) if covariance[i, i] > 0 and (n not in names or numbers[n] > 0)]
-    return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[kept][:, kept])
+    return Declared(tuple(n for i, n in enumerate(every) if i in kept), covariance[kept][:, kept], gains)
 
 
 def sizes(model: Model, names: Sequence[str]) -> NDArray[np.float64]:

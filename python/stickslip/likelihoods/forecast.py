@@ -125,17 +125,18 @@ def forecast(
         warnings.warn("; ".join(said), ModelWarning, stacklevel=3)
     mean, low, high = _band(expected, found)
     columns = dict(zip(expected.channels, mean.T, strict=True))
+    channel_of = {f"{name}{side}": name for name in expected.channels for side in ("", "_low", "_high")}
     for i, name in enumerate(expected.channels):
         columns |= {f"{name}_low": low[:, i], f"{name}_high": high[:, i]}
     t = expected.t + float(recording.t[0])
     return pd.DataFrame(
-        {"t": t / recording.factor("t")} | {n: _in_units(recording, n, v) for n, v in columns.items()}
+        {"t": t / recording.factor("t")}
+        | {n: _in_units(recording, channel_of[n], v) for n, v in columns.items()}
     )
 
 
-def _in_units(recording: Recording, name: str, values: Floats) -> Floats:
+def _in_units(recording: Recording, channel: str, values: Floats) -> Floats:
     """Readings of a channel, or a limit of them, in the recording's own units."""
-    channel = name.removesuffix("_low").removesuffix("_high")
     if isinstance(recording.rig, BlockOnBelt):
         return np.asarray(values / recording.factor("x1"))
     return np.asarray(recording.to_readings(channel, values))

@@ -205,12 +205,12 @@ def _constants(fit: Fit, declared: Declared, size: Callable[[str], float]) -> di
         if name == BESIDE and BESIDE not in _belt(fit).fixed:
             out["omega"] = _omega(_belt(fit), x, half, uncertainty)
             continue
-        gain = name in _belt(fit).sensors.gains
+        gain = name in declared.gains
         unit = 1.0 if gain else size(name)
         value, low, high, told = (
             float(gain) + number.value(at) * unit for at in (x, x - half, x + half, number.start)
         )
-        out[name.removeprefix("gain.")] = Constant(value, low, high, told, uncertainty)
+        out[declared.gains.get(name, name)] = Constant(value, low, high, told, uncertainty)
     return out
 
 

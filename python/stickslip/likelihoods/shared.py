@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,10 +57,12 @@ class Declared:
     ----------
     names : of the constants and gains
     covariance : (n, n) of their coordinates
+    gains : the channel of every name that is a gain's
     """
 
     names: tuple[str, ...] = ()
     covariance: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    gains: Mapping[str, str] = field(default_factory=dict)
 
 
 class Prior:

@@ -231,7 +231,12 @@ def _text(
             f"{name} = {{ column = {quoted_toml(one.column)}, unit = {quoted_toml(one.unit)}{scale} }}{doubt}"
         )
     used = {one.column for one in roles.channels.values()} | {"t"}
-    odd = [f"# {one.path.name}: {d}" for one in found for d in one.doubts if d.partition(": ")[0] in used]
+    odd = [
+        f"# {one.path.name}: {d}"
+        for one in found
+        for d in one.doubts
+        if any(d.startswith(f"{name}: ") for name in used)
+    ]
     if odd:
         lines += ["", "# what is odd about the readings:", *odd]
     return "\n".join(lines) + "\n"

@@ -22,8 +22,10 @@ from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import VARIABLES, BranchForm
 from stickslip.declared.model import Model
 from stickslip.declared.placed import coordinate, distance, velocity
+from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.rigs.named import equations_of
+from stickslip.declared.rigs.parts import Contact
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, unknown
 from stickslip.simulated.general import General
@@ -218,10 +220,15 @@ class LoweredBodies:
     def _refuse_lengths(self, name: str) -> None:
         """Refuse a lever arm, a gear or a rest by which an effect would move too: only the matrices are followed."""
         owner, _, key = name.rpartition(".")
+        rig = self.model.rig
+        of_contact = (
+            isinstance(rig.parts.get(owner), Contact)
+            if isinstance(rig, BodiesRig)
+            else name.startswith("contact_")  # an entry of the rows "contact" of a rig by its matrices
+        )
         places = {one.where for one in self.model.effects if isinstance(one, (Effect, FormulaEffect))}
         at_contact = any(one.contact is not None for one in self.own.effects.all)
-        arm = name.startswith("contact_") and at_contact
-        if arm or (key in ("gear", "rest") and owner in places):
+        if (of_contact and at_contact) or (key in ("gear", "rest") and owner in places):
             raise InputError("an effect acts there; no derivative by this number is known", key=name)
 
     def _of_law(self, name: str, law: str) -> str | None:

@@ -22,7 +22,7 @@ from stickslip.declared.rigs.general import (
     check_equations,
     check_names,
 )
-from stickslip.declared.rigs.parts import Body, Contact, Link, Part
+from stickslip.declared.rigs.parts import RESERVED_OWNERS, Body, Contact, Link, Part
 from stickslip.errors import InputError, did_you_mean
 
 P = TypeVar("P", bound="Part")
@@ -88,6 +88,11 @@ class BodiesRig(GeneralRig):
         if not bodies:
             raise RigError("a rig has a body at least, like [rig.body.block]", "body")
         check_names(tuple(bodies), "body")
+        for name in bodies:
+            joint = self._joints().get(name)
+            if joint is not None or name in RESERVED_OWNERS:
+                what = RESERVED_OWNERS.get(name, "a link" if isinstance(joint, Link) else "a contact")
+                raise RigError(f"is what {what} is called; name it otherwise", "body", name)
         check_equations(self.equations)
 
     def __hash__(self) -> int:
@@ -193,7 +198,7 @@ class BodiesRig(GeneralRig):
     def numbers(self) -> dict[str, float]:
         """Every number by name: "table.inertia", "link_1.stiffness", "bit.arm"."""
         out: dict[str, float] = {}
-        for name, part in self._parts().items():
+        for name, part in self.parts.items():
             sizes = {key: getattr(part, key) for key in part.sizes}
             out |= {f"{name}.{key}": float(size) for key, size in sizes.items() if size is not None}
         return out
@@ -221,10 +226,15 @@ class BodiesRig(GeneralRig):
             "contact": [replace(one, **by.get(f"contact_{i + 1}", {})) for i, one in enumerate(self.contact)],  # type: ignore[arg-type]
         }
 
-    def _parts(self) -> dict[str, Part]:
+    @property
+    def parts(self) -> dict[str, Part]:
+        """Bodies, links and contacts by what their numbers are called."""
+        return {**self.body, **self._joints()}
+
+    def _joints(self) -> dict[str, Part]:
         links: dict[str, Part] = {f"link_{i + 1}": one for i, one in enumerate(self.link)}
         contacts: dict[str, Part] = {f"contact_{i + 1}": one for i, one in enumerate(self.contact)}
-        return {**self.body, **links, **contacts}
+        return {**links, **contacts}
 
     def table(self) -> dict[str, object]:
         """Return a file's table [rig]."""

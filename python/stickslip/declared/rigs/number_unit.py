@@ -5,6 +5,7 @@ from __future__ import annotations
 from stickslip.declared.dimensions import INERTIA, LENGTH, MASS
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.rigs.parts import Link
 
 PER = {"mass": MASS.unit, "inertia": INERTIA.unit, "arm": LENGTH.unit}  # of a part, in SI
 
@@ -16,7 +17,8 @@ def number_unit(rig: GeneralRig, name: str) -> str:
         return PER.get(key, "")
     if key not in ("stiffness", "damping", "rest"):
         return ""
-    link = rig.link[int(owner.rpartition("_")[2]) - 1]
+    link = rig.parts[owner]
+    assert isinstance(link, Link)  # nothing else has any of these
     body = next((rig.body[end] for end in link.between if end in rig.body), None)
     turns = body is not None and body.rotation
     units = ("N m/rad", "N m s/rad", "rad") if turns else ("N/m", "N s/m", "m")

@@ -14,6 +14,12 @@ from stickslip.errors import InputError, number
 from stickslip.objects import Displayed
 
 Size = float | str
+# "initial.x1", "gain.x1" and "offset.x1" are no numbers of a model: no part, law or effect owns them
+RESERVED_OWNERS = {
+    "initial": "a start",
+    "gain": "a sensor's gain",
+    "offset": "a sensor's offset",
+}
 
 
 @dataclass(frozen=True, kw_only=True)

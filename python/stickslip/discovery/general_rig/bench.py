@@ -160,8 +160,9 @@ class GeneralBench(Bench):
     def size_of(self, kind: EffectKind) -> float:
         """See `Bench.size_of`: how far the link, or the coordinate, moves."""
         sizes = Sizes(self.model, self.data)
-        if kind.where.startswith("link_"):
-            return sizes.deflection(int(kind.where.removeprefix("link_")) - 1)
+        links = [one.name for one in sizes.own.links]
+        if kind.where in links:
+            return sizes.deflection(links.index(kind.where))
         i = sizes.own.names.index(kind.where)
         return max(float(np.quantile(np.abs(run.q[:, i]), 0.995)) for run in self.data)
 

@@ -74,7 +74,7 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
     known : the declared constants
     """
     declared, wide = bench.declared, bench.policy.law_spread**2
-    plain = [name.removeprefix("gain.") for name in declared.names]
+    plain = [declared.gains.get(name, name) for name in declared.names]
     size = np.append(sizes(bench.model, declared.names), 1.0)
     information, pull = _told(fit, declared.names)
     none = _evidence(declared.covariance, information, pull)

@@ -342,10 +342,10 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
         one = found.get(name)
         if one is None or (springs and name in ("alpha1", BESIDE)):
             continue
-        if name.startswith("gain."):
+        if name in bench.declared.gains:
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
             one = Interval(1 + one.value, low, high)
-        out[name.removeprefix("gain.")] = one
+        out[bench.declared.gains.get(name, name)] = one
     return out
 
 

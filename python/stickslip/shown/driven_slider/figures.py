@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from stickslip.declared.catalogue import POSITION_RIPPLES
 from stickslip.declared.model import Model
 from stickslip.discovery.driven_slider.result import DrivenFound, ForceView
 from stickslip.shown.plot.curves import GREY, LIMIT, MEASURED, SIMULATED, STYLE
@@ -50,7 +51,7 @@ def resistance(model: Model, v: Floats) -> Floats:
     slider = Slider(model, 1e-3)
     for name in ("position_load", "position_friction", "friction_ripple", "friction_drift", "load_drift"):
         slider.p.pop(name, None)
-    for name in [n for n in slider.p if n.startswith("position_ripple") or n == "harmonic_forcing"]:
+    for name in [n for n in slider.p if n in POSITION_RIPPLES or n == "harmonic_forcing"]:
         slider.p.pop(name)
     slider.curves = [one for one in slider.curves if one.variable in ("v_w", "x2")]
     low, high = slider.limits(np.zeros_like(v), v, 0.0)

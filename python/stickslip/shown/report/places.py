@@ -49,7 +49,7 @@ def _turns(rig: GeneralRig, where: str) -> bool:
     states = dict(zip(rig.state_names, (*own.units, *own.units), strict=True))
     if where in states:
         return states[where] == "rad"
-    if where.startswith("link_") and isinstance(rig, BodiesRig):
-        row, _ = rig.deflection(int(where.removeprefix("link_")) - 1)
-        return any(unit == "rad" for unit, share in zip(own.units, row, strict=True) if share)
+    for link in own.links:
+        if link.name == where:
+            return any(unit == "rad" for unit, share in zip(own.units, link.row, strict=True) if share)
     return any(one.rotation for one in own.contacts if one.name == where)

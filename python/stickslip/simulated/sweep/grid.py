@@ -229,10 +229,7 @@ def _allowed(grid: Grid, model: Model) -> None:
         try:
             model.replace(values)
         except InputError as error:
-            culprit = next(
-                (c for c in ours if c.full_name.rsplit(".", 1)[-1] == (error.key or "").rsplit(".", 1)[-1]),
-                None,
-            )
+            culprit = _culprit(ours, error.key or "")
             if culprit is None:
                 raise
             index = place[culprit.dim]
@@ -240,6 +237,13 @@ def _allowed(grid: Grid, model: Model) -> None:
             raise InputError(
                 f"entry {index} is {culprit.values[index]:g}: {error.what}", key=f"over['{culprit.name}']"
             ) from None
+
+
+def _culprit(ours: list[GridColumn], key: str) -> GridColumn | None:
+    """The number that an error names: by its full name, or by its own where the error knows no owner."""
+    by_name = [one for one in ours if one.full_name == key]
+    short = [one for one in ours if one.full_name.rpartition(".")[2] == key]
+    return next(iter([*by_name, *short]), None)
 
 
 def _extremes(along: list[Floats]) -> list[int]:
