@@ -211,7 +211,7 @@ def found(case: ss.Case, *, verdict: str = "effect_found") -> r.Found:
     )
     after = residual(train, "after")
     nothing = verdict == "no_effect"
-    effects = () if nothing else (_unlisted() if verdict == "unlisted_effect" else _lag(),)
+    effects = () if nothing else (_unlisted() if verdict == "unlisted_effect" else found_lag(),)
     ranking = (
         r.Rival(("sensor_lag",), after.chi2, 0.0, {"sensor_lag.tau": 0.12}, 3100.0, not nothing),
         r.Rival(("sensor_delay",), 1.004, 3.1, {"sensor_delay.delay": -0.12}, 2900.0, False),
@@ -232,7 +232,7 @@ def found(case: ss.Case, *, verdict: str = "effect_found") -> r.Found:
     )  # fmt: skip
 
 
-def _lag() -> r.FoundEffect:
+def found_lag() -> r.FoundEffect:
     delay = {"delay": r.Interval(-0.12, -0.125, -0.115)}
     reason = "in a run without outside time marks only the relative lag of the two channels shows"
     other = r.Alternative("sensor_delay", 0.21, 3.1, True, True, reason, delay, 0.998)

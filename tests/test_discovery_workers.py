@@ -12,12 +12,13 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
+import loky
 import pytest
 
 from discover_cases import make_case
 from stickslip.discovery import workers
 from stickslip.discovery.discover import discover
-from stickslip.discovery.workers import Workers
+from stickslip.discovery.workers import IDLE, Workers
 
 
 def runs(process):
@@ -91,13 +92,23 @@ def test_processes_at_hand_are_those_of_a_search_just_ended_in_this_process(monk
     asked = Workers(2)
     asked.map(abs, [2])
     assert Workers.at_hand() is asked
-    latest = Workers._latest
-    for other in (None, (asked, os.getpid() + 1, latest[2]), (asked, os.getpid(), 0.0)):
-        monkeypatch.setattr(Workers, "_latest", other)
-        assert Workers.at_hand().count == 1
+    for module, name, other in (
+        (os, "getpid", os.getpid() + 1),
+        (time, "monotonic", time.monotonic() + IDLE),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, lambda other=other: other)
+            assert Workers.at_hand().count == 1
+    assert Workers.at_hand() is asked
 
 
-def test_an_interrupted_map_cancels_nothing_under_way() -> None:
+def test_there_are_no_processes_at_hand_before_a_search() -> None:
+    script = "from stickslip.discovery.workers import Workers; print(Workers.at_hand().count)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "1"
+
+
+def test_an_interrupted_map_cancels_nothing_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is cancelled makes the pool's own thread cry out when it is stopped."""
 
     class Interrupted(Future[int]):
@@ -105,8 +116,11 @@ def test_an_interrupted_map_cancels_nothing_under_way() -> None:
             raise KeyboardInterrupt(timeout)
 
     handed: list[Future[int]] = [Interrupted(), Future(), Future()]
-    todo, asked = iter(handed), Workers(1)
-    asked._pool = SimpleNamespace(submit=lambda *_: next(todo), map=None)
+    todo = iter([Future(), *handed])  # the first starts the processes
+    pool = SimpleNamespace(submit=lambda *_: next(todo), map=None)
+    monkeypatch.setattr(loky, "get_reusable_executor", lambda *_, **__: pool)
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    asked = Workers(2)
     with pytest.raises(KeyboardInterrupt):
         asked.map(abs, [1, 2, 3])
     assert next(todo, None) is None

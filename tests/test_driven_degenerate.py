@@ -48,7 +48,7 @@ def balanced(kind, noise=1e-7):
     band(T, x, drive, MASS)
     out = Balance([motion("run", T, x, drive, MASS)], Declared(MASS))
     out.law = Law(MASS, 30.0, 7.0, 5.0)
-    out._lay()
+    out.lay()
     out.take(Noise(noise, 1e-3))
     return out
 

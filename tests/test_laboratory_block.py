@@ -54,7 +54,7 @@ def test_few_slips_that_nothing_explains_are_a_verdict(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where windows are of no model, and single slips are too few, nothing is named; what was read is not lost."""
-    monkeypatch.setattr(block, "_models", lambda _: False)
+    monkeypatch.setattr(block, "is_a_model", lambda _: False)
     monkeypatch.setattr(block, "FEWEST", 100)
     path = block_case(tmp_path, (ss.effect("block_viscous_damping", c=3.0),), few=True, seed=2, scatter=0.01)
     found = ss.discover(ss.load_case(path))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.discovery.laboratory.gate import _wandering
+from stickslip.discovery.laboratory.gate import wandering_belt
 from stickslip.discovery.laboratory.outcome import alternatives
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
@@ -62,7 +62,7 @@ def test_a_belt_that_wanders_slowly_is_drawn_so() -> None:
     members, share, draws = np.arange(60), 0.6, 400
     windows = SimpleNamespace(by_run=[members, np.array([60])])
     fit = SimpleNamespace(own=np.zeros((61, 5)), windows=windows, population=SimpleNamespace(belt=0.005))
-    made = _wandering(fit, np.full(draws, share), np.random.default_rng(0))
+    made = wandering_belt(fit, np.full(draws, share), np.random.default_rng(0))
     assert made.shape == (61, draws)
     assert made.std() == pytest.approx(0.005 * np.sqrt(share), rel=0.05)
     assert np.corrcoef(made[1:60].ravel(), made[:59].ravel())[0, 1] == pytest.approx(MOST, abs=0.02)

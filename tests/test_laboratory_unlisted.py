@@ -46,7 +46,7 @@ class Left:
 
     @cached_property
     def curve(self) -> Learned | None:
-        told = verdicts._left_over(self.bench, self.searched, 0)
+        told = verdicts.left_over(self.bench, self.searched, 0)
         return None if told is None else told[0]
 
 
@@ -79,10 +79,10 @@ def test_a_name_that_only_stands_in_leaves_a_curve(pulled: Left, bent: Left) -> 
 def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left) -> None:
     assert pulled.curve is not None
     found, bench = pulled.searched, pulled.bench
-    share = np.sqrt(pulled.curve.gain / verdicts._explained(bench, found))
+    share = np.sqrt(pulled.curve.gain / verdicts.explained_by_names(bench, found))
     for size, told in ((0.9 * share, True), (1.1 * share, False)):
         strict = replace(bench, policy=replace(bench.policy, stands_in=size))
-        assert (verdicts._left_over(strict, found, 0) is not None) == told
+        assert (verdicts.left_over(strict, found, 0) is not None) == told
 
 
 def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> None:
@@ -99,8 +99,8 @@ def test_a_curve_is_held_against_all_that_a_wave_explains(bent: Left) -> None:
     """What scatter may have of a wave's gain was taken off before a curve was held against it, and the curve won."""
     bench, null, named = bent.bench, bent.null, bent.named
     gain = null.fit.deviance - named.fit.deviance
-    assert verdicts._curve(bench, Searched(null, null), 0) is not None
-    assert verdicts._curve(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
+    assert verdicts.curve_alone(bench, Searched(null, null), 0) is not None
+    assert verdicts.curve_alone(bench, Searched(null, replace(named, known=gain - 5.0)), 0) is None
 
 
 def test_a_number_that_an_effect_may_do_without_is_tried_where_no_score_reaches_it(tmp_path: Path) -> None:
@@ -138,11 +138,11 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
 @pytest.mark.study
 def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(bent: Left) -> None:
     alone = Searched(bent.null, bent.null)
-    told = verdicts._curve(bent.bench, alone, 0)
+    told = verdicts.curve_alone(bent.bench, alone, 0)
     assert told is not None
     gain = bent.null.fit.deviance - told[1].deviance
-    assert verdicts._curve(bent.bench, alone, 0, more=0.5 * gain) is not None
-    assert verdicts._curve(bent.bench, alone, 0, more=2.0 * gain) is None
+    assert verdicts.curve_alone(bent.bench, alone, 0, more=0.5 * gain) is not None
+    assert verdicts.curve_alone(bent.bench, alone, 0, more=2.0 * gain) is None
 
 
 def test_a_curve_in_the_slip_begins_with_the_motions_that_there_were(pulled: Left) -> None:
@@ -166,7 +166,7 @@ def test_a_belt_that_warms_up_is_a_curve_of_its_speed(tmp_path: Path) -> None:
     read = ss.load_case(path)
     bench = bench_of(read, prepare(read.train))
     null = Trial((), fit_null(bench.windows(), bench.policy, twice=True))
-    told = verdicts._curve(bench, Searched(null, null), 0)
+    told = verdicts.curve_alone(bench, Searched(null, null), 0)
     assert told is not None
     curve, fit = told
     assert (curve.where, curve.variable) == ("belt", "t")

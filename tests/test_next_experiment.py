@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
-from found_by_hand import _lag
+from found_by_hand import found_lag
 from scattering import RIG, case
 from stickslip.declared.model import Model
 from stickslip.discovery.next_experiment import next_experiments
@@ -30,7 +30,7 @@ def menu(
         frozenset({name}): Model(rig, friction=law, effects=(one,))
         for name, one in (("sensor_lag", ss.effect("sensor_lag", tau=tau)), ("sensor_delay", other))
     }
-    return next_experiments(fitted, frozenset({"sensor_lag"}), data, (_lag(),), free)
+    return next_experiments(fitted, frozenset({"sensor_lag"}), data, (found_lag(),), free)
 
 
 def test_rivals_that_read_unlike_are_told_by_the_runs_that_set_them_apart(data: list[Data]) -> None:

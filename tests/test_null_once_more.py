@@ -25,7 +25,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Fit:
 
 def test_a_fit_that_settled_is_not_repeated(found: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
     """Repeated it ends where it was: that took a third of a null's time."""
-    assert not fitting._doubtful(found, POLICY)
+    assert not fitting.doubtful(found, POLICY)
     again = fitting.fitted(replace(found, population=found.windows.scatter()), POLICY)
     assert again.deviance == pytest.approx(found.deviance, abs=1.0)
     begun: list[EventWindows] = []
@@ -69,7 +69,7 @@ def test_a_scatter_that_ended_at_nothing_has_another_try(found: Fit) -> None:
     nothing = replace(found.population, level=1e-5, curve=1e-5, static=1e-5)
     still = fitting.closed(replace(found, population=nothing), POLICY, turns=0)
     assert still.deviance > found.deviance + 100
-    assert fitting._doubtful(still, POLICY)
+    assert fitting.doubtful(still, POLICY)
 
 
 @pytest.mark.parametrize("why", ["steps", "swollen", "noise"])
@@ -83,4 +83,4 @@ def test_a_fit_that_is_no_usual_model_is_repeated(found: Fit, why: str) -> None:
     if why == "noise":
         assert found.linear is not None
         other = replace(other, linear=replace(found.linear, gram=3 * found.linear.gram))
-    assert fitting._doubtful(other, POLICY)
+    assert fitting.doubtful(other, POLICY)

@@ -45,23 +45,25 @@ def test_events_without_a_rate_are_none_to_hold_a_wave_against(monkeypatch: pyte
     monkeypatch.setattr(remarks, "block_of", lambda *_: ())
     seam: Any = SimpleNamespace(name="belt_seam")
     anything: Any = None
-    assert remarks._waves(anything, [seam]) == ()
+    assert remarks.of_waves(anything, [seam]) == ()
     level = SimpleNamespace(wander=(0.02, 0.01, 0.01))
     monkeypatch.setattr(remarks, "block_of", lambda _, name: _Level(level.wander) if name == "level" else ())
     events = SimpleNamespace(p=remarks.np.ones((3, 8)), arrest=remarks.np.zeros(3))
     events = _Events(events.p, events.arrest)
     scale: Any = SimpleNamespace(of=lambda *_: "3 mm")
-    said = remarks._process(anything, [SimpleNamespace(events=events)], scale)  # type: ignore[list-item]
+    said = remarks.of_process(anything, [SimpleNamespace(events=events)], scale)  # type: ignore[list-item]
     assert said.endswith("from event to event")
     assert "nan" not in said
-    monkeypatch.setattr(remarks, "_spread", lambda _, name: 0.02 if name == "rate" else float("nan"))
-    said = remarks._process(anything, [SimpleNamespace(events=events)], scale)  # type: ignore[list-item]
+    blocks = {"level": _Level(level.wander), "rate": _Level(level.wander, spread=remarks.np.full(3, 0.02))}
+    monkeypatch.setattr(remarks, "block_of", lambda _, name: blocks.get(name, ()))
+    said = remarks.of_process(anything, [SimpleNamespace(events=events)], scale)  # type: ignore[list-item]
     assert said.endswith("from event to event; stick rates scatter by 2 %")
 
 
 @dataclasses.dataclass
 class _Level:
     wander: tuple[float, float, float]
+    spread: Any = None
 
     def __len__(self) -> int:
         return 3

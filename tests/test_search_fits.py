@@ -135,7 +135,7 @@ def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
     wave = replace(wave, gain=times * wave.price(len(bench.stretches)))
     spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 10.0, 1, step)
     monkeypatch.setattr(searching, "_usual", lambda _: usual)
-    worthy = searching._worthy(bench, Trial((), fit), Screen((wave, spring), ()))
+    worthy = searching.worth_fitting(bench, Trial((), fit), Screen((wave, spring), ()))
     assert [one.term.name for one in worthy] == names
 
 

@@ -164,7 +164,7 @@ def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     monkeypatch.setattr(searching, "all_full", lambda *_: ([best], ()))
     monkeypatch.setattr(searching, "leader_anew", lambda *_: [best])
     monkeypatch.setattr(searching, "told_by_sizes", lambda _: math.inf)
-    monkeypatch.setattr(searching, "_of_constants", lambda *_: best)
+    monkeypatch.setattr(searching, "with_wrong_constant", lambda *_: best)
     monkeypatch.setattr(searching, "_again", lambda _, base, __: base)
     one = replace(bench, policy=replace(bench.policy, most_effects=1))
     known = Uncertainty(bench.model.rig, {}, {}, {})
@@ -199,7 +199,7 @@ def test_a_wave_has_a_gate_of_its_own(
     monkeypatch.setattr(searching, "all_full", lambda *_: ([best], ()))
     monkeypatch.setattr(searching, "leader_anew", lambda *_: [best])
     monkeypatch.setattr(searching, "told_by_sizes", lambda _: math.inf)
-    monkeypatch.setattr(searching, "_of_constants", lambda *given: given[-1])
+    monkeypatch.setattr(searching, "with_wrong_constant", lambda *given: given[-1])
     monkeypatch.setattr(searching, "_again", lambda _, base, __: base)
     one = replace(bench, policy=replace(bench.policy, most_effects=1))
     known = Uncertainty(bench.model.rig, {}, {}, {})
@@ -241,11 +241,11 @@ def test_names_that_leave_no_curve_over_stand(
     chosen = Trial((term(kind, {"k": 4.0}),), fit) if named else null
     monkeypatch.setattr(verdicts, "search", lambda *_: Searched(null, chosen))
     monkeypatch.setattr(verdicts, "closed", lambda one, _: one)
-    monkeypatch.setattr(verdicts, "_left_over", lambda *_: None if left is None else (left, fit))
+    monkeypatch.setattr(verdicts, "left_over", lambda *_: None if left is None else (left, fit))
     better = {"a little better": 1.0, "far better": 2 * bench.policy.noticed}
     monkeypatch.setattr(
         verdicts,
-        "_curve",
+        "curve_alone",
         lambda *given: (alone, fit) if alone is not None and better[alone] > given[-1] else None,
     )
     found = verdicts.searched(bench, Uncertainty(bench.model.rig, {}, {}, {}), lambda _: None, 0, base=null)
@@ -265,7 +265,7 @@ def test_what_a_wave_shares_with_events_that_remember_is_counted_once(
         monkeypatch.setattr(trials, "remembered", lambda one, gains=gains: gains[id(one)])
         base = Trial((), fits[True])
         monkeypatch.setattr(trials, "terms_at", lambda terms, *_: terms)
-        beside = trials._trial(bench, base, fits[False], seam)
+        beside = trials.trial_beside(bench, base, fits[False], seam)
         assert beside.known == known
         price = beside.numbers() * math.log(len(fit.own))
         assert base.whole() - beside.whole() == pytest.approx(-remembers - price)
@@ -313,7 +313,7 @@ def test_a_block_that_hardly_sticks_is_no_case_for_windows(
 ) -> None:
     """Where nothing lacked, friction scattered by 13 %, the belt by all it may, and a lag was named beside it."""
     chosen = Trial((), replace(fit, population=replace(fit.windows.scatter(), **more)))
-    assert block._models(verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)) == told
+    assert block.is_a_model(verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)) == told
 
 
 def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(
@@ -327,8 +327,8 @@ def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(
     known = Uncertainty(bench.model.rig, {}, {}, {})
     usual = Trial((), replace(fit, population=fit.windows.scatter()))
     lost = Trial((), replace(fit, population=replace(fit.windows.scatter(), curve=0.22)))
-    assert searching._of_constants(bench, known, usual, usual).freed == off
-    assert searching._of_constants(bench, known, lost, lost).freed is None
+    assert searching.with_wrong_constant(bench, known, usual, usual).freed == off
+    assert searching.with_wrong_constant(bench, known, lost, lost).freed is None
 
 
 def test_constants_are_sought_within_twice_and_half_of_what_is_declared(bench: BeltBench) -> None:
@@ -357,7 +357,7 @@ def test_no_effect_is_taken_away_where_nothing_moves_without_it(
         raise FloatingPointError
 
     monkeypatch.setattr(trials, "fitted", fails)
-    monkeypatch.setattr(searching, "_of_constants", lambda *given: given[-1])
+    monkeypatch.setattr(searching, "with_wrong_constant", lambda *given: given[-1])
     one = replace(bench, policy=replace(bench.policy, most_effects=2))
     known = Uncertainty(bench.model.rig, {}, {}, {})
     assert searching.search(one, known, lambda _: None, base=both).chosen is both

@@ -15,7 +15,7 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.discovery.slider.loop import discover
 from stickslip.discovery.slider.outcome import ahead
-from stickslip.discovery.slider.views import _state
+from stickslip.discovery.slider.views import state_read
 from stickslip.fitted.block_events.levels import carried, sliding
 from stickslip.fitted.block_events.predict import state_behind
 from stickslip.fitted.block_events.table import measure, prepare
@@ -112,7 +112,7 @@ def test_the_motion_behind_a_curved_and_drifting_reading() -> None:
     x, v = 0.05 * np.sin(2 * t), 0.1 * np.cos(2 * t)
     motion = 1.1 * x - 2 * x**2 + 0.01 * t, 1.1 * v - 4 * x * v + 0.01, np.zeros(len(t), dtype=np.int8)
     one = SimpleNamespace(run=SimpleNamespace(force_channel=False, t=t))
-    np.testing.assert_allclose(_state(one, model, motion), np.column_stack([x, v]), atol=1e-12)
+    np.testing.assert_allclose(state_read(one, model, motion), np.column_stack([x, v]), atol=1e-12)
 
 
 def test_the_state_behind_a_lag_in_mid_slip() -> None:

@@ -55,7 +55,7 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
             if unexplained(fit) < policy.noise_left
             else _best(fit, _from_wide(windows.first(), first, policy))
         )
-    if twice and _doubtful(fit, policy):
+    if twice and doubtful(fit, policy):
         fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
     if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
         return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
@@ -72,7 +72,7 @@ def _from_wide(own: Floats, first: Fit, policy: Policy) -> Fit:
     return fitted(replace(again, own=settled(again, ALONE)[0]), policy)
 
 
-def _doubtful(fit: Fit, policy: Policy) -> bool:
+def doubtful(fit: Fit, policy: Policy) -> bool:
     """
     Whether a fit may not be the best there is.
 

@@ -41,9 +41,9 @@ class Balance:
         self.runs, self.declared = tuple(runs), declared
         self.law = Law(declared.mass, 0.0, 0.0, 0.0)
         self.noise = Noise(1.0, 1.0)
-        self._lay()
+        self.lay()
 
-    def _lay(self) -> None:
+    def lay(self) -> None:
         """Lay out the law's columns for the damping and the friction that are known so far."""
         self.samplings = [Sampling(run.dt, self.law.damping / self.law.mass) for run in self.runs]
         limit = 0.5 * (abs(self.law.minus) + abs(self.law.plus)) / self.law.mass
@@ -95,10 +95,10 @@ class Balance:
         self.least = Noise(reading, force / self.declared.mass)
         # with friction free the sign of the velocity is known well enough for a first law
         self.law = self._plain()
-        self._lay()
+        self.lay()
         noise = fitted(self._rows(self._left(self.law)), self.least)
         for _ in range(STEER.rounds):
-            self._lay()
+            self.lay()
             self.take(noise)
             fit = self.fit(law=self.law)
             # a better law may show another noise: it is sought anew, from everywhere
@@ -112,7 +112,7 @@ class Balance:
             rows = self._rows(self.residual(fit))
             self.law = fit.law
             self.runs = tuple(moved(run, noise, own) for run, own in zip(self.runs, rows, strict=True))
-        self._lay()
+        self.lay()
         self.take(noise)
         return self.shorter(self.renoised(self.fit(law=self.law)))
 
@@ -283,10 +283,10 @@ class Balance:
         """Take the law and the noise of another balance, and smooth the motion with them."""
         self.law = other.law
         for _ in range(2):
-            self._lay()
+            self.lay()
             rows = self._rows(self._left(self.law))
             self.runs = tuple(moved(run, other.noise, own) for run, own in zip(self.runs, rows, strict=True))
-        self._lay()
+        self.lay()
         self.take(other.noise)
 
     def sharpen(self, choices: Sequence[Choice], law: Law, *, last: bool = False) -> Fit:

@@ -122,7 +122,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     if verdicts is None:
         return None
     said: tuple[str, ...] = ()
-    if not _models(verdicts):
+    if not is_a_model(verdicts):
         slips = sum(len(measure(prepare_events(run)).events) for run in case.train)
         if slips >= FEWEST:
             return None
@@ -147,7 +147,7 @@ def _verdicts(
     return beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
 
 
-def _models(verdicts: Verdicts[BeltBench]) -> bool:
+def is_a_model(verdicts: Verdicts[BeltBench]) -> bool:
     """Whether what is told is a model of the windows."""
     if verdicts.curve is not None and verdicts.curve.period is not None:  # it is what windows are no model of
         return True

@@ -102,7 +102,7 @@ def records(
     )
     effects = bench.drawn(fit, correlations, rng, belt=alone)
     if (place := fit.windows.belt) is not None:
-        effects[:, place] = np.sqrt(1 - slow) * effects[:, place] + _wandering(fit, slow, apart)
+        effects[:, place] = np.sqrt(1 - slow) * effects[:, place] + wandering_belt(fit, slow, apart)
     out: list[Floats | None] = []
     for i, row in enumerate(null.rows):
         if row is None:
@@ -126,7 +126,7 @@ def chain(n: int, like: Floats, rng: np.random.Generator) -> Floats:
     return out
 
 
-def _wandering(fit: Fit, slow: Floats, rng: np.random.Generator) -> Floats:
+def wandering_belt(fit: Fit, slow: Floats, rng: np.random.Generator) -> Floats:
     """
     Return speeds of the belt that hardly change from one event to the next, (w, draws).
 

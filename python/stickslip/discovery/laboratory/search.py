@@ -112,7 +112,7 @@ def search(
             break
         base = found
         screen = step.beside if base is _leader(step) else None
-    out.chosen = _of_constants(bench, known, out.null, _back(bench, base, out, tell, workers))
+    out.chosen = with_wrong_constant(bench, known, out.null, _back(bench, base, out, tell, workers))
     return out
 
 
@@ -162,7 +162,7 @@ def told_by_sizes(trial: Trial) -> float:
     return float(size @ precision @ size) - len(size) * price
 
 
-def _of_constants(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
+def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:
     """What was chosen, or a declared constant that is wrong in its place or beside it."""
     rivals = [chosen]
     for one in (null, chosen) if chosen.terms else (chosen,):
@@ -205,7 +205,7 @@ def _forward(
     trials: list[Trial] = []
     for turn in range(2):
         screen = _scored(bench, base, tell, workers) if scored is None or turn else scored
-        worthy = _worthy(bench, base, screen)
+        worthy = worth_fitting(bench, base, screen)
         tell(f"fitting {', '.join(one.term.name for one in worthy)}")
         fits, done = all_full(bench, base, worthy, workers)
         if others := _of_another_kind(bench, [base, *fits], screen):
@@ -243,7 +243,7 @@ def _scored(bench: Bench, base: Trial, tell: Callable[[str], None], workers: Wor
     return screened(bench, base.fit, base.terms, workers)
 
 
-def _worthy(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
+def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
     """
     What is fitted in full: what may pay, the best of all in any case.
 

@@ -123,7 +123,9 @@ def all_full(
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
     fits |= dict(zip(short, again, strict=True))
     done += short
-    trials = [_trial(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits]
+    trials = [
+        trial_beside(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits
+    ]
     return trials, tuple(done)
 
 
@@ -165,7 +167,7 @@ def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
     return best[1]
 
 
-def _trial(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
+def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     """A hypothesis and one term more, as fitted."""
     found = terms_at((*base.terms, term), fit.windows, fit.at)
     known = _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
@@ -197,7 +199,7 @@ def leader_anew(
     if not idle and term.name not in done:
         fit = _sought(bench, base, (leader.fit, term))
         if fit.deviance < leader.fit.deviance:
-            leader = _trial(bench, base, fit, term)
+            leader = trial_beside(bench, base, fit, term)
     fuller = workers.map(partial(_fuller, bench, base, leader), _optional_starts(term))
     return [min((leader, *(one for one in fuller if one is not None)), key=Trial.worth), *rest]
 
@@ -244,7 +246,7 @@ def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) ->
     found = {(n.name, n.run): x for n, x in zip(leader.fit.windows.numbers, leader.fit.at, strict=True)}
     at = np.array([found.get((n.name, n.run), n.start) for n in windows.numbers])
     fit = from_near(bench, replace(leader.fit, windows=windows, at=at))
-    return None if fit is None else _trial(bench, base, fit, term)
+    return None if fit is None else trial_beside(bench, base, fit, term)
 
 
 def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:

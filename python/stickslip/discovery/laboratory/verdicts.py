@@ -105,11 +105,11 @@ def searched(
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
     tell("looking for a curve that no name explains")
-    left = _left_over(bench, found, seed, workers)
+    left = left_over(bench, found, seed, workers)
     chosen = found.chosen
     # names that leave nothing over fall only to what explains the runs better than they do by more than a little
     stand = chosen.terms and left is None and not lost(chosen.fit)
-    alone = _curve(bench, found, seed, workers, bench.policy.noticed if stand else 0.0)
+    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed if stand else 0.0)
     if alone is not None:
         return Verdicts(bench, found, *alone)
     if left is not None:
@@ -134,7 +134,7 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
     return replace(verdicts, curve=replace(hum, threshold=least), fit=found.null.fit, beside=False)
 
 
-def _curve(
+def curve_alone(
     bench: Bench, found: Searched, seed: int, workers: Workers = ALONE, more: float = 0.0
 ) -> _Told | None:
     """The curve that explains more than every name does, its shapes paid for; by so much `more`."""
@@ -147,7 +147,7 @@ def _curve(
     return _proven(bench, alone, leading(bench, alone.fit, chosen.fit, seed, workers, promised), least)
 
 
-def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
+def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
@@ -157,12 +157,12 @@ def _left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALON
     if not chosen.terms:
         return None
     left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed, workers))
-    if left is None or left[0].gain < bench.policy.stands_in**2 * _explained(bench, found):
+    if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
 
 
-def _explained(bench: Bench, found: Searched) -> float:
+def explained_by_names(bench: Bench, found: Searched) -> float:
     """
     Return what the names explain: how much worse the law alone does where friction scatters as it does beside them.
 

@@ -24,9 +24,9 @@ def remarks(
     length = scales(case.rig, case.channels)["x1"]
     return (
         _noise(train, length),
-        _process(choice, train, length),
+        of_process(choice, train, length),
         *_gradual(choice),
-        *_waves(choice, effects),
+        *of_waves(choice, effects),
         *_speeds(train),
         absorbed(one.run.sign for one in train),
         *_ties(effects),
@@ -52,7 +52,8 @@ def _noise(train: Sequence[Measured], scale: Scale) -> str:
     )
 
 
-def _process(choice: Choice, train: Sequence[Measured], scale: Scale) -> str:
+def of_process(choice: Choice, train: Sequence[Measured], scale: Scale) -> str:
+    """Say by how much friction and what else is read of the events differs from event to event."""
     level = block_of(choice, "level")
     drop = np.concatenate([0.5 * (m.events.p[:, S] - m.events.arrest) for m in train])
     off = np.concatenate([m.events.p[:, S] - m.events.p[:, S].mean() for m in train if len(m.events)])
@@ -93,7 +94,7 @@ def _gradual(choice: Choice) -> tuple[str, ...]:
     )
 
 
-def _waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+def of_waves(choice: Choice, effects: Sequence[FoundEffect]) -> tuple[str, ...]:
     """Friction along the belt, or a reading that follows the drive? The latter would also bend the sticks."""
     found = next((one for one in effects if one.name == "belt_seam"), None)
     if found is None:

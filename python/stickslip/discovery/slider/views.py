@@ -53,7 +53,7 @@ def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -
     run = one.run
     step = min(max(1, len(run.t) // MOST), THINNEST)
     at = slice(0, MOST * step, step)
-    states = [_state(one, model, m) for model, m in ((before, was), (after, now))]
+    states = [state_read(one, model, m) for model, m in ((before, was), (after, now))]
     forces = [_force(one, model, s, at) for model, s in zip((before, after), states, strict=True)]
     sign = run.sign
     return RunView(
@@ -78,7 +78,7 @@ def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -
     )
 
 
-def _state(one: Measured, model: Model, m: Motion) -> Floats:
+def state_read(one: Measured, model: Model, m: Motion) -> Floats:
     """(n, 2) deflections and velocities behind predicted readings and their rates."""
     reading = reading_of(model, one.run.force_channel)
     x = reading.bend.undone(m[0], one.run.t)
