@@ -10,6 +10,7 @@ import numpy as np
 
 import found_by_hand
 import stickslip as ss
+from stickslip.declared.laws import LAWS
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 SI_RIG = ss.Rig.from_si(m=1.2, J=0.05, r=0.1, k1=600, k2=40, k3=120, c1=0.8, c2=0.3, length=1e-3)
@@ -78,9 +79,7 @@ def objects() -> dict[str, object]:
         ss.Link(between=("bit", "ground"), stiffness=3.0),
         ss.Contact(body="bit"),
         SI_RIG.scales,
-        ss.PaperFriction(),
-        COULOMB,
-        ss.HyperbolicFriction(),
+        *(law(**law.drawn) for law in LAWS.values()),
         stribeck(),
         ss.TabulatedFriction(speeds=[0.0, 0.1, 1.0], forces=[2.0, 1.0, 1.5]),
         ss.LuGreFriction(F_s=8.0, F_c=5.0, v_s=0.01, sigma0=1e4, sigma1=10.0, sigma2=0.5),
