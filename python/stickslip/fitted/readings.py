@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.formula_reading import READING, FormulaReading
-from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, X2, Y1, Y2
-from stickslip.simulated.x1_sensor import X1Sensor
+from stickslip.simulated.states import AT, BELT, COUNT, LAGGED, RATE, X1, Y1, Y2
+from stickslip.simulated.x1_sensor import X1Sensor, seen, seen_rate
 
 Floats = NDArray[np.float64]
 _CHANNEL = {"x1": 0, "y1": 1, "belt": 2}
@@ -212,17 +212,17 @@ def _read_x1(s: _Samples) -> None:
     """Crosstalk, the lag of what it makes, the curvature of that, drift."""
     c = s.p.get("sensor_crosstalk.c", 0.0)
     late = "sensor_lag.tau" in s.p
-    seen, slopes = (s.state[:, LAGGED], s.slopes[LAGGED]) if late else (s.state[:, X1], s.slopes[X1])
+    slopes = s.slopes[LAGGED] if late else s.slopes[X1]
     if c and not late:
-        seen, slopes = seen + c * s.state[:, Y1], slopes + c * s.slopes[Y1]
-    sensor = X1Sensor.acting(s.p)
-    steepness = sensor.slope(seen)
-    s.out.values[:, 0] = sensor.of(seen, s.t)
+        slopes = slopes + c * s.slopes[Y1]
+    sensor, m = X1Sensor.acting(s.p), seen(s.p, s.state)
+    steepness = sensor.slope(m)
+    s.out.values[:, 0] = sensor.of(m, s.t)
     s.out.slopes[:, 0] = slopes if (steepness == 1).all() else slopes * steepness[:, None]
     if not late:
         s.add(0, "sensor_crosstalk.c", s.state[:, Y1] * steepness)
-    s.add(0, "sensor_gain.e", seen)
-    s.add(0, "sensor_nonlinearity.q", seen**2)
+    s.add(0, "sensor_gain.e", m)
+    s.add(0, "sensor_nonlinearity.q", m**2)
     s.add(0, "sensor_drift.r", s.t)
 
 
@@ -363,12 +363,8 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     state : (n, 9) states, hidden ones included.
     p : parameters by name, those of curves included.
     """
-    c = p.get("sensor_crosstalk.c", 0.0)
-    sensor = X1Sensor.acting(p)
-    seen, moves = state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2]
-    if "sensor_lag.tau" in p:
-        seen, moves = state[:, LAGGED], (seen - state[:, LAGGED]) / p["sensor_lag.tau"]
-    rate, reading = sensor.rate(seen, moves), sensor.of(seen, t)
+    sensor, m = X1Sensor.acting(p), seen(p, state)
+    rate, reading = sensor.rate(m, seen_rate(p, state)), sensor.of(m, t)
     for one in learned:
         if one.channel != "x1":
             continue

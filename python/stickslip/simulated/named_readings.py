@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import Tabulated
 from stickslip.declared.formula_effect import FormulaEffect
 from stickslip.declared.model import Model
-from stickslip.simulated.states import AT, LAGGED, X1, Y1
-from stickslip.simulated.x1_sensor import X1Sensor
+from stickslip.simulated.states import AT, Y1
+from stickslip.simulated.x1_sensor import X1Sensor, seen
 
 Floats = NDArray[np.float64]
 
@@ -43,11 +43,7 @@ def named_readings(
     if not model.effects:
         return {name: state[:, AT[name]] for name in names}
     p = model.parameters
-    if "sensor_lag.tau" in p:
-        seen = state[:, LAGGED]
-    else:
-        seen = state[:, X1] + p.get("sensor_crosstalk.c", 0.0) * state[:, Y1]
-    out = {"x1": X1Sensor.acting(p).of(seen, t)}
+    out = {"x1": X1Sensor.acting(p).of(seen(p, state), t)}
     if "y1" in names:
         late = p.get("sensor_delay.delay", 0.0)
         out["y1"] = earlier(t - late) if late else state[:, Y1].copy()

@@ -1,6 +1,7 @@
-"""What the sensor of x1 makes of what it sees: its gain, its curvature and its drift; forward, back, and their rates.
+"""What the sensor of x1 sees, and what it makes of that: gain, curvature and drift; forward, back, and their rates.
 
-The one place of this formula: the readings of a fit, those of a block slip by slip, and their rates stand on it.
+The one place of these formulas: simulated readings, those of a fit, those of a block slip by slip, and their rates
+stand on it.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from stickslip.simulated.states import LAGGED, X1, X2, Y1, Y2
 
 Floats = NDArray[np.float64]
 
@@ -49,6 +52,27 @@ class X1Sensor:
         """Rate of m behind that of its reading; where the curvature folds back, that of the edge."""
         slope, least = self.slope(m), 0.01 * self.gain
         return np.asarray((rate - self.drift) / np.where(np.abs(slope) < least, least, slope))
+
+
+def seen(p: Mapping[str, float], state: Floats) -> Floats:
+    """What the sensor sees of states (n, 9), by a model's numbers: x1 with crosstalk, or what lags behind that."""
+    return np.asarray(state[:, LAGGED] if "sensor_lag.tau" in p else _crossed(p, state)[0])
+
+
+def seen_rate(p: Mapping[str, float], state: Floats) -> Floats:
+    """The rate of what the sensor sees."""
+    x, moves = _crossed(p, state)
+    return np.asarray((x - state[:, LAGGED]) / p["sensor_lag.tau"] if "sensor_lag.tau" in p else moves)
+
+
+def _crossed(p: Mapping[str, float], state: Floats) -> tuple[Floats, Floats]:
+    """X1 with crosstalk, and its rate."""
+    c = p.get("sensor_crosstalk.c", 0.0)
+    return (
+        (state[:, X1] + c * state[:, Y1], state[:, X2] + c * state[:, Y2])
+        if c
+        else (state[:, X1], state[:, X2])
+    )
 
 
 def unbent(reading: Floats | float, q: float) -> Floats:
