@@ -178,3 +178,26 @@ def test_what_is_odd_about_a_column_with_a_colon_in_its_name_is_said(tmp_path: P
         said.append((folder / "rig.toml").read_text().partition("# what is odd")[2].replace(name, "it"))
     assert said[0]
     assert said[0] == said[1]
+
+
+@pytest.mark.parametrize("law", ["rock", ""])
+def test_a_law_s_number_called_mass_is_in_no_kilograms(law: str) -> None:
+    """So a table and a sweep had it; of one called stiffness they fell."""
+    friction = ss.FormulaFriction(kinetic="mass", static="mass + stiffness", mass=4.0, stiffness=1.0)
+    model = ss.Model(rig("a", law=law), friction={"rock": friction} if law else friction)
+    names = [f"{law}.{key}" if law else key for key in ("mass", "stiffness")]
+    over = {name: [4.0, 5.0] for name in names} | {"a.mass": [2.0, 3.0]}
+    given = {"belt_speed": 0.1, "initial": (0, 0), "t_end": 1.0}
+    swept = ss.sweep(model, over=over, observe="final_state", **given)
+    assert [swept[name].attrs.get("units") for name in over] == ["1", "1", "kg"]
+
+
+def test_a_formula_s_number_called_like_a_law_s_has_its_own_unit() -> None:
+    """A decay in seconds was shown in s/m, as the hyperbolic law has its own."""
+    law = ss.FormulaFriction(
+        kinetic="scale*(1 + decay*rate)", static="2*scale", scale="4 N", decay="2 s", rate="0.1 1/s"
+    )
+    model = ss.Model(ss.BlockOnBelt(mass="1 kg", stiffness="3 N/m"), friction=law)
+    swept = ss.sweep(model, over={"decay": [1.0, 2.0]}, belt_speed=0.1, initial=(0, 0), t_end=1.0)
+    assert swept["decay"].attrs["units"] == "s"
+    assert "s/m" not in model._repr_html_()

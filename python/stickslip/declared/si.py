@@ -15,6 +15,7 @@ from stickslip.declared.dimensions import (
     TIME,
     Dimension,
 )
+from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.laws import LAWS
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.units import Channel
@@ -66,6 +67,13 @@ def scales_of(rig: AnyRig, channels: Mapping[str, Channel] | None = None) -> Sca
 def dimension(name: str) -> Dimension | None:
     """Return what a number measures, named as `Model.parameters` names it; None for a name nothing has."""
     return _ALL.get(name)
+
+
+def dimension_in(friction: FrictionLaw, name: str) -> Dimension | None:
+    """Return what a number of a model measures; a number of its law by that law, whatever others call so."""
+    if name in friction.numbers:
+        return friction.dimensions.get(name, friction.dimensions.get(name.removesuffix("_plus")))
+    return dimension(name)
 
 
 def curve_dimension(where: str) -> Dimension:

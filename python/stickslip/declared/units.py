@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.declared.formula.dimension import dimensions, registry
+from stickslip.declared.formula.dimension import NAMES, dimensions, registry
 from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
 from stickslip.declared.rigs.general import GeneralRig
@@ -207,20 +207,9 @@ def _of_coordinate(channel: str, unit: str, rig: GeneralRig) -> float:
         return 1.0
     if si == "1":
         raise InputError("this coordinate has no unit; give '1'", key="unit", value=unit)
-    what = {
-        "s": "a time",
-        "m": "a position",
-        "rad": "an angle",
-        "m/s": "a speed",
-        "rad/s": "an angular speed",
-        "m/s^2": "an acceleration",
-        "rad/s^2": "an angular acceleration",
-        "N": "a force",
-        "N m": "a torque",
-    }
     if si == "m/s^2" and unit in OF_GRAVITY:  # pint's g is a gram
         return OF_GRAVITY[unit]
-    return in_si(unit, si, what=what[si])
+    return in_si(unit, si, what="a position" if si == "m" else NAMES[si])
 
 
 def is_angle(unit: str) -> bool:

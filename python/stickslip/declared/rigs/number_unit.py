@@ -1,25 +1,26 @@
-"""Units of the numbers of a rig of bodies or matrices, as far as their names tell."""
+"""Units of the numbers of a rig of bodies or matrices, as far as its parts tell."""
 
 from __future__ import annotations
 
-from stickslip.declared.dimensions import INERTIA, LENGTH, MASS
+from stickslip.declared.dimensions import DAMPING, INERTIA, LENGTH, MASS, STIFFNESS, TURNING
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.parts import Link
 
-PER = {"mass": MASS.unit, "inertia": INERTIA.unit, "arm": LENGTH.unit}  # of a part, in SI
+PER = {"mass": MASS.unit, "inertia": INERTIA.unit, "arm": LENGTH.unit}
+OF_LINKS = {"stiffness": STIFFNESS.unit, "damping": DAMPING.unit, "rest": LENGTH.unit}
 
 
 def number_unit(rig: GeneralRig, name: str) -> str:
-    """The SI unit of a number of a rig of bodies, as far as its name tells; "" where it does not."""
+    """The SI unit of a number of a rig of bodies; "" where it has none that is known, as of a law's number."""
     owner, _, key = name.rpartition(".")
-    if not isinstance(rig, BodiesRig) or key in PER:
-        return PER.get(key, "")
-    if key not in ("stiffness", "damping", "rest"):
+    part = rig.parts.get(owner) if isinstance(rig, BodiesRig) else None
+    if part is None or not isinstance(rig, BodiesRig):
         return ""
-    link = rig.parts[owner]
-    assert isinstance(link, Link)  # nothing else has any of these
-    body = next((rig.body[end] for end in link.between if end in rig.body), None)
+    if not isinstance(part, Link):
+        return PER.get(key, "")
+    if key not in OF_LINKS:
+        return ""
+    body = next((rig.body[end] for end in part.between if end in rig.body), None)
     turns = body is not None and body.rotation
-    units = ("N m/rad", "N m s/rad", "rad") if turns else ("N/m", "N s/m", "m")
-    return dict(zip(("stiffness", "damping", "rest"), units, strict=True))[key]
+    return TURNING[OF_LINKS[key]] if turns else OF_LINKS[key]

@@ -19,7 +19,7 @@ from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.number_unit import PER, number_unit
 from stickslip.declared.rigs.parts import Part
-from stickslip.declared.si import si_of
+from stickslip.declared.si import dimension_in, si_of
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, describe
 from stickslip.shown.plot.curves import GREY, LIMIT, SIMULATED
@@ -179,7 +179,8 @@ def _model(one: Model) -> Description:
         if isinstance(rig, GeneralRig):
             rows.append((name, value, None, number_unit(rig, name)))
             continue
-        known = si_of(name, rig, one.channels)
+        measured = dimension_in(one.friction, name)
+        known = None if measured is None else si_of(measured, rig, one.channels)
         if known is None:
             rows.append((name, value, None, ""))
         else:

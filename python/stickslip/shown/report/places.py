@@ -3,23 +3,12 @@
 from __future__ import annotations
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.dimensions import NUMBER
+from stickslip.declared.dimensions import DAMPING, MASS, NUMBER, STIFFNESS, TURNING
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 
-TURNING = {
-    "N": "N m",
-    "N/m": "N m/rad",
-    "N s/m": "N m s/rad",
-    "N s^2/m^2": "N m s^2/rad^2",
-    "N/m^3": "N m/rad^3",
-    "N/s": "N m/s",
-    "m": "rad",
-    "m/s": "rad/s",
-    "1/m": "1/rad",
-}
-SLIDES = {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"}
-TURNS = {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
+SLIDES = {"inertia": MASS.unit, "stiffness": STIFFNESS.unit, "damping": DAMPING.unit}
+TURNS = {trait: TURNING[unit] for trait, unit in SLIDES.items()}
 
 
 def unit_at(rig: GeneralRig, name: str, where: str, number: str) -> str | None:

@@ -6,7 +6,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.number_unit import number_unit
-from stickslip.declared.si import OF_VARIABLES, dimension, scales_of
+from stickslip.declared.si import OF_VARIABLES, dimension_in, scales_of
 
 SPEED = "m/s"
 
@@ -39,8 +39,8 @@ def unit_of(model: Model, name: str) -> str:
         return OF_VARIABLES[key].unit if key in OF_VARIABLES else "1"
     if name == "belt_speed":
         return SPEED
-    known_as = dimension(model.full_name(name))
-    return "1" if known_as is None else known_as.unit
+    known_as = dimension_in(model.friction, model.full_name(name))
+    return model.friction.declared_units.get(name) or ("1" if known_as is None else known_as.unit)
 
 
 def _of_law(model: Model, name: str) -> str:
@@ -48,5 +48,5 @@ def _of_law(model: Model, name: str) -> str:
     given = model.friction.declared_units
     assert isinstance(model.rig, GeneralRig)
     turns = any(one != "m" for one in model.rig.equations.units)
-    known_as = None if turns else dimension(model.full_name(name))
+    known_as = None if turns else dimension_in(model.friction, model.full_name(name))
     return given.get(name) or ("1" if known_as is None else known_as.unit)
