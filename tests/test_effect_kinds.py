@@ -18,6 +18,7 @@ from stickslip.declared.effect import TabulatedPlace, TabulatedVariable
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.effect_terms import Adds
 from stickslip.declared.friction_law import FrictionLaw
+from stickslip.declared.law_numbers import measure_of
 from stickslip.declared.laws import LAWS
 from stickslip.declared.si import dimension
 
@@ -125,7 +126,8 @@ def test_every_number_of_a_law_is_lowered_and_has_a_dimension(law: type[Friction
     assert numbers == {*law.single, *law.each_way, *(f"{name}_plus" for name in law.each_way)}
     slots = {*law.single, *(f"{name}_{side}" for name in law.each_way for side in ("minus", "plus"))}
     assert {f"{law.kind}.{name}" for name in slots} <= set(_core.PARAMETERS)
-    assert all(dimension(name) is not None for name in numbers)
+    # a number is known by its name alone: laws that share one measure the same by it
+    assert all(dimension(name) == measure_of(law.dimensions, name) for name in numbers)
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.kind)
