@@ -10,7 +10,9 @@ import stickslip as ss
 from bodies_cases import CASES
 from every_effect import made
 from stickslip.declared.catalogue import CATALOGUE, KINDS
-from stickslip.declared.dimensions import NUMBER
+from stickslip.declared.dimensions import DAMPING, NUMBER, STIFFNESS, Dimension, turning
+from stickslip.declared.formula.dimension import dimensions
+from stickslip.declared.law_numbers import of_contact
 from stickslip.declared.si import si_of
 
 IN_SI = ss.Rig.from_si(m=1.5, J=0.005, r=0.07, k1=1500.0, k2=100.0, k3=300.0, c1=1.0, c2=1.0, length=0.01)
@@ -98,3 +100,14 @@ def test_a_file_has_them_as_python_does(tmp_path: Path) -> None:
     assert model.parameters["constant_load.f"] == 0.25
     model.save(tmp_path / "again.toml")
     assert ss.load_model(tmp_path / "again.toml") == model
+
+
+MEASURED = {
+    info.dimension for kind in KINDS.values() for info in kind.parameters
+}  # no inertia: its unit has no angle
+
+
+@pytest.mark.parametrize("what", sorted({*MEASURED, DAMPING, STIFFNESS}, key=str), ids=lambda what: what.unit)
+def test_the_unit_of_what_turns_measures_what_its_exponents_say(what: Dimension) -> None:
+    assert dimensions(turning(what.unit)) == of_contact(what, rotation=True)
+    assert dimensions(what.unit) == of_contact(what, rotation=False)

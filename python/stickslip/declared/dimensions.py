@@ -5,7 +5,7 @@ A number of an effect, of a law or of a rig names its dimension beside itself; i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -51,17 +51,15 @@ PER_LENGTH, PER_FORCE, PER_SPEED = (
     Dimension(-1, 0, -1, "1/N"),
     Dimension(-1, -1, 0, "s/m"),
 )
-# what a unit of something that slides is where it turns: newtons are newton metres, metres radians
-TURNING: Mapping[str, str] = {
-    "N": "N m",
-    "N/m": "N m/rad",
-    "N s/m": "N m s/rad",
-    "N s^2/m^2": "N m s^2/rad^2",
-    "N/m^3": "N m/rad^3",
-    "N/s": "N m/s",
-    "m": "rad",
-    "m/s": "rad/s",
-    "1/m": "1/rad",
-    "kg": "kg m^2",
-}
 FORCE_RATE, SPEED_BY_FORCE = Dimension(1, 1, 1, "N/s"), Dimension(0, 1, -1, "m/(N s)")
+_WHERE_IT_TURNS = {"N": "N m", "m": "rad", "kg": "kg m^2"}
+
+
+def turning(unit: str) -> str:
+    """Return the unit, of something that turns, of what is in `unit` of something that slides."""
+    over, bar, under = (
+        re.sub(r"[A-Za-z]+", lambda one: _WHERE_IT_TURNS.get(one[0], one[0]), part)
+        for part in unit.partition("/")
+    )
+    bracket = " " in under and not under.startswith("(")
+    return f"{over}{bar}({under})" if bracket else f"{over}{bar}{under}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.declared.dimensions import DAMPING, INERTIA, LENGTH, MASS, STIFFNESS, TURNING
+from stickslip.declared.dimensions import DAMPING, INERTIA, LENGTH, MASS, STIFFNESS, turning
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.parts import Link
@@ -23,4 +23,4 @@ def number_unit(rig: GeneralRig, name: str) -> str:
         return ""
     body = next((rig.body[end] for end in part.between if end in rig.body), None)
     turns = body is not None and body.rotation
-    return TURNING[OF_LINKS[key]] if turns else OF_LINKS[key]
+    return turning(OF_LINKS[key]) if turns else OF_LINKS[key]

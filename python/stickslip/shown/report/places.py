@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.dimensions import DAMPING, MASS, NUMBER, STIFFNESS, TURNING
+from stickslip.declared.dimensions import DAMPING, MASS, NUMBER, STIFFNESS, turning
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 
 SLIDES = {"inertia": MASS.unit, "stiffness": STIFFNESS.unit, "damping": DAMPING.unit}
-TURNS = {trait: TURNING[unit] for trait, unit in SLIDES.items()}
+TURNS = {trait: turning(unit) for trait, unit in SLIDES.items()}
 
 
 def unit_at(rig: GeneralRig, name: str, where: str, number: str) -> str | None:
@@ -18,7 +18,7 @@ def unit_at(rig: GeneralRig, name: str, where: str, number: str) -> str | None:
     known = KINDS[name].parameter(number).dimension
     if known == NUMBER:
         return None
-    return TURNING.get(known.unit, known.unit) if _turns(rig, where.removesuffix(" channel")) else known.unit
+    return turning(known.unit) if _turns(rig, where.removesuffix(" channel")) else known.unit
 
 
 def unit_of(rig: GeneralRig, name: str) -> str:
