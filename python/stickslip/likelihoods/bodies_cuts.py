@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.policy import POLICY, Policy
+from stickslip.measured.intervals import intervals
+from stickslip.measured.sticks import BROKEN
 
 Mask = NDArray[np.bool_]
 STATE = 2  # of a contact at the start of a window: as the state there says
 CLEAR = 2  # samples on both sides of a window's start in which a contact that sticks there sticks too
-BROKEN = 3  # samples by which noise may break a stick
 COVERED = (
     0.6  # share of a run's time that windows from stick to stick must hold; else the run is cut by the clock
 )
@@ -109,14 +110,7 @@ def _stabbed(sticks: Sequence[tuple[int, int]]) -> list[int]:
 
 def _sticks(stuck: Mask, fewest: int) -> list[tuple[int, int]]:
     """First and last samples of a contact's sticks; noise may break one for a sample or two."""
-    at = np.flatnonzero(stuck)
-    if not len(at):
-        return []
-    breaks = np.flatnonzero(np.diff(at) > BROKEN)
-    begins = at[np.concatenate([[0], breaks + 1])]
-    ends = at[np.concatenate([breaks, [len(at) - 1]])]
-    pairs = zip(begins.tolist(), ends.tolist(), strict=True)
-    return [(a, b) for a, b in pairs if b - a + 1 >= fewest]
+    return [(a, b) for a, b in intervals(stuck, BROKEN).tolist() if b - a + 1 >= fewest]
 
 
 def _by_clock(

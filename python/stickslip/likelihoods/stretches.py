@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.measured.sticks import CREEP, passes_by, rides
+from stickslip.measured.intervals import intervals
+from stickslip.measured.sticks import BROKEN, CREEP, passes_by, rides
 
 Floats = NDArray[np.float64]
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
@@ -89,14 +90,10 @@ def _cycles(number: int, run: Data, policy: Policy) -> list[Stretch]:
 
 def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
     """Return the middle of the longest stick between two slips; noise may break it for a sample or two."""
-    stuck = np.flatnonzero(rides(run.v[first:last], run.belt_speed))
-    if not len(stuck):
+    sticks = intervals(rides(run.v[first:last], run.belt_speed), BROKEN)
+    if not len(sticks):
         return None
-    breaks = np.flatnonzero(np.diff(stuck) > 3)
-    begins = stuck[np.concatenate([[0], breaks + 1])]
-    ends = stuck[np.concatenate([breaks, [len(stuck) - 1]])]
-    longest = int(np.argmax(ends - begins))
-    a, b = first + int(begins[longest]), first + int(ends[longest])
+    a, b = (first + sticks[np.argmax(sticks[:, 1] - sticks[:, 0])]).tolist()
     t, x = run.t[a : b + 1], run.readings[a : b + 1, 0]
     few = len(t) < policy.fewest_stuck
     if few or passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.measured.intervals import intervals
 from stickslip.measured.signals import quantisation
 
 Floats = NDArray[np.float64]
@@ -21,11 +22,9 @@ def held(values: Floats, noise: float) -> NDArray[np.bool_]:
     if not alike < 0.5:
         return out
     least = max(SAME, 2 + math.ceil(math.log(CHANCE / len(values)) / math.log(max(alike, 1e-9))))
-    same = np.concatenate([[False], np.diff(values) == 0, [False]])
-    first, last = (np.flatnonzero(np.diff(same.astype(np.int8)) == step) for step in (1, -1))
-    for a, b in zip(first, last, strict=True):
-        if b - a + 1 >= least:
-            out[a + 1 : b + 1] = True
+    for a, b in intervals(np.diff(values) == 0):  # of a reading like the one before
+        if b - a + 2 >= least:
+            out[a + 1 : b + 2] = True
     return out
 
 

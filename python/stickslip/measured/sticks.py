@@ -21,6 +21,7 @@ RIPPLE = 0.05  # share of the belt speed by which a stick may be off it: belts r
 CREEP = (
     0.25  # the same for a contact that creeps before it slips, and for a velocity whose noise is not known
 )
+BROKEN = 3  # samples by which noise may break a stick
 SURE = 3.0  # standard deviations of a stretch's rise
 EDGE = (
     0.25  # radians by which noise may lengthen either half of the time that a swing is near the belt's speed

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.measured.intervals import intervals
 from stickslip.measured.signals._input import Booleans, Floats
 from stickslip.measured.signals._pieces import Integers, PieceLayout, SplineSystem
 from stickslip.measured.signals._solve import SplineSolution, solve
@@ -64,12 +65,6 @@ def stick_windows(record: Record) -> Booleans:
     return np.asarray(np.cumsum(edges)[:-1] > 0.5)
 
 
-def runs(mask: Booleans) -> Integers:
-    """First and last index of each run of True, shape (k, 2)."""
-    change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
-    return np.column_stack([np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1])
-
-
 def merge(record: Record, sticks: Integers) -> Integers:
     """Join neighbouring sticks whose levels are one within noise and creep."""
     kept: list[NDArray[np.intp]] = []
@@ -103,7 +98,7 @@ def make_layout(t: Floats, capture: Floats, onset: Floats) -> PieceLayout:
 
 def first_layout(record: Record) -> PieceLayout:
     """Layout from the stick test alone."""
-    sticks = merge(record, runs(stick_windows(record)))
+    sticks = merge(record, intervals(stick_windows(record)))
     t = record.t
     last = t.size - 1
     capture = t[sticks[:, 0]]

@@ -13,6 +13,7 @@ from stickslip.fitted.bodies_data import smoothed
 from stickslip.fitted.bodies_sensors import may_jump
 from stickslip.likelihoods.bodies_compare import RigComparison
 from stickslip.likelihoods.identified_rig import IdentifiedRig
+from stickslip.measured.intervals import intervals
 from stickslip.shown.plot.between import between, own_steps
 from stickslip.simulated.trajectory import Trajectory
 
@@ -120,6 +121,5 @@ def _quantity(c: RigComparison, name: str) -> str:
 
 
 def _shade(axis: object, t: np.ndarray, stuck: np.ndarray) -> None:
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
-    for begin, end in ends.reshape(-1, 2):
-        axis.axvspan(t[begin], t[min(end, len(t) - 1)], color="0.9", lw=0)  # type: ignore[attr-defined]
+    for first, last in intervals(stuck):
+        axis.axvspan(t[first], t[min(last + 1, len(t) - 1)], color="0.9", lw=0)  # type: ignore[attr-defined]
