@@ -6,7 +6,8 @@ from pathlib import Path
 
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS, DRIVEN, KINDS
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.declared.laws import LAWS
+from stickslip.declared.formula_law import LawByFormula
+from stickslip.declared.laws import FORMULA_LAWS, LAWS
 
 PAGE = Path(__file__).parent.parent / "docs" / "effects.md"
 
@@ -81,6 +82,13 @@ NOWHERE
 LAWS
 
 `..._plus` parameters are those of slip with v_w > 0; left out, both directions share a number.
+
+These laws are simulated on every rig. On rigs of bodies and of matrices, `identify` fits those that have no state
+of their own:
+
+| law | what it says |
+|---|---|
+FORMULAS
 """
 
 
@@ -117,6 +125,14 @@ def numbers(kind: EffectKind) -> str:
     return "; ".join(f"`{info.name}` {info.meaning}" for info in kind.parameters)
 
 
+def said_of(law: type[LawByFormula]) -> str:
+    """Return a law's formulas, or the first sentence of its docstring where they are the user's own."""
+    parts = {"R(u)": law.kinetic_text, "at rest": law.static_text, "T": law.force_text}
+    rates = {f"{name}'": rate for name, (rate, _, _) in law.state_texts.items()}
+    told = "; ".join(f"{name} = `{text}`" for name, text in {**parts, **rates}.items() if text)
+    return told.replace("|", "\\|") or (law.__doc__ or "").strip().splitlines()[0]
+
+
 def page() -> str:
     """Return the page as the code says it."""
     rows = [row(kind) for kind in CATALOGUE.values()]
@@ -127,11 +143,14 @@ def page() -> str:
     shared = ", ".join(f"`{name}`" for name in DRIVEN if name in CATALOGUE or name in CONSTANTS)
     driven = DRIVEN_HEAD.replace("SHARED", shared) + "\n".join(others)
     laws = [f"| `{law.__name__}` | {law.formula} | {law.at_rest} |" for law in LAWS.values()]
+    formulas = [f"| `{law.__name__}` | {said_of(law)} |" for law in FORMULA_LAWS.values()]
     every = KINDS.values()
     acting = [anywhere(kind) for kind in every if not kind.anywhere.refused]
     idle = [f"| `{kind.name}` | {kind.anywhere.refused} |" for kind in every if kind.anywhere.refused]
-    tail = TAIL.replace("LAWS", "\n".join(laws)).replace("ANYWHERE", "\n".join(acting))
-    tail = tail.replace("NOWHERE", "\n".join(idle))
+    tables = {"FORMULAS": formulas, "LAWS": laws, "ANYWHERE": acting, "NOWHERE": idle}
+    tail = TAIL
+    for mark, lines in tables.items():
+        tail = tail.replace(mark, "\n".join(lines))
     parts = (HEAD + "\n".join(rows), CONSTANTS_HEAD + "\n".join(wrong), driven, tail)
     return "\n".join(parts)
 

@@ -13,10 +13,13 @@ from click.testing import CliRunner
 import stickslip as ss
 from effects_page import PAGE, page
 from stickslip.cli.commands import main
-from website.sources import MADE
 
 ROOT = Path(__file__).parent.parent
-PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/**/*.md")])
+PAGES = sorted(
+    path
+    for place in ("*.md", "bench/**/*.md", "docs/**/*.md", "examples/**/*.md")
+    for path in ROOT.glob(place)
+)
 
 
 def snippets(name: str, language: str) -> list[str]:
@@ -81,13 +84,40 @@ def test_the_sweep_of_the_page_is_the_example(tmp_path: Path) -> None:
     assert "180 members: 180 finished" in result.output
 
 
+def anchors(page: str) -> set[str]:
+    """The anchors that GitHub and the site give to the headings of a page."""
+    heads = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```$", "", page, flags=re.DOTALL | re.MULTILINE), re.M)
+    return {re.sub(r"[^\w -]", "", one).strip().lower().replace(" ", "-") for one in heads}
+
+
+def dead_links(page: Path) -> list[str]:
+    """Links of a page that lead to no file of the repository, or to no heading of it."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    gone = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"[a-z]+:", link):
+            continue
+        name, _, anchor = link.partition("#")
+        target = page.parent / name if name else page
+        read = target.exists() and anchor and target.suffix == ".md"
+        if not target.exists() or (read and anchor not in anchors(target.read_text(encoding="utf-8"))):
+            gone.append(link)
+    return gone
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_inside_the_repository_lead_somewhere(page: Path) -> None:
-    links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text())
-    made = [(ROOT / "docs" / one).resolve() for one in MADE]
-    inside = [page.parent / link for link in links if "://" not in link]
-    gone = [str(one) for one in inside if not one.exists() and one.resolve().parent not in made]
-    assert gone == []
+    assert dead_links(page) == []
+
+
+def test_a_dead_link_is_seen(tmp_path: Path) -> None:
+    (tmp_path / "other.md").write_text("# The `one` heading: long\n\n```sh\n# none\n```\n")
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# Here\n[a](other.md) [b](other.md#the-one-heading-long) [c](gone.md) [d](other.md#none) [e](#here) "
+        "[f](#there) [g](https://example.org/x#y)\n```text\n[h](gone.md)\n```\n"
+    )
+    assert dead_links(page) == ["gone.md", "other.md#none", "#there"]
 
 
 def test_the_tests_named_by_the_readings_exist() -> None:

@@ -14,6 +14,7 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.laws import ALL_LAWS, FORMULA_LAWS, LAWS
 from website import api, effect_figures, effects, gallery, laws, sources
 from website.docstrings import plain
+from website.links import dead_links
 from website.mathml import mathml
 from website.tex import tex
 
@@ -117,6 +118,26 @@ def test_links_out_of_docs_lead_to_copies_and_pages(tmp_path: Path) -> None:
         "![e](../x.png)"
     )
     assert (tmp_path / "files/examples/emps/rig.toml").exists()
+
+
+def test_links_to_what_the_site_makes_a_page_of_lead_to_that_page(tmp_path: Path) -> None:
+    text = (
+        "[a](effects.md#friction-laws) [b](../python/stickslip/declared/friction/coulomb.py) "
+        "[c](../bench/results) [d](effects.md)"
+    )
+    made = sources.inside(text, DOCS, tmp_path, tmp_path / "one.md")
+    assert made == "[a](laws/index.md) [b](laws/coulomb.md) [c](benchmarks/index.md) [d](effects.md)"
+    kinds = [law.__module__.rpartition(".")[2] for law in ALL_LAWS.values()]
+    assert kinds == list(ALL_LAWS)  # a law's page is named after its file
+
+
+def test_a_dead_link_of_the_built_site_is_seen(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b/two.html").write_text('<h1 id="here">x</h1><a href="../one.html">x</a><img src="no.png">')
+    (tmp_path / "one.html").write_text(
+        '<a href="b/two.html#here"></a><a href="b/two.html#gone"></a><a href="#"></a><a href="https://x.org"></a>'
+    )
+    assert dead_links(tmp_path) == ["b/two.html: no.png", "one.html: b/two.html#gone"]
 
 
 @pytest.mark.parametrize("path", sorted(gallery.PROGRAMS.glob("*.py")), ids=lambda path: path.stem)

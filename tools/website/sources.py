@@ -15,6 +15,12 @@ PAGES = {
     "CONTRIBUTING.md": "contributing.md",
 }  # of the repository, as pages of the site
 MADE = ("api", "laws", "effects_of", "gallery", "benchmarks")  # folders of pages that are made from the code
+LAWS = re.compile(r"python/stickslip/declared/(?:friction|formula_laws)/(\w+)\.py")
+BETTER = {  # what a page of the repository links to, and the page of the site that says more
+    "docs/effects.md#friction-laws": "laws/index.md",
+    "bench/results": "benchmarks/index.md",
+    "examples/gallery": "gallery/index.md",
+}
 LINK = re.compile(r"(?P<before>!?\[(?P<words>[^\]]*)\])\((?P<to>[^)#\s]+)(?P<anchor>#[^)]*)?\)")
 
 
@@ -34,6 +40,12 @@ def prepare(folder: Path) -> None:
     benchmarks.write(folder / "benchmarks")
 
 
+def better_page(name: str) -> str | None:
+    """Return the page of the site that is made of what a link to the repository leads to, if there is one."""
+    law = LAWS.fullmatch(name)
+    return f"laws/{law[1]}.md" if law else BETTER.get(name)
+
+
 def inside(text: str, home: Path, folder: Path, path: Path) -> str:
     """Return a page whose links to files of the repository lead to pages of the site, or to copies of the files."""
     depth = len(path.relative_to(folder).parts) - 1
@@ -46,6 +58,8 @@ def inside(text: str, home: Path, folder: Path, path: Path) -> str:
         target = (home / to).resolve()
         if not target.is_relative_to(ROOT):
             return match[0]
+        if better := better_page(f"{target.relative_to(ROOT)}{anchor}"):
+            return f"{match['before']}({up}{better})"
         if target.is_relative_to(DOCS):
             return f"{match['before']}({up}{target.relative_to(DOCS)}{anchor})"
         name = str(target.relative_to(ROOT))
