@@ -38,7 +38,8 @@ FOLLOWED = {name: found for name, found in FOLLOWED.items() if found}
 def test_a_page_runs_from_top_to_bottom(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     quickly(monkeypatch)  # what is printed is compared, no figure
-    page_folder.prepare(tmp_path)
+    if "docs/how-to/" not in page:  # those write what they need
+        page_folder.prepare(tmp_path)
     reader = Reader()
     for step in FOLLOWED[page]:
         if step.language == "toml":

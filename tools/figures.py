@@ -38,10 +38,9 @@ def story() -> None:
 def tutorial() -> None:
     """What the tutorial's commands draw."""
     page = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
-    lines = re.findall(r"^stickslip (?:inspect|init|identify|compare) .*$", page, re.MULTILINE)
+    lines = re.findall(r"^stickslip (?:example|inspect|init|identify|compare) .*$", page, re.MULTILINE)
     drawn = {"columns": "columns", "identified/friction_characteristic": "friction"}
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copy(ROOT / "examples" / "paper_slider" / "k168Nm_v1100.mat", folder)
         for line in lines:
             program = [sys.executable, "-c", "from stickslip.cli.commands import main; main()"]
             subprocess.run([*program, *shlex.split(line)[1:]], cwd=folder, check=True)

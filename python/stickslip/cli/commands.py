@@ -23,6 +23,7 @@ COMMANDS = {  # a module of its name each, imported when it is asked for; and wh
     "completion": "What a shell needs to complete commands, options and files.",
     "demo": "All of it on a real recording, then a story of discovery.",
     "discover": "What the declared model lacks: an effect, and how sure.",
+    "example": "Files to begin with: a recording, a case.",
     "explore": "A model with sliders, redrawn live in the browser.",
     "forecast": "The readings that follow a recording.",
     "identify": "The friction law, from the recordings of a case.",

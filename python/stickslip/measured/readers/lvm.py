@@ -26,6 +26,7 @@ from stickslip.measured.readers.rows import count_rows, read_rows
 MAGIC = "LabVIEW Measurement"
 END = "***End_of_Header***"
 X = "X_Value"
+COMMENT = "Comment"
 _SPECIAL = ("***Start_Special***", "***End_Special***")
 _BEGINS = ("Channels", "Notes", "Test_Name", "Test_Numbers", "Test_Series", "Samples", "Date", "Y_Unit_Label")
 
@@ -44,6 +45,12 @@ class LvmSegment:
         """Return what the header says of a column."""
         cells, at = self.header.get(key, ()), self.layout.header.index(column)
         return cells[at].strip() if at < len(cells) else ""
+
+    @property
+    def names(self) -> list[str]:
+        """The columns of numbers: the last one of a row holds the comments."""
+        names = list(self.layout.header)
+        return names[:-1] if names[-1:] == [COMMENT] else names
 
     @property
     def units(self) -> dict[str, str]:
@@ -70,7 +77,7 @@ class LvmSegment:
         return {**values, X: first + step * np.arange(count, dtype=np.float64)}
 
     def _channels(self) -> list[str]:
-        return [name for name in self.layout.header if not _is_x(name) and name != "Comment"]
+        return [name for name in self.names if not _is_x(name)]
 
     def _grid(self, name: str) -> tuple[float, float]:
         """The first time of a channel and its step."""
@@ -123,12 +130,12 @@ class Lvm:
     def contents(self) -> Contents:
         """The columns of all segments."""
         segments, (first, *more) = self.segments, self.segments
-        names, units = list(first.layout.header), dict(first.units)
+        names, units = first.names, dict(first.units)
         if more:
             if any(one.layout.header != first.layout.header or one.units != units for one in more):
                 names, units = [], {}
             for i, one in enumerate(segments, 1):
-                names += [f"{i}/{name}" for name in one.layout.header]
+                names += [f"{i}/{name}" for name in one.names]
                 units |= {f"{i}/{name}": unit for name, unit in one.units.items()}
         facts = (f"{len(segments)} segment{'s' * bool(more)}, names in line {first.layout.header_line}",)
         return Contents("a LabVIEW measurement file", tuple(names), units, facts=facts)
@@ -237,7 +244,7 @@ def _segment(
         line + 1,
         separator,
         decimals,
-        spare=1 if names and names[-1] == "Comment" else 0,
+        spare=1 if names and names[-1] == COMMENT else 0,
         last=last,
     )
     return LvmSegment(layout, header, times=_second(declared, "X_Columns") != "No")
