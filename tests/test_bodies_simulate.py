@@ -389,3 +389,21 @@ def test_the_derivative_by_a_bristle_in_steady_sliding_dies_out_as_in_closed_for
     forced = -sigma0 / (rate**2 + k)  # x'' + k x = -sigma0 exp(-rate t)
     want = forced * (np.exp(-rate * t) - np.cos(w * t) + rate / w * np.sin(w * t))
     np.testing.assert_allclose(run.sensitivity[:, 0, 0], want, rtol=1e-9, atol=1e-12)
+
+
+def test_a_measured_speed_of_a_drive_is_in_a_column_of_its_name(tmp_path: Path) -> None:
+    model, out = tmp_path / "model.toml", tmp_path / "run.csv"
+    model.write_text(
+        "[rig]\nkind='bodies'\nbody.a.mass=1\nlink=[{between=['a','drive'],stiffness=4}]\ncontact=[{body='a'}]\n"
+        "[friction]\nkind='coulomb'\nstatic=0.6\nkinetic=0.3\n"
+    )
+    given = tmp_path / "drive.csv"
+    given.write_text("t,drive\n0,0.1\n1,0.3\n5,0.3\n")
+    command(str(model), "--drive-speed", str(given), "--t-end", "5 s", "--out", str(out))
+    speed = ss.Speed.measured([0, 1, 5], [0.1, 0.3, 0.3])
+    run = ss.simulate(ss.load_model(model), drive_speed=speed, t_end=5, t_eval=[5.0])
+    last = [float(one) for one in out.read_text().splitlines()[-1].split(",")]
+    np.testing.assert_allclose(last[1:3], run.state[0], rtol=1e-9)
+    given.write_text("t,belt\n0,0.1\n1,0.3\n")
+    words = ["simulate", str(model), "--drive-speed", str(given), "--t-end", "5 s", "--out", str(out)]
+    assert "column 'drive': missing" in CliRunner().invoke(main, words).output

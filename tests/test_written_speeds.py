@@ -80,3 +80,29 @@ def test_a_speed_at_many_times_is_that_of_the_piece_of_each(speed: ss.Speed) -> 
         assert got == pytest.approx(float(speed.at(one, speed.piece(one))[0]), rel=1e-14, abs=1e-15)
     assert float(speed(0.5)) == said[1, 0]
     assert speed(np.zeros((0, 2))).shape == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("model", "end"), [(BLOCK, 2.0), (PAPER, 2.0 / PAPER.rig.scales.time), (BODIES, 2.0)]
+)
+def test_a_time_may_have_its_unit(model: ss.Model, end: float) -> None:
+    ends = [ss.simulate(model, belt_speed="12 mm/s", t_end=t).t[-1] for t in ("2 s", "2000 ms", end)]
+    assert ends == pytest.approx([end] * 3, rel=1e-9)
+
+
+def test_what_measures_no_time_is_refused() -> None:
+    with pytest.raises(InputError, match="t_end = '2 mm'"):
+        ss.simulate(BLOCK, belt_speed=0.012, t_end="2 mm")
+
+
+def test_a_forecast_takes_units_as_a_simulation_does() -> None:
+    t = np.arange(0, 3, 0.002)
+    x1 = ss.simulate(BLOCK, belt_speed=0.012, t_end=3, t_eval=t).x1
+    x1 = x1 + 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    past = ss.load_recording({"t": t, "x1": x1}, BLOCK.rig, belt_speed=0.012)
+    told = [
+        ss.forecast(BLOCK, past, belt_speed=v, horizon=h) for v, h in (("12 mm/s", "300 ms"), (0.012, 0.3))
+    ]
+    np.testing.assert_allclose(told[0], told[1])
+    with pytest.raises(InputError, match="belt_speed = '12 kg'"):
+        ss.forecast(BLOCK, past, belt_speed="12 kg", horizon=0.3)

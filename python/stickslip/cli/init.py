@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -17,15 +18,30 @@ from stickslip.errors import InputError
 from stickslip.files import folder
 from stickslip.measured.case import load_case
 from stickslip.measured.lacking import LackingError
-from stickslip.measured.new_case import Given, new_case, quoted_toml
+from stickslip.measured.new_case import CONSTANTS, Given, new_case, quoted_toml
 
 NAME = "rig.toml"
+
+
+class Kind(click.Choice[str]):
+    """The kinds of rigs whose constants are a list. Another kind is refused with what to do instead."""
+
+    def __init__(self) -> None:
+        super().__init__(list(CONSTANTS))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the kind."""
+        return value if value in RIG_KINDS else super().convert(value, param, ctx)
 
 
 @click.command(short_help="A first rig.toml for recorded files.")
 @click.argument("files", type=Named(), nargs=-1, required=True)
 @click.option(
-    "--rig", "kind", type=click.Choice(RIG_KINDS), default=None, help="Kind of rig; guessed if absent."
+    "--rig",
+    "kind",
+    type=Kind(),
+    default=None,
+    help="Kind of rig; guessed if absent. One of bodies is written by hand: see 'stickslip example bodies'.",
 )
 @click.option(
     "--constant", "constants", multiple=True, help="A constant of the rig: m=42.3 (SI), 'm=42300 g'."

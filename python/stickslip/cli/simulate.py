@@ -41,7 +41,9 @@ LONGEST = 1000  # natural periods in the figure
     "of t, '0.5*sin(1.7*t)', or a file: .toml with [[speed]] tables, .csv with columns t and belt.",
 )
 @click.option(
-    "--drive-speed", default=None, help="Likewise of the drive that pulls at links of a rig of bodies."
+    "--drive-speed",
+    default=None,
+    help="Likewise of the drive that pulls at links of a rig of bodies; a .csv has columns t and drive.",
 )
 @click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
 @click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")

@@ -82,8 +82,9 @@ def _steps(text: str) -> Speed:
 def _measured(text: str, key: str) -> Speed:
     from stickslip.measured.readers.tables import read_columns
 
-    values = read_columns(text, ("t", "belt")).values
-    return Speed.measured(values["t"], values["belt"], key)
+    name = "drive" if key == "--drive-speed" else "belt"
+    values = read_columns(text, ("t", name)).values
+    return Speed.measured(values["t"], values[name], key)
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,40 @@ x1 = 0.001
 t = { column = "t", unit = "s" }
 x1 = { column = "x1", unit = "mm" }
 """
+BODIES = """title = "a slider that a drive pulls by a spring"
+
+[rig]
+kind = "bodies"
+body.slider.mass = "0.5 kg"  # a table for every body: its mass, or its inertia if it turns
+
+[[rig.link]]                 # a spring and a damper between two bodies, "drive", or "ground"
+between = ["slider", "drive"]
+stiffness = "500 N/m"
+damping = "0.2 N s/m"
+
+[[rig.contact]]              # what rubs: a body against the ground, the belt, or another body
+body = "slider"
+against = "ground"
+
+[friction]                   # where a fit begins; of several contacts [law.NAME] each
+kind = "coulomb"
+static = "1.8 N"
+kinetic = "1.3 N"
+
+[channels]                   # a position has the name of its body, a velocity v_NAME, an acceleration a_NAME
+t = { column = "t", unit = "s" }
+slider = { column = "slider", unit = "mm" }
+
+[[run]]
+file = "run_01.csv"
+role = "train"
+drive_speed = "10 mm/s"
+
+[[run]]
+file = "run_02.csv"
+role = "validate"
+drive_speed = "15 mm/s"
+"""
 LVM = """LabVIEW Measurement\t
 Writer_Version\t2
 Reader_Version\t2
@@ -113,6 +147,25 @@ def write_run(
     np.savetxt(path, np.column_stack([t, x]), "%.6f", ",", header="t [s],x1 [mm]", comments="")
 
 
+def write_bodies(folder: Path) -> None:
+    """Write a case of bodies: a slider that a drive pulls by a spring, and two simulated runs of it."""
+    import stickslip as ss
+
+    (folder / "rig.toml").write_text(BODIES, encoding="utf-8")
+    rig = ss.BodiesRig(
+        body={"slider": ss.Body(mass=0.5)},
+        link=[ss.Link(between=("slider", "drive"), stiffness=500.0, damping=0.2)],
+        contact=[ss.Contact(body="slider")],
+    )
+    model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))
+    t = np.arange(0.0, 6.0, 0.004)
+    for name, speed, seed in (("run_01", 0.010, 1), ("run_02", 0.015, 2)):
+        x = 1e3 * ss.simulate(model, drive_speed=speed, t_end=6.0, t_eval=t).state[:, 0]
+        x += NOISE * np.random.default_rng(seed).standard_normal(t.size)
+        rows = np.column_stack([t, x])
+        np.savetxt(folder / f"{name}.csv", rows, "%.6f", ",", header="t [s],slider [mm]", comments="")
+
+
 def rough(t_end: float, share: float = 0.03) -> Tabulated:
     """Return friction that wanders by a share of itself, from one slip to the next."""
     import stickslip as ss
@@ -129,6 +182,11 @@ PRACTICE: Mapping[
         "the same slider as a case: its MATLAB file and rig.toml",
         ("LICENSE.CeCILL-B.txt", "SOURCE.md", "k168Nm_v1100.mat", "rig.toml"),
         write_slider,
+    ),
+    "bodies": (
+        "a case of a rig of bodies, its rig.toml with comments",
+        ("rig.toml", "run_01.csv", "run_02.csv"),
+        write_bodies,
     ),
     "practice": (
         "small simulated recordings, RUN.csv and ROUGH.csv, and the cases CASE and LIGHT",

@@ -133,7 +133,7 @@ def check_names_of_laws(contacts: Sequence[ContactRow], known: Collection[str]) 
 
 
 def check_closed_form(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyEffect] = ()) -> None:
-    """Refuse what can be simulated and continued alone as yet: rigs of bodies or matrices, and formulas.
+    """Refuse what can only be simulated and continued as yet: rigs of bodies or matrices, and formulas.
 
     Raises
     ------
@@ -144,9 +144,14 @@ def check_closed_form(rig: AnyRig, friction: FrictionLaw, effects: Sequence[AnyE
         raise only_simulated(rig)
     for one in effects:
         if isinstance(one, FormulaEffect):
-            words = f"the effect '{one.name}', a formula, can be simulated and continued alone as yet"
+            words = (
+                f"the effect '{one.name}' is a formula: it can be simulated, but this works without it only"
+            )
             raise InputError(words, key="effects")
     if type(friction) not in LAWS.values():
         kinds = ", ".join(LAWS)
-        words = f"the law '{friction.kind}' can be simulated and continued alone as yet; this needs {kinds}"
+        words = (
+            f"the law '{friction.kind}' can be simulated on a named rig, but not fitted, compared or forecast; "
+            f"declare one of {kinds}, or the rig by its bodies"
+        )
         raise InputError(words, key="friction")

@@ -163,6 +163,8 @@ class Places:
         )
         if not where and self.n == 1:
             where = names_[0]
+        if where == "both" and isinstance(self.rig, Rig):
+            return np.ones(self.n), 0.0, 0.0, False
         if where in bodies:
             i = bodies[where]
             return np.eye(self.n)[i], 0.0, 0.0, self.own.units[i] == "rad"
@@ -261,6 +263,8 @@ def _placed(effect: AnyEffect, places: Places) -> Placed:
     numbers = {f"{effect.label}.{name}": size for name, size in effect.parameters.items()}
     match acts.place:
         case None:
+            if named:
+                raise InputError("acts only at a constant belt speed and under a law that is no formula")
             raise InputError(f"does not act on a rig of bodies or matrices; {acts.refused}")
         case "force":
             direction, site = places.force(where)

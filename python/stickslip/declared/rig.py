@@ -358,7 +358,7 @@ AnyRig = Rig | BlockOnBelt | DrivenSlider | GeneralRig
 def only_simulated(rig: GeneralRig) -> InputError:
     """Return the error of what cannot yet be done with a rig of bodies or matrices."""
     return InputError(
-        f"kind '{rig.kind}' cannot be asked this; 'two_degree' and 'block_on_belt' can", key="rig"
+        f"this works for rigs of kind 'two_degree' and 'block_on_belt', not yet for '{rig.kind}'", key="rig"
     )
 
 

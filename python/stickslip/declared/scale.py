@@ -9,7 +9,7 @@ from typing import Literal, TypeVar, get_args
 
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.formula.dimension import dimensions, to_si
-from stickslip.declared.quantity import with_unit
+from stickslip.declared.quantity import sized, with_unit
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import si_of
@@ -172,3 +172,21 @@ def _factor(quantity: Quantity, unit: str, rig: AnyRig) -> float:
     if quantity == "force":
         raise InputError("a force is not asked for", key="unit", value=unit)
     return factor("belt" if quantity in ("x2", "y2") else quantity, unit, rig)
+
+
+def written_time(given: T, rig: AnyRig, key: str) -> T | float:
+    """
+    Return a time in the model's numbers where it is written as text ("60 s"); all else as it is.
+
+    Raises
+    ------
+    InputError
+        Not a number with a unit of time, or the rig has no units.
+    """
+    if not isinstance(given, str):
+        return given
+    return (
+        sized(given, "s", key)
+        if isinstance(rig, GeneralRig)
+        else read_quantity(given, "t", Scale(), rig, key)
+    )

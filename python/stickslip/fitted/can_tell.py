@@ -18,6 +18,7 @@ from stickslip.declared.effect_terms import At
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
+from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, Place
 from stickslip.fitted.identified import Branch
 from stickslip.fitted.identify import measured
@@ -105,6 +106,9 @@ def can_tell(case: Case) -> Telling:
         words = (
             "a driven slider has no sticks on a belt to look for; its search is short: run stickslip discover"
         )
+        raise InputError(words, place=Place(str(case.path)))
+    if isinstance(case.rig, GeneralRig):
+        words = f"a rig of kind '{case.rig.kind}' cannot be checked yet; run stickslip identify or discover"
         raise InputError(words, place=Place(str(case.path)))
     looked = [measured(run, run.rig) for run in case.runs]
     looks = tuple(_look(one, run.role, run.rig) for one, run in zip(looked, case.runs, strict=True))

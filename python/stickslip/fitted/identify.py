@@ -16,6 +16,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from stickslip.arguments import must_be, one_of
+from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
@@ -293,7 +294,10 @@ def _material(
     rig = on_belt(rig)
     if not recordings:
         raise InputError("no run to identify from: the case has no run with role 'train'")
-    return recordings, rig, None if friction is None else in_model(friction, rig)
+    if friction is not None:
+        check_closed_form(rig, friction)
+        friction = in_model(friction, rig)
+    return recordings, rig, friction
 
 
 def _force(runs: Sequence[Measured], rig: AnyRig) -> ForcePoints | None:

@@ -14,6 +14,7 @@ from stickslip.declared.effect import Effect, FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, ModelWarning
 from stickslip.fitted.data import prepare
@@ -40,7 +41,7 @@ def forecast(
     model: Model,
     recording: Recording,
     *,
-    horizon: float,
+    horizon: float | str,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
 ) -> pd.DataFrame:
@@ -60,10 +61,10 @@ def forecast(
     recording
         The past, at least one cycle of it.
     horizon
-        How far to predict, in the model's unit of time.
+        How far to predict, in the model's unit of time, or with a unit: "0.5 s".
     belt_speed
-        v_b in model units, that of the recording and of what follows it. For a rig of bodies or matrices it may be
-        left out, as the recording has it, and may be a formula of t.
+        v_b in model units, or with a unit ("12 mm/s"): that of the recording and of what follows it. For a rig of
+        bodies or matrices it may be left out, as the recording has it, and may be a formula of t.
     drive_speed
         The same of the drive of such a rig.
 
@@ -108,6 +109,10 @@ def forecast(
     """
     import pandas as pd  # slow to import
 
+    if isinstance(model, Model):  # `follow` refuses what is none
+        belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
+        drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
+        horizon = written_time(horizon, model.rig, "horizon")
     if isinstance(getattr(model, "rig", None), GeneralRig):
         must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
         given = {"belt_speed": belt_speed, "drive_speed": drive_speed}

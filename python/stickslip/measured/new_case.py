@@ -90,7 +90,8 @@ def _rig_table(given: Given, first: Inspection) -> tuple[str, dict[str, float]]:
     kind = given.kind or _kind_of(given, first)
     if kind not in CONSTANTS:
         words = (
-            "has parts that no record shows: write its rig.toml by hand, as docs/how-to/declare-a-rig.md does"
+            "has parts that no record shows; write its rig.toml by hand, "
+            "and begin with that of 'stickslip example bodies'"
         )
         raise InputError(words, key=f"a rig of {kind}")
     bare = kind == "two_degree" and (

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.effect import CONSTANTS, AnyEffect, Effect, FormulaEffect, Tabulated
 from stickslip.declared.effect_kind import EffectKind
-from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
+from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.law_form import BranchForm, LawForm
+from stickslip.declared.laws import LAWS
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
@@ -48,8 +49,12 @@ def whole(model: Model, belt_speed: object, drive_speed: object = None) -> Gener
     InputError
         As `general`, and an effect that does not act beside a formula.
     """
+    if belt_speed is None or not isinstance(model.rig, (Rig, BlockOnBelt)):
+        return general(model, belt_speed, drive_speed)
     formula = any(isinstance(one, FormulaEffect) for one in model.effects)
-    if belt_speed is None or not formula or not isinstance(model.rig, (Rig, BlockOnBelt)):
+    if not formula and any(
+        isinstance(one, Tabulated) or one.name == "contact_compliance" for one in model.effects
+    ):
         return general(model, belt_speed, drive_speed)
     return named(model, belt_speed, readings=True)
 
@@ -75,6 +80,9 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
     acting = [one for one in model.effects if readings or not _read_alone(one)]
     found = [each for one in acting if (each := _placed(one, places, law, model)) is not None]
     pivot = next((one for one in found if one.label == PIVOT and one.direction is None), None)
+    found.sort(
+        key=lambda one: one.label not in ("sensor_crosstalk", "sensor_lag")
+    )  # the first of the channel
     # what adds to friction comes before what multiplies it
     found.sort(
         key=lambda one: one.contact is not None and "factor" in (one.acts or {}) and one.number is None
@@ -134,26 +142,45 @@ def _placed(one: AnyEffect, places: Places, law: LawForm, model: Model) -> Place
         return placed(one, places)
     if isinstance(one, Tabulated):
         return _curve(one, places)
-    if one.name in REFUSED:
-        formula = next(each.name for each in model.effects if isinstance(each, FormulaEffect))
-        raise InputError(
-            f"'{one.name}' does not act beside an effect by a formula, '{formula}'", key="effects"
-        )
+    if one.name in (*REFUSED, "sensor_delay"):  # a reading of the past is no formula
+        raise not_beside_formula(one.name, model)
     if one.name in CONSTANTS and one.kind.corrects != "reading":
         return None
+    if one.name == "sensor_crosstalk" and any(each.name == "sensor_lag" for each in model.effects):
+        return None  # the lag is one of what it makes
     special = {
+        "sensor_crosstalk": _cross,
         "sensor_lag": _lag,
         "normal_force_feedback": _pressed,
         PIVOT: _pivot,
-        "spring_cubic_k2": _between,
     }
     if one.name in special:
         return special[one.name](one, places, law, model)
     return placed(one, places)
 
 
+def not_beside_formula(name: str, model: Model) -> InputError:
+    """Return the error of an effect that cannot act where something is a formula; it says what is one."""
+    effect = next((each.name for each in model.effects if isinstance(each, FormulaEffect)), None)
+    if effect is not None:
+        return InputError(f"'{name}' does not act beside an effect by a formula, '{effect}'", key="effects")
+    if isinstance(model.friction, LawByFormula):
+        kind = model.friction.kind
+        words = f"'{name}' does not act beside the law '{kind}'; it needs one of {', '.join(LAWS)}"
+        return InputError(words, key="effects")
+    words = f"'{name}' acts at a constant belt speed only; give a number, or leave the effect out"
+    return InputError(words, key="effects")
+
+
 def _named_numbers(one: Effect) -> dict[str, float]:
     return {f"{one.name}.{name}": size for name, size in one.parameters.items()}
+
+
+def _cross(one: Effect, places: Places, _law: LawForm, _model: Model) -> Placed:
+    """The reading of x1 with a share of y1."""
+    channel, true = next(iter(places.states.items()))
+    reading = _sum(true, _times(Name("sensor_crosstalk.c"), coordinate(1)))
+    return Placed(one.name, _named_numbers(one), channel=channel, reading=reading)
 
 
 def _lag(one: Effect, places: Places, _law: LawForm, model: Model) -> Placed:
@@ -191,16 +218,6 @@ def _pivot(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Placed
     rounded = Apply("tanh", (Apply("divide", (velocity(1), Name(f"{PIVOT}.v_c"))),))
     force = Apply("negate", (_times(Name(f"{PIVOT}.f"), rounded),))
     return Placed(one.name, numbers, direction=np.eye(2)[1], force=force)
-
-
-def _between(one: Effect, _places: Places, _law: LawForm, _model: Model) -> Placed:
-    """A force on both coordinates, of their sum."""
-    acts = one.as_acts
-    assert acts.force is not None
-    by: dict[str, Tree] = {"deflection": _sum(coordinate(0), coordinate(1))}
-    by |= {name: Name(f"{one.name}.{name}") for name in one.parameters}
-    force = substituted(parse(acts.force), by)
-    return Placed(one.name, _named_numbers(one), direction=np.ones(2), force=force)
 
 
 def _curve(one: Tabulated, places: Places) -> Placed:

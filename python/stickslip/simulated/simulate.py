@@ -16,7 +16,7 @@ from stickslip.arguments import explained, must_be, texts, vector, whole_number
 from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
-from stickslip.declared.scale import written_speed
+from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.simulated.goes_on import where_it_ends
@@ -38,8 +38,8 @@ def simulate(
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
     initial: ArrayLike | Trajectory | None = None,
-    t_end: float,
-    t_start: float = 0.0,
+    t_end: float | str,
+    t_start: float | str = 0.0,
     t_eval: ArrayLike | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-10,
@@ -72,7 +72,7 @@ def simulate(
         b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it. Or a
         run that goes on: from its last sample, in its modes, with all that is hidden in it; derivatives begin anew.
     t_end, t_start
-        Time span, in the rig's unit of time.
+        Time span, in the rig's unit of time or with a unit ("60 s").
     t_eval
         Increasing times at which to return the state, within the span; the integrator's steps if absent.
     rtol, atol
@@ -132,6 +132,7 @@ def simulate(
     if before is not None:
         kind = needs_bodies(model, belt_speed, drive_speed)
         t_start, begun, contact = where_it_ends(before, model, t_start, contact, of_bodies=kind)
+    t_start, t_end = (written_time(x, model.rig, k) for x, k in ((t_start, "t_start"), (t_end, "t_end")))
     start, end = _span(t_start, t_end)
     tolerances = checked_tolerances(rtol, atol)
     times = None if t_eval is None else _sample_times(t_eval, start, end)

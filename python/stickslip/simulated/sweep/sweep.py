@@ -22,8 +22,8 @@ from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.progress import counts
-from stickslip.simulated.general import general
 from stickslip.simulated.lowering import lower
+from stickslip.simulated.named_places import whole
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
 from stickslip.simulated.simulate_bodies import constant_speed, needs_bodies
 from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, check_observed, checked_start, named
@@ -275,7 +275,7 @@ def _bodies_request(model: Model, over: Mapping[str, object], asked: _Asked) -> 
     for key, one in speeds.items():
         if key in varied and one is not None:
             raise InputError("varies in `over`; leave it out here", key=key, value=str(one))
-    own = general(model, *(0.0 if key in varied else one for key, one in speeds.items()))
+    own = whole(model, *(0.0 if key in varied else one for key, one in speeds.items()))
     grid = make_grid(over, model, named(own, model.parameters), TAKEN)
     settings = asked.checked()
     check_observed(settings["observe"])
