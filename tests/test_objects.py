@@ -54,10 +54,27 @@ def test_there_is_one_of_every_public_class() -> None:
     assert set(NAMES) == set(objects())
 
 
+def test_the_catalogue_and_what_has_many_points_are_no_walls_of_numbers() -> None:
+    knots = np.linspace(0, 1, 24)
+    many = [ss.tabulated("block", "x1", knots, knots), ss.TabulatedFriction(speeds=knots, forces=1 + knots)]
+    for one in [*many, ss.CATALOGUE, *ss.CATALOGUE.values()]:
+        assert len(repr(one)) < 120
+    assert "24 in all" in repr(many[0])
+
+
+def test_a_law_is_printed_as_the_call_that_makes_it() -> None:
+    for law in (
+        ss.CoulombFriction(static=0.3, kinetic=0.2),
+        ss.StribeckFriction(F_s=8, F_c=5, v_s=0.01, c_plus=2),
+    ):
+        assert eval(repr(law), vars(ss)) == law
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_printed_in_one_line(name: str) -> None:
     said = repr(example(name))
     assert "\n" not in said
+    assert len(said) < 120
     assert name in said or said.startswith("<fold at 0.1")
     assert len(said) < 500
 

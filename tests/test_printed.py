@@ -1,11 +1,14 @@
 """What cycles, branches and simulated tables say of themselves where they are printed."""
 
 import re
+import time
 
+import pytest
 from click.testing import CliRunner
 
 import stickslip as ss
 from stickslip.cli.commands import main
+from stickslip.progress import shares
 from test_continuation import leine  # noqa: F401
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
@@ -56,3 +59,23 @@ def test_rows_too_far_apart_for_the_motion_are_said_with_a_step_that_is_not(tmp_
     apart = (run.transitions.t[-1] - run.transitions.t[0]) / (len(run.transitions) - 1)
     assert abs(float(found[1]) - apart) < 1e-3 * apart
     assert "does not show" not in rows(tmp_path, "--dt", found[2])
+
+
+def test_a_branch_that_is_cut_off_names_no_argument_that_nobody_gave():
+    branch = ss.continuation(MODEL, span=(0.1, 0.14), max_points=3)
+    assert "max_points" not in repr(branch)
+    assert "most points" in repr(branch)
+
+
+def test_a_log_hears_of_a_fit_that_lasts(capfd: pytest.CaptureFixture[str]) -> None:
+    with shares("identify", every=0.05) as tell:
+        tell("fitting windows", 0.25)
+        time.sleep(0.2)
+    said = capfd.readouterr().err
+    assert "identify: fitting windows, 25% done" in said
+
+
+def test_a_log_hears_nothing_of_a_quick_fit(capfd: pytest.CaptureFixture[str]) -> None:
+    with shares("identify") as tell:
+        tell("fitting windows", 0.25)
+    assert capfd.readouterr().err == ""

@@ -26,6 +26,7 @@ def explained(called: C) -> C:
     is right pays nothing but a frame.
     """
     function: Callable[..., object] = called.__init__ if isinstance(called, type) else called  # type: ignore[misc]
+    elsewhere: Mapping[str, str] = getattr(called, "elsewhere", {})
     name = called.__qualname__ if function is called else called.__name__
 
     @functools.wraps(function)
@@ -34,7 +35,7 @@ def explained(called: C) -> C:
             return function(*given, **named)
         except TypeError as error:
             inside = error.__traceback__ is not None and error.__traceback__.tb_next is not None
-            fault = None if inside else _fault(name, inspect.signature(function), given, named)
+            fault = None if inside else _fault(name, inspect.signature(function), given, named, elsewhere)
             if fault is None:
                 raise
             raise fault from None
@@ -45,8 +46,35 @@ def explained(called: C) -> C:
     return call  # type: ignore[return-value]
 
 
+def also_called(short: Mapping[str, str]) -> Callable[[type[T]], type[T]]:
+    """Let a class take numbers by short names, too: `short` has the full name by the short one."""
+
+    def taking(called: type[T]) -> type[T]:
+        init: Callable[..., None] = called.__init__  # type: ignore[misc]
+
+        @functools.wraps(init)
+        def call(self: T, *given: object, **named: object) -> None:
+            for key, full in short.items():
+                if key in named:
+                    if full in named:
+                        raise CallError(
+                            f"'{key}' and '{full}' are the same number; give one", key=called.__name__
+                        )
+                    named[full] = named.pop(key)
+            init(self, *given, **named)
+
+        called.__init__ = call  # type: ignore[misc]
+        return called
+
+    return taking
+
+
 def _fault(
-    name: str, signature: inspect.Signature, given: tuple[object, ...], named: dict[str, object]
+    name: str,
+    signature: inspect.Signature,
+    given: tuple[object, ...],
+    named: dict[str, object],
+    elsewhere: Mapping[str, str],
 ) -> CallError | None:
     parameters = [one for one in signature.parameters.values() if one.name not in ("self", "cls")]
     known = [one.name for one in parameters if one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)]
@@ -56,7 +84,8 @@ def _fault(
     open_ended = any(one.kind is one.VAR_KEYWORD for one in parameters)
     for key in named:
         if key not in known and not open_ended:
-            return CallError(f"unknown name '{key}'; {did_you_mean(key, known)}", key=name)
+            hint = elsewhere.get(key) or did_you_mean(key, known)
+            return CallError(f"unknown name '{key}'; {hint}", key=name)
     if len(given) > len(places):
         words = [*places, *(f"{key}=..." for key in (needed or known) if key not in places)]
         words += ["parameter=..."] * open_ended

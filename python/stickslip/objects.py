@@ -7,7 +7,7 @@ objects, so it is named here as text and loaded when somebody looks.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 DESCRIBED_BY = "stickslip.shown.objects"
 REPORTED_BY = "stickslip.shown.report.write"
+WIDEST = 119  # characters of the line that an object is printed in
+LISTED = 4  # members of a sequence that are printed; of a longer one how many there are
 
 
 def _described(one: object) -> Any:
@@ -34,11 +36,34 @@ def reporter() -> Callable[..., list[Path]]:
     return write
 
 
+def one_line(text: str) -> str:
+    """Return what is printed of an object: one line, its middle left out where it is too long."""
+    text = " ".join(text.split())
+    if len(text) <= WIDEST:
+        return text
+    end = text[-1] if text[-1] in ">)" else ""
+    return f"{text[: WIDEST - 3 - len(end)]}...{end}"
+
+
+def as_call(one: Any) -> str:
+    """Return the call that makes an object: what differs from what an argument is if it is left out."""
+    own = [f for f in fields(one) if f.repr]
+    usual = {f.name: f.default if f.default_factory is MISSING else f.default_factory() for f in own}
+    given = [(f.name, getattr(one, f.name)) for f in own if not same(getattr(one, f.name), usual[f.name])]
+    return one_line(f"{type(one).__name__}({', '.join(f'{name}={_brief(value)}' for name, value in given)})")
+
+
+def _brief(value: object) -> str:
+    if isinstance(value, list | tuple) and len(value) > LISTED:
+        return f"({_brief(value[0])}, ... {len(value)} in all)"
+    return repr(value)
+
+
 class Displayed:
     """An object that says what it is: printed in a line, as a table in a notebook, as a data frame."""
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {_described(self).title}>"
+        return one_line(f"<{type(self).__name__}: {_described(self).title}>")
 
     def _repr_html_(self) -> str:
         return str(_described(self).html())

@@ -59,12 +59,18 @@ def trying(base: Sequence[str], name: str) -> StageStep:
 
 
 @contextmanager
-def shares(title: str) -> Iterator[Callable[[str, float], None]]:
-    """Yield what is to be told what is being done and the share done; a bar on a terminal, nothing elsewhere."""
-    to = Console(stderr=True)
+def shares(title: str, *, every: float = EVERY) -> Iterator[Callable[[str, float], None]]:
+    """Yield what is to be told what is being done and the share done: a bar on a terminal, else a line now and then.
+
+    A log hears nothing of what takes less than `every` seconds.
+    """
+    to = Console(stderr=True, highlight=False)
+    if not to.is_terminal:
+        with _Log(to, 0, every, quiet=True).beating() as log:
+            yield lambda what, share: log.tell(f"{title}: {what}, {share:.0%} done")
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    # without a terminal it would leave an empty line before an error
-    with Progress(*columns, console=to, transient=True, disable=not to.is_terminal) as bar:
+    with Progress(*columns, console=to, transient=True) as bar:
         task = bar.add_task(title, total=1.0)
         yield lambda what, share: bar.update(task, description=f"{title}: {what}", completed=share)
 
@@ -114,10 +120,10 @@ def stages(title: str, effects: int = 0, *, every: float = EVERY) -> Iterator[Ca
 
 
 class _Log:
-    """Lines for a log: one for each stage, and one every so many seconds of a stage that lasts."""
+    """Lines for a log: one for each stage, if not quiet, and one every so many seconds of a stage that lasts."""
 
-    def __init__(self, to: Console, effects: int, every: float) -> None:
-        self.to, self.effects, self.every = to, effects, every
+    def __init__(self, to: Console, effects: int, every: float, *, quiet: bool = False) -> None:
+        self.to, self.effects, self.every, self.quiet = to, effects, every, quiet
         self.began = self.said = time.monotonic()
         self.stage = self.now = ""
         self.most = 0  # steps that the stage has at most; 0 if that is not known
@@ -129,6 +135,8 @@ class _Log:
         """Take note of what is being done; a new stage is said at once."""
         with self.lock:
             self.now = what
+            if self.quiet:
+                return
             stage, beside = (what.stage, what.beside) if isinstance(what, StageStep) else (what, None)
             if stage != self.stage:
                 self.stage, self.seen = stage, [what]
@@ -155,6 +163,8 @@ class _Log:
                     self._say(self._meanwhile())
 
     def _meanwhile(self) -> str:
+        if self.quiet and self.now:
+            return self.now
         if not self.stage:
             return "still at the start"
         if self.stage == self.now:

@@ -134,33 +134,40 @@ def write_run(
     path: Path, *, speed: float, seed: int, t_end: float = 1.4, effects: tuple[Tabulated, ...] = ()
 ) -> None:
     """Write simulated readings: time [s], and deflection [mm] with noise; `speed` of the belt in mm/s."""
-    import stickslip as ss
+    from stickslip.declared.friction.coulomb import CoulombFriction
+    from stickslip.declared.model import Model
+    from stickslip.declared.rig import BlockOnBelt
+    from stickslip.simulated.simulate import simulate
 
     rig, law = (
-        ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
-        ss.CoulombFriction(static=STATIC, kinetic=KINETIC),
+        BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
+        CoulombFriction(static=STATIC, kinetic=KINETIC),
     )
     t, belt = np.arange(0.0, t_end, 0.00125), 1e-3 * speed
-    model = ss.Model(rig, friction=law, effects=effects)
-    run = ss.simulate(model, belt_speed=belt, initial=(0, belt), t_end=t_end, t_eval=t)
+    model = Model(rig, friction=law, effects=effects)
+    run = simulate(model, belt_speed=belt, initial=(0, belt), t_end=t_end, t_eval=t)
     x = 1e3 * run.x1 + NOISE * np.random.default_rng(seed).standard_normal(t.size)
     np.savetxt(path, np.column_stack([t, x]), "%.6f", ",", header="t [s],x1 [mm]", comments="")
 
 
 def write_bodies(folder: Path) -> None:
     """Write a case of bodies: a slider that a drive pulls by a spring, and two simulated runs of it."""
-    import stickslip as ss
+    from stickslip.declared.friction.coulomb import CoulombFriction
+    from stickslip.declared.model import Model
+    from stickslip.declared.rigs.bodies import BodiesRig
+    from stickslip.declared.rigs.parts import Body, Contact, Link
+    from stickslip.simulated.simulate import simulate
 
     (folder / "rig.toml").write_text(BODIES, encoding="utf-8")
-    rig = ss.BodiesRig(
-        body={"slider": ss.Body(mass=0.5)},
-        link=[ss.Link(between=("slider", "drive"), stiffness=500.0, damping=0.2)],
-        contact=[ss.Contact(body="slider")],
+    rig = BodiesRig(
+        body={"slider": Body(mass=0.5)},
+        link=[Link(between=("slider", "drive"), stiffness=500.0, damping=0.2)],
+        contact=[Contact(body="slider")],
     )
-    model = ss.Model(rig, friction=ss.CoulombFriction(static=2.0, kinetic=1.2))
+    model = Model(rig, friction=CoulombFriction(static=2.0, kinetic=1.2))
     t = np.arange(0.0, 6.0, 0.004)
     for name, speed, seed in (("run_01", 0.010, 1), ("run_02", 0.015, 2)):
-        x = 1e3 * ss.simulate(model, drive_speed=speed, t_end=6.0, t_eval=t).state[:, 0]
+        x = 1e3 * simulate(model, drive_speed=speed, t_end=6.0, t_eval=t).state[:, 0]
         x += NOISE * np.random.default_rng(seed).standard_normal(t.size)
         rows = np.column_stack([t, x])
         np.savetxt(folder / f"{name}.csv", rows, "%.6f", ",", header="t [s],slider [mm]", comments="")
@@ -168,10 +175,10 @@ def write_bodies(folder: Path) -> None:
 
 def rough(t_end: float, share: float = 0.03) -> Tabulated:
     """Return friction that wanders by a share of itself, from one slip to the next."""
-    import stickslip as ss
+    from stickslip.declared.effect import tabulated
 
     values = share * np.random.default_rng(3).standard_normal(24)
-    return ss.tabulated("contact", "t", np.linspace(0.0, t_end, 24), values)
+    return tabulated("contact", "t", np.linspace(0.0, t_end, 24), values)
 
 
 PRACTICE: Mapping[

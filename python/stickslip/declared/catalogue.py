@@ -9,8 +9,16 @@ from pkgutil import iter_modules
 from stickslip.declared import effects
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.effects.position_ripple import NAMES as POSITION_RIPPLES
+from stickslip.objects import one_line
 
 __all__ = ["CATALOGUE", "CONSTANTS", "DRIVEN", "KINDS", "POSITION_RIPPLES"]
+
+
+class Catalogue(dict[str, EffectKind]):
+    """Effects by name, printed in one line."""
+
+    def __repr__(self) -> str:
+        return one_line(f"<{len(self)} effects: {', '.join(self)}>")
 
 
 def _found() -> list[EffectKind]:
@@ -26,7 +34,9 @@ def _ranked(kinds: list[EffectKind], rank: Callable[[EffectKind], int | None]) -
 _KINDS = _found()
 _ON_BELT = _ranked(_KINDS, lambda kind: kind.on_belt)
 
-CATALOGUE: Mapping[str, EffectKind] = {name: kind for name, kind in _ON_BELT.items() if kind.corrects is None}
+CATALOGUE: Mapping[str, EffectKind] = Catalogue(
+    {name: kind for name, kind in _ON_BELT.items() if kind.corrects is None}
+)
 # a block on a belt may have been declared with a wrong number; a spring's force read off its deflection tells of both
 CONSTANTS: Mapping[str, EffectKind] = {
     name: kind for name, kind in _ON_BELT.items() if kind.corrects is not None

@@ -25,7 +25,7 @@ from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.formula_effect import FormulaEffect, formula_effect
 from stickslip.declared.law_numbers import Sized, law_number
 from stickslip.errors import InputError, did_you_mean, nearest, number, unknown
-from stickslip.objects import Displayed, Drawn
+from stickslip.objects import Displayed, Drawn, as_call
 
 __all__ = [
     "CATALOGUE",
@@ -67,6 +67,8 @@ class Effect(Displayed):
     >>> lag.where, lag.parameters
     ('x1 channel', {'tau': 0.12})
     """
+
+    __repr__ = as_call
 
     name: str
     where: str
@@ -193,6 +195,8 @@ class Tabulated(Drawn):
     >>> print(f"{curve.curve(0.5):.4f}")
     0.0688
     """
+
+    __repr__ = as_call
 
     where: str
     variable: str

@@ -16,6 +16,7 @@ from stickslip.declared.acts import Acts
 from stickslip.declared.dimensions import ANGLE, ANGULAR_FREQUENCY, LENGTH, NUMBER, TIME, Dimension
 from stickslip.declared.effect_terms import Adds, Behaves
 from stickslip.errors import InputError, did_you_mean
+from stickslip.objects import one_line
 
 Place = Literal["block", "angle_body", "both", "contact", "belt", "drive", "x1 channel", "y1 channel"]
 Physics = Literal["dynamics", "reading"]
@@ -148,6 +149,9 @@ class EffectKind:
     behaves: Behaves = field(default_factory=Behaves)
     anywhere: Acts = field(kw_only=True)
     drawn: Mapping[str, float] = field(kw_only=True, hash=False)
+
+    def __repr__(self) -> str:
+        return one_line(f"<{self.name}: {self.words}; {', '.join(self.parameter_names)}>")
 
     @property
     def physics(self) -> Physics:

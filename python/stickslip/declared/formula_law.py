@@ -18,7 +18,7 @@ from stickslip.declared.law_form import BranchForm, LawForm, StateForm
 from stickslip.errors import InputError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LawByFormula(FrictionLaw):
     """A law whose magnitudes, force and rates are formulas.
 

@@ -22,7 +22,7 @@ from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.law_numbers import Sized, law_number, measure_of
 from stickslip.declared.quantity import InUnits
 from stickslip.errors import number
-from stickslip.objects import Drawn
+from stickslip.objects import Drawn, as_call
 
 Floats = NDArray[np.float64]
 Value = Any  # a float or complex number, or an array of either
@@ -50,6 +50,8 @@ class FrictionLaw(InUnits, Drawn):
     its name; `form` reads them. `drawn` are the numbers of the example in the documents, drawn up to the speed
     `drawn_to`.
     """
+
+    __repr__ = as_call
 
     kind: ClassVar[str]
     rank: ClassVar[int]

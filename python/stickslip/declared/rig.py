@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 
-from stickslip.arguments import explained
+from stickslip.arguments import also_called, explained
 from stickslip.declared.dimensions import (
     DAMPING,
     INERTIA,
@@ -20,7 +20,7 @@ from stickslip.declared.dimensions import (
 from stickslip.declared.quantity import InUnits, sized, with_unit
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, did_you_mean, number
-from stickslip.objects import Displayed
+from stickslip.objects import Displayed, as_call
 
 Coupling = Literal["reciprocal", "as_printed"]
 NONDIMENSIONAL = ("alpha1", "alpha2", "beta3", "eta1", "eta12")  # the numbers of (2.1)
@@ -52,6 +52,8 @@ class Scales(Displayed):
     >>> print(f"1 of time is {rig.scales.time:.4f} s, 1 of force {rig.scales.force:.4f} N")
     1 of time is 0.0800 s, 1 of force 3.2227 N
     """
+
+    __repr__ = as_call
 
     length: float
     omega: float
@@ -118,7 +120,12 @@ class Rig(Displayed):
     18.241, 7.572
     """
 
+    __repr__ = as_call
+
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2", "y1", "y2")
+    elsewhere: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length"), "Rig.from_si takes constants in SI"
+    )
     dimensions: ClassVar[Mapping[str, Dimension]] = {
         **dict.fromkeys(NONDIMENSIONAL, NUMBER),
         "m": MASS,
@@ -235,6 +242,7 @@ class Rig(Displayed):
         }
 
 
+@also_called(LONG)
 @explained
 @dataclass(frozen=True, kw_only=True)
 class BlockOnBelt(InUnits, Displayed):
@@ -246,9 +254,9 @@ class BlockOnBelt(InUnits, Displayed):
     Parameters
     ----------
     mass, stiffness
-        Positive.
+        Positive. Also called m and k, as in files.
     damping
-        Not negative.
+        Not negative. Also called c.
 
     Raises
     ------
@@ -269,6 +277,8 @@ class BlockOnBelt(InUnits, Displayed):
         0.945460  slip - -> stick
     """
 
+    __repr__ = as_call
+
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
     dimensions: ClassVar[Mapping[str, Dimension]] = {
         **dict.fromkeys(("mass", "m"), MASS),
@@ -283,7 +293,14 @@ class BlockOnBelt(InUnits, Displayed):
     if TYPE_CHECKING:
 
         def __init__(
-            self, *, mass: float | str = 1.0, stiffness: float | str = 1.0, damping: float | str = 0.0
+            self,
+            *,
+            mass: float | str = 1.0,
+            stiffness: float | str = 1.0,
+            damping: float | str = 0.0,
+            m: float | str = ...,
+            k: float | str = ...,
+            c: float | str = ...,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -294,6 +311,8 @@ class BlockOnBelt(InUnits, Displayed):
         object.__setattr__(self, "damping", number("damping", self.damping, least=0, why=why))
 
 
+@also_called({"m": "mass", "c": "damping"})
+@explained
 @dataclass(frozen=True, kw_only=True)
 class DrivenSlider(InUnits, Displayed):
     """An inertia with friction and no spring, moved by a known force: mass x2' = drive - damping x2 - T(x2).
@@ -303,9 +322,9 @@ class DrivenSlider(InUnits, Displayed):
     Parameters
     ----------
     mass
-        Positive.
+        Positive. Also called m, as in files.
     damping
-        Not negative.
+        Not negative. Also called c.
 
     Raises
     ------
@@ -320,6 +339,8 @@ class DrivenSlider(InUnits, Displayed):
     >>> rig.state_names
     ('x1', 'x2')
     """
+
+    __repr__ = as_call
 
     state_names: ClassVar[tuple[str, ...]] = ("x1", "x2")
     dimensions: ClassVar[Mapping[str, Dimension]] = {

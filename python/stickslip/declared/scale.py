@@ -174,7 +174,7 @@ def _factor(quantity: Quantity, unit: str, rig: AnyRig) -> float:
     return factor("belt" if quantity in ("x2", "y2") else quantity, unit, rig)
 
 
-def written_time(given: T, rig: AnyRig, key: str) -> T | float:
+def written_time(given: float | str, rig: AnyRig, key: str) -> float:
     """
     Return a time in the model's numbers where it is written as text ("60 s"); all else as it is.
 

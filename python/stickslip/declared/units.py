@@ -9,7 +9,7 @@ from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, Scales
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError, number
-from stickslip.objects import Displayed
+from stickslip.objects import Displayed, as_call
 
 # what each channel measures, in SI; a spring force is read as the deflection x1 it stands for
 DIMENSIONS: dict[str, tuple[str, str]] = {
@@ -57,6 +57,8 @@ class Channel(Displayed):
     >>> force.unit
     'N'
     """
+
+    __repr__ = as_call
 
     column: str
     unit: str = "1"

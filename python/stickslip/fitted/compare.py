@@ -28,7 +28,7 @@ from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import Array
 from stickslip.measured.prepared import Measured, Motion
-from stickslip.objects import Drawn
+from stickslip.objects import Drawn, one_line
 
 Flags = NDArray[np.bool_]
 
@@ -84,7 +84,9 @@ class Comparison(Drawn):
         return self.table()
 
     def __repr__(self) -> str:
-        return f"<Comparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.measured.t)} samples>"
+        return one_line(
+            f"<Comparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.measured.t)} samples>"
+        )
 
     def row(self, quantity: str) -> Row:
         """The row of that name; KeyError if there is none."""

@@ -17,6 +17,7 @@ from stickslip.fitted.saved_result import SavedResult
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
 from stickslip.measured.thinning import Thinned
+from stickslip.objects import one_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -239,7 +240,7 @@ class Identified(SavedResult):
 
     def __repr__(self) -> str:
         unseen = f", {len(self.unidentified)} of them unidentified" if self.unidentified else ""
-        return (
+        return one_line(
             f"<Identified: {self.law.kind} law, {len(self.estimates)} numbers{unseen}; "
             f"chi2 per degree of freedom {self.reduced_chi2:.3g}>"
         )

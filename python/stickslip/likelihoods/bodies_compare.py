@@ -23,7 +23,7 @@ from stickslip.likelihoods.own_phases import with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
-from stickslip.objects import Drawn
+from stickslip.objects import Drawn, one_line
 
 Floats = NDArray[np.float64]
 FEWEST = 3  # windows
@@ -72,7 +72,9 @@ class RigComparison(Drawn):
     simulated: Floats
 
     def __repr__(self) -> str:
-        return f"<RigComparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.t)} samples>"
+        return one_line(
+            f"<RigComparison with '{self.recording.name}': {len(self.rows)} rows, {len(self.t)} samples>"
+        )
 
     def __str__(self) -> str:
         return self.table()

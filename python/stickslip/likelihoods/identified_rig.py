@@ -14,6 +14,7 @@ from stickslip.declared.scale import percent, to_digits
 from stickslip.fitted.identified import Estimate, Spread
 from stickslip.fitted.saved_result import SavedResult
 from stickslip.measured.fit_window import Array
+from stickslip.objects import one_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,7 +110,9 @@ class IdentifiedRig(SavedResult):
 
     def __repr__(self) -> str:
         laws = ", ".join(f"{name} {law.kind}".strip() for name, law in self.laws.items())
-        return f"<IdentifiedRig: {laws}; {self.windows} windows, chi2 per degree of freedom {self.reduced_chi2:.3g}>"
+        return one_line(
+            f"<IdentifiedRig: {laws}; {self.windows} windows, chi2 per degree of freedom {self.reduced_chi2:.3g}>"
+        )
 
     def __str__(self) -> str:
         return self.summary()

@@ -32,7 +32,7 @@ from stickslip.measured.channels import channel_factor, check_channels, noise_in
 from stickslip.measured.findings import Finding, FindingKind
 from stickslip.measured.prescribed import prescribed
 from stickslip.measured.recording import Recording, Role, load_recording
-from stickslip.objects import Drawn
+from stickslip.objects import Drawn, one_line
 
 __all__ = ["Case", "Channel", "Finding", "FindingKind", "Recording", "Role", "load_case", "load_recording"]
 
@@ -124,7 +124,9 @@ class Case(Drawn):
             f"{sum(r.role == role for r in self.runs)} {role}" for role in ("train", "validate")
         )
         odd = f"; {len(self.findings)} findings" if self.findings else ""
-        return f"<Case '{self.title}': {type(self.rig).__name__}, {len(self.runs)} runs ({roles}){odd}; {self.path}>"
+        return one_line(
+            f"<Case '{self.title}': {type(self.rig).__name__}, {len(self.runs)} runs ({roles}){odd}; {self.path}>"
+        )
 
     @property
     def files(self) -> tuple[Path, ...]:

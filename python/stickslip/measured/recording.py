@@ -42,7 +42,7 @@ from stickslip.measured.findings import (
 from stickslip.measured.prescribed import prescribed
 from stickslip.measured.readers.tables import Held, open_table
 from stickslip.measured.stick_speed import wrong_set_point
-from stickslip.objects import Sampled
+from stickslip.objects import Sampled, one_line
 
 Floats = NDArray[np.float64]
 Role = Literal["train", "validate"]
@@ -139,7 +139,7 @@ class Recording(Sampled):
         )
         span = units["t"].of(float(self.t[-1] - self.t[0])) if len(self) else "nothing"
         odd = f"; {len(self.findings)} findings" if self.findings else ""
-        return (
+        return one_line(
             f"<Recording '{self.name}' ({self.role}): {names}, {len(self)} samples over {span}, "
             f"belt speed {units['belt'].of(self.belt_speed)}{odd}>"
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, did_you_mean
-from stickslip.objects import Drawn, Sampled
+from stickslip.objects import Drawn, Sampled, one_line
 from stickslip.simulated.named_readings import acted_on
 
 Floats = NDArray[np.float64]
@@ -40,9 +40,9 @@ class Status(Enum):
     )
     not_finite = "stopped: the state is no longer finite; an effect or law grows without bound"
     step_too_small = "stopped: the step fell below the resolution of time; the solution has a singularity"
-    too_many_transitions = "stopped: more transitions than max_transitions allows"
+    too_many_transitions = "stopped: too many transitions (in Python max_transitions allows more)"
     too_many_steps = (
-        "stopped: more steps than max_steps allows; the run is long, or the equations are too stiff for it"
+        "stopped: too many steps; the run is long, or the equations too stiff (in Python: max_steps)"
     )
     interrupted = "stopped by the user"
 
@@ -110,7 +110,7 @@ class Transitions(Drawn):
 
     def __repr__(self) -> str:
         span = f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self) else ""
-        return f"<Transitions: {len(self)}{span}>"
+        return one_line(f"<Transitions: {len(self)}{span}>")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -295,7 +295,7 @@ class Trajectory(Sampled):
     def __repr__(self) -> str:
         n, span = len(self.t), f", t = {self.t[0]:.6g} to {self.t[-1]:.6g}" if len(self.t) else ""
         kept = f", {len(self.sensitivity_names)} sensitivities" if self.sensitivity_names else ""
-        return (
+        return one_line(
             f"<Trajectory: {n} samples of {self.state.shape[1]} states{span}; {len(self.transitions)} transitions"
             f"{kept}; {self.status}>"
         )

@@ -14,7 +14,7 @@ from stickslip.declared.law_numbers import Size
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class DahlFriction(LawByFormula):
     """T = sigma0 z, z' = v (1 - sigma0 z sgn(v)/F_c). There is no stick; z is 0 at first unless it is given.
 

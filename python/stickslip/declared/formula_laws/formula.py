@@ -16,7 +16,7 @@ from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.law_form import READS, VARIABLES, BranchForm, LawForm, StateForm
 from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError, did_you_mean
-from stickslip.objects import Displayed
+from stickslip.objects import Displayed, as_call, one_line
 
 FORMULAS = ("kinetic", "static", "force", "kinetic_plus", "static_plus", "force_plus")
 
@@ -42,6 +42,8 @@ class LawState(Displayed):
     >>> [*law.states]
     [('z', LawState(rate='v - s0*u*z/F', start='0', unit='m'))]
     """
+
+    __repr__ = as_call
 
     rate: str
     start: str = "0"
@@ -150,7 +152,7 @@ class FormulaFriction(LawByFormula):
 
     def __repr__(self) -> str:
         given = [f"{name}={one!r}" for name, one in self.table().items()]
-        return f"FormulaFriction({', '.join(given)})"
+        return one_line(f"FormulaFriction({', '.join(given)})")
 
     # -- reading -----------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from stickslip.declared.law_numbers import Size
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class LuGreFriction(LawByFormula):
     """T = sigma0 z + sigma1 z' + sigma2 v, z' = v - sigma0 |v| z/g(v), g = F_c + (F_s - F_c) exp(-(v/v_s)^2).
 

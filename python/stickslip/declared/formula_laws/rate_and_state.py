@@ -23,7 +23,7 @@ STEEPEST = 650.0  # mu0/a beyond which the exponential leaves the range of float
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RateAndStateFriction(LawByFormula):
     """T = normal a asinh(v/(2 V_0) exp((mu0 + b ln(V_0 theta/D_c))/a)).
 

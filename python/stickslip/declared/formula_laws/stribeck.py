@@ -15,7 +15,7 @@ from stickslip.errors import InputError
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class StribeckFriction(LawByFormula):
     """R(u) = F_c + (F_s - F_c) exp(-(u/v_s)^delta) + c u, static limit F_s.
 

@@ -20,7 +20,7 @@ from stickslip.errors import InputError, number
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class TabulatedFriction(LawByFormula):
     """R(u) through any number of points, constant before the first and after the last.
 

@@ -16,7 +16,7 @@ from stickslip.errors import InputError
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class CoulombFriction(FrictionLaw):
     """Coulomb friction: one kinetic magnitude below a static limit.
 

@@ -17,7 +17,7 @@ from stickslip.errors import InputError
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class HyperbolicFriction(FrictionLaw):
     """R(u) = scale/(1 + decay u) + constant + quadratic u^2, static limit R(0).
 

@@ -21,7 +21,7 @@ from stickslip.errors import InputError
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class PaperFriction(FrictionLaw):
     """The two measured branches (4.1), (4.2) with the numbers of Table 1.
 

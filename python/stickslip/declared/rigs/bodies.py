@@ -29,7 +29,7 @@ P = TypeVar("P", bound="Part")
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class BodiesRig(GeneralRig):
     """A rig by its parts; every body has one coordinate, and the state is all of these, then their velocities.
 

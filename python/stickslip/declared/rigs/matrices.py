@@ -27,7 +27,7 @@ Rows = Sequence[Sequence[float]]
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class MatricesRig(GeneralRig):
     """M q'' + C q' + K (q - rest) = -sum of d_j T_j(v_j) + drive_stiffness x_drive + drive_damping x_drive'.
 

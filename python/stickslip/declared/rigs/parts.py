@@ -11,7 +11,7 @@ from stickslip.arguments import explained, must_be
 from stickslip.declared.formula.dimension import dimensions, said
 from stickslip.declared.quantity import quantity
 from stickslip.errors import InputError, number
-from stickslip.objects import Displayed
+from stickslip.objects import Displayed, as_call
 
 Size = float | str
 # "initial.x1", "gain.x1" and "offset.x1" are no numbers of a model: no part, law or effect owns them
@@ -22,9 +22,11 @@ RESERVED_OWNERS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Part(Displayed):
     """A part of a rig: its numbers, given bare in SI or as text with a unit, become floats in SI."""
+
+    __repr__ = as_call
 
     sizes: ClassVar[Mapping[str, Mapping[str, float]]] = {}  # its numbers, and their bounds
 
@@ -58,7 +60,7 @@ class Part(Displayed):
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Body(Part):
     """A body that slides (a mass) or turns (an inertia); one coordinate.
 
@@ -100,7 +102,7 @@ class Body(Part):
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Link(Part):
     """A spring and a damper between two bodies: of the deflection e = q_first - gear q_second - rest.
 
@@ -147,7 +149,7 @@ class Link(Part):
 
 
 @explained
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Contact(Part):
     """A place where a body rubs on something.
 

@@ -86,7 +86,7 @@ def _branch(one: Branch) -> Description:
         "stable": one.stable,
     }
     return Description(
-        title=f"Branch of cycles over {one.parameter}: {len(one)} points, {kept} stable; ends: {', '.join(one.ends)}",
+        title=f"Branch of cycles over {one.parameter}: {len(one)} points, {kept} stable; {one.ends_told()}",
         heads=("bifurcation", one.parameter, "period", "cycle"),
         rows=rows,
         samples=ShownSamples({**columns, **states}, {}),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.objects import Displayed, Sampled
+from stickslip.objects import Displayed, Sampled, one_line
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import Complexes, Floats, Signature
 from stickslip.simulated.orbits.steady_sliding import SteadySliding
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
     from stickslip.simulated.orbits.branch_equations import Point
 
 End = Literal["span", "closed", "hopf", "special", "no_convergence", "retraced", "max_points"]
+ENDS: Mapping[End, str] = {  # as a person reads them
+    "span": "span",
+    "closed": "closed",
+    "hopf": "Hopf bifurcation",
+    "special": "special point",
+    "no_convergence": "no convergence",
+    "retraced": "retraced",
+    "max_points": "most points",
+}
 Kind = Literal["fold", "flip", "neimark_sacker", "hopf", "loss_of_stick", "crossing", "grazing"]
 BESIDE = 0.1  # of a step: a start that lies nearer to it has been passed
 SAME_WAY = 0.9  # cosine of the angle to where it left
@@ -74,7 +83,7 @@ class SpecialPoint(Displayed):
 
     def __repr__(self) -> str:
         more = (", turns round" if self.turns_round else "") + (", ends" if self.ends else "")
-        return f"<{self.kind} at {self.value:.9g}: period {self.period:.6g}{more}>"
+        return one_line(f"<{self.kind} at {self.value:.9g}: period {self.period:.6g}{more}>")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,7 +151,11 @@ class Branch(Sampled):
         )
         kept = f"{np.count_nonzero(self.stable)} of {len(self)} points stable"
         special = f"; {len(self.special)} bifurcations" if self.special else ""
-        return f"<Branch: {span}; {kept}{special}; ends: {', '.join(self.ends)}>"
+        return one_line(f"<Branch: {span}; {kept}{special}; {self.ends_told()}>")
+
+    def ends_told(self) -> str:
+        """Say in words where it ends."""
+        return "ends: " + ", ".join(ENDS[one] for one in self.ends)
 
     def __str__(self) -> str:
         return "\n  ".join([repr(self), *map(repr, self.special)])

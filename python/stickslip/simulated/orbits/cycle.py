@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.arguments import whole_number
 from stickslip.declared.model import Model
-from stickslip.objects import Drawn
+from stickslip.objects import Drawn, one_line
 from stickslip.simulated.orbits.flow import BeltSpeed, Complexes, Contact, Floats, Flow, sticks_at
 from stickslip.simulated.orbits.flow_of import flow_of
 from stickslip.simulated.trajectory import Trajectory, Transitions
@@ -81,7 +81,7 @@ class LimitCycle(Drawn):
         state = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.states, self.state, strict=True))
         sort = "stable" if self.stable else "neutral" if self.neutral else "unstable"
         sort += ", sticks" if self.sticks else ""
-        return f"<LimitCycle: period {self.period:.9g}, {sort}; {state}>"
+        return one_line(f"<LimitCycle: period {self.period:.9g}, {sort}; {state}>")
 
     @property
     def stable(self) -> bool:

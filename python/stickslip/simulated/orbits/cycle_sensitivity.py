@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.arguments import explained, must_be, texts
-from stickslip.objects import Displayed
+from stickslip.objects import Displayed, one_line
 from stickslip.simulated.orbits.branch_equations import Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import SPEEDS, Floats
@@ -47,7 +47,7 @@ class CycleSensitivity(Displayed):
         pairs = list(zip(self.names, self.period, strict=True))
         by = [f"{name} {x:.6g}" for name, x in pairs[:SHOWN]] + ["..."] * (len(pairs) > SHOWN)
         size = f"{len(self.names)} parameters, {len(self.state)} states"
-        return f"<CycleSensitivity: {size}; d period by {', '.join(by) or 'nothing'}>"
+        return one_line(f"<CycleSensitivity: {size}; d period by {', '.join(by) or 'nothing'}>")
 
 
 @explained
