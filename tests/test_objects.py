@@ -248,3 +248,15 @@ def test_looking_is_what_loads_matplotlib() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_block_declared_with_units_has_them_on_the_axes_and_in_frames() -> None:
+    law = ss.CoulombFriction(static="2 N", kinetic="1.2 N")
+    block = ss.BlockOnBelt(mass="500 g", stiffness="500 N/m")
+    run = ss.simulate(ss.Model(block, friction=law), belt_speed="10 mm/s", t_end="1 s")
+    over_time, portrait = run.plot().axes
+    assert (over_time.get_xlabel(), portrait.get_xlabel()) == ("time $t$ [s]", "$x_1$ [m]")
+    assert portrait.get_ylabel() == "$x_2$ [m/s]"
+    assert run.to_dataframe().attrs["units"] == {"t": "s", "x1": "m", "x2": "m/s"}
+    bare = ss.simulate(ss.Model(ss.BlockOnBelt(), friction=law), belt_speed=0.1, t_end=1)
+    assert bare.plot().axes[1].get_xlabel() == "$x_1$"

@@ -50,7 +50,7 @@ def also_called(short: Mapping[str, str]) -> Callable[[type[T]], type[T]]:
     """Let a class take numbers by short names, too: `short` has the full name by the short one."""
 
     def taking(called: type[T]) -> type[T]:
-        init: Callable[..., None] = called.__init__  # type: ignore[misc]
+        init: Callable[..., None] = called.__init__
 
         @functools.wraps(init)
         def call(self: T, *given: object, **named: object) -> None:
@@ -63,7 +63,7 @@ def also_called(short: Mapping[str, str]) -> Callable[[type[T]], type[T]]:
                     named[full] = named.pop(key)
             init(self, *given, **named)
 
-        called.__init__ = call  # type: ignore[misc]
+        called.__init__ = call  # type: ignore[assignment]
         return called
 
     return taking

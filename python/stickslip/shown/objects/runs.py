@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.declared.model import Model
-from stickslip.declared.rig import Rig
+from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.declared.rigs.general import GeneralRig
-from stickslip.declared.scale import Scale, scales
+from stickslip.declared.scale import Quantity, Scale, scales
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, ShownSamples, describe
 from stickslip.shown.plot import bodies, curves
@@ -23,6 +23,15 @@ Row = tuple[Cell, ...]
 OWN = Scale(1.0, "")
 
 
+def named_scales(model: Model) -> dict[Quantity, Scale]:
+    """How the quantities of a named rig are read: in SI, too, where a block was declared with units."""
+    rig = model.rig
+    if isinstance(rig, BlockOnBelt) and rig.declared_units and not model.channels:
+        si: dict[Quantity, str] = {"t": "s", "x1": "m", "x2": "m/s", "belt": "m/s", "force": "N"}
+        return {name: Scale(1.0, unit) for name, unit in si.items()}
+    return scales(rig, model.channels)
+
+
 def read_in(model: Model | None, names: tuple[str, ...]) -> dict[str, Scale]:
     """How t and every state of a model's run are read by a person: in the readings' units, in SI, or as they are."""
     if model is None:
@@ -32,7 +41,7 @@ def read_in(model: Model | None, names: tuple[str, ...]) -> dict[str, Scale]:
         units = {"t": "s", **dict(zip(own.names, own.units, strict=True))}
         units |= {f"v_{name}": "1" if units[name] == "1" else f"{units[name]}/s" for name in own.names}
         return {name: Scale(1.0, units.get(name, "")) for name in ("t", *names)}
-    known: Mapping[str, Scale] = {str(name): one for name, one in scales(model.rig, model.channels).items()}
+    known: Mapping[str, Scale] = {str(name): one for name, one in named_scales(model).items()}
     return {name: known.get(name, OWN) for name in ("t", *names)}
 
 
@@ -94,7 +103,7 @@ def _portrait(ax: Axes, one: Trajectory) -> None:
 def _large(one: Trajectory) -> Figure:
     if one.model is not None and isinstance(one.model.rig, GeneralRig):
         return bodies.coordinates(one, one.model.rig)
-    units = None if one.model is None else scales(one.model.rig, one.model.channels)
+    units = None if one.model is None else named_scales(one.model)
     speed = one.belt_speed.constant if isinstance(one.belt_speed, Speed) else one.belt_speed
     return curves.trajectory(one, one.state_names, belt_speed=speed, units=units)
 
