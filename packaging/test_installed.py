@@ -2,10 +2,12 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 
 import stickslip as ss
+from stickslip.data.practice import write_lvm, write_simulated
 
 
 def test_a_block_sticks_and_slips_with_the_period_of_the_closed_form() -> None:
@@ -32,3 +34,10 @@ def test_the_command_answers() -> None:
         check=True,
     )
     assert ss.__version__ in done.stdout
+
+
+def test_the_files_that_the_pages_begin_with_are_written(tmp_path: Path) -> None:
+    write_simulated(tmp_path)
+    write_lvm(tmp_path)
+    assert ss.load_case(tmp_path / "CASE").runs
+    assert (tmp_path / "slider.lvm").exists()

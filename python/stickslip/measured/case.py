@@ -222,7 +222,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     >>> from stickslip.data import example
     >>> case = ss.load_case(example("paper_slider"))  # a folder with rig.toml and its recordings
     >>> case.rig
-    BlockOnBelt(mass=0.0307, stiffness=168.0, damping=0.0)
+    BlockOnBelt(mass=0.0307, stiffness=168.0)
     >>> [run.role for run in case.runs]
     ['train', 'validate']
     """

@@ -40,7 +40,7 @@ class LawState(Displayed):
     >>> bristle = ss.LawState(rate="v - s0*u*z/F", unit="m")
     >>> law = ss.FormulaFriction(force="s0*z", states={"z": bristle}, s0="1e4 N/m", F="5 N")
     >>> [*law.states]
-    [('z', LawState(rate='v - s0*u*z/F', start='0', unit='m'))]
+    [('z', LawState(rate='v - s0*u*z/F', unit='m'))]
     """
 
     __repr__ = as_call
