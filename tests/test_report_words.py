@@ -247,6 +247,18 @@ def test_the_likelihood_of_runs_never_used_decides_before_their_error(tmp_path: 
         "runs never used are less likely with it, by 12 in -2 log likelihood over 9 forecasts (p = 0.01)"
         in silent.messages[0]
     )
+    weak = dataclasses.replace(fell, likelihood=Likelihood(-12.0, 9, 0.3, spare=7.0))
+    assert not carries_over(dataclasses.replace(found, error=weak))
+    assert carries_over(
+        dataclasses.replace(
+            found, error=dataclasses.replace(fell, likelihood=Likelihood(-12.0, 9, 0.3, spare=13.0))
+        )
+    )
+    unproven = instead(dataclasses.replace(found, error=weak), silent)
+    assert (
+        "by 12 in -2 log likelihood: more than the 7 by which the train runs pass the gate"
+        in unproven.messages[0]
+    )
     curve = dataclasses.replace(refused, verdict=Verdict.unlisted_effect)
     assert words.headline(curve).endswith(
         "It does not carry over to runs that were not used: they are less likely with it."

@@ -26,5 +26,7 @@ def doubt(error: ErrorBlock) -> str:
     """Return in words why what was found does not carry over."""
     if (held := error.likelihood) is None:
         return f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
-    less = f"by {-held.gain:.3g} in -2 log likelihood over {held.forecasts} forecasts"
-    return f"runs never used are less likely with it, {less} (p = {held.chance:.2g})"
+    less = f"runs never used are less likely with it, by {-held.gain:.3g} in -2 log likelihood"
+    if held.against:
+        return f"{less} over {held.forecasts} forecasts (p = {held.chance:.2g})"
+    return f"{less}: more than the {held.spare:.3g} by which the train runs pass the gate"

@@ -247,12 +247,24 @@ class Likelihood:
 
     `gain`: by how much their -2 log likelihood falls with it, over all `forecasts`; `chance`: how often it would fall
     by so little if they were as likely without, by ranks of the forecasts (Wilcoxon, one-sided):
-    a single one in which much goes wrong decides nothing.
+    a single one in which much goes wrong decides nothing. `spare`: what the gain on the train runs has beyond the gate;
+    None for what has no gate.
     """
 
     gain: float
     forecasts: int
     chance: float
+    spare: float | None = None
+
+    @property
+    def against(self) -> bool:
+        """Whether they speak against it by themselves."""
+        return self.chance < AGAINST
+
+    @property
+    def too_little(self) -> bool:
+        """Whether its gain on all runs together, these included, does not pass the gate."""
+        return self.spare is not None and self.spare + self.gain < 0
 
 
 @dataclass(frozen=True)
@@ -281,10 +293,11 @@ class ErrorBlock:
         """
         Whether what was found carries over: runs never used are not clearly less likely with it.
 
-        Without their likelihood, that their error does not rise. An error alone is a poor judge: most of it is friction
-        of the next event, which no model knows.
+        Nor do they take back by how much the train runs pass the gate. Without their likelihood, that their error does
+        not rise. An error alone is a poor judge: most of it is friction of the next event, which no model knows.
         """
-        return not self.rises if self.likelihood is None else self.likelihood.chance >= AGAINST
+        held = self.likelihood
+        return not self.rises if held is None else not (held.against or held.too_little)
 
 
 @dataclass(frozen=True)

@@ -183,9 +183,12 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
         asked.workers,
         asked.seed,
     )
-    effects = outcome.effects(bench, found)
+    effects, gate = outcome.effects(bench, found), outcome.gate(found)
     if curve is not None:
         effects = (outcome.unlisted(found, curve, chosen),)
+    elif chosen.terms and error.likelihood is not None:
+        spare = max(gate.observed - gate.threshold, 0.0)
+        error = replace(error, likelihood=replace(error.likelihood, spare=spare))
     looks = [rig_numbers.remark(case.rig, one.curve) for one in effects if one.curve is not None]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (left(bench, one.fit) for one in (base, chosen))
@@ -207,7 +210,7 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
         error=error,
         ranking=outcome.ranking(found),
         experiments=outcome.experiments(bench, found, effects, declared),
-        gate=outcome.gate(found),
+        gate=gate,
         runs=tuple(views),
         spectrum=spectrum(was, now),
         messages=(
