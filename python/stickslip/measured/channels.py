@@ -85,7 +85,12 @@ def _check_second(name: str, channel: Channel, known: Sequence[str], sensors: Se
 
 
 def _check_columns(channels: Mapping[str, Channel]) -> None:
-    """Refuse a column that is read as two quantities: a copied line of [channels], its column forgotten."""
+    """Refuse a column that is read as two quantities: a copied line of [channels], its column forgotten.
+
+    One name for all channels may be that of a matrix: the file shows it (`by_place`).
+    """
+    if len(channels) > 1 and len({channel.column for channel in channels.values()}) == 1:
+        return
     by_column: dict[str, str] = {}
     for name, channel in channels.items():
         if (first := by_column.setdefault(channel.column, name)) != name:
@@ -120,6 +125,42 @@ def noise_in_model(
     return turned
 
 
+def by_place(
+    there: Contents, channels: Mapping[str, Channel], file: str
+) -> tuple[dict[str, Channel], list[str]]:
+    """Return the channels with columns that have no names, and what was guessed: they are taken in their order.
+
+    All channels may name one matrix or cell; or the file holds one of them and nothing else. There must be a column
+    for each channel.
+
+    Raises
+    ------
+    InputError
+        All channels name one column; or a matrix that has more columns than there are channels, or fewer.
+    """
+    asked = dict.fromkeys(channel.column for channel in channels.values())
+    first = next(iter(asked))
+    one_name = len(asked) == 1 < len(channels)
+    of = first if one_name else next(iter(there.unnamed), "")
+    parts = there.unnamed.get(of, ())
+    if one_name and len(parts) != len(channels):
+        what = (
+            f"has {len(parts)} columns; {parts[0]} is one"
+            if parts
+            else "is one column, if it is there at all"
+        )
+        words = (
+            f"{what}, and {len(channels)} channels ({', '.join(channels)}) name it; each has its own column"
+        )
+        raise InputError(words, place=Place(file, column=first))
+    strangers = not any(head_of(column, there) for column in asked)
+    if not one_name and not (strangers and parts == there.names and len(parts) == len(channels)):
+        return dict(channels), []
+    out = {name: replace(one, column=part) for (name, one), part in zip(channels.items(), parts, strict=True)}
+    order = ", ".join(f"{part} is {name}" for name, part in zip(channels, parts, strict=True))
+    return out, [f"{of}: its columns have no names, taken in the order of the channels: {order}"]
+
+
 def by_heads(
     source: Source, channels: Mapping[str, Channel], file: str
 ) -> tuple[dict[str, Channel], list[str]]:
@@ -142,7 +183,7 @@ def by_heads(
         unit = there.units.get(head) or (parts[1] if parts else None)
         if unit is not None and one.scale == 1 and not same_unit(unit, one.unit):
             if not is_electric(unit) or parts is not None:
-                shown = head if parts else f"{head} in {unit}"
+                shown = there.titles.get(head, head) if parts else f"{head} in {unit}"
                 words = f"the file has '{shown}', but its channel is declared in '{one.unit}'"
                 raise InputError(words, place=Place(file, column=one.column))
             doubts.append(f"{name}: the file says {unit}; 1 {unit} is taken for 1 {one.unit}, as declared")

@@ -106,7 +106,7 @@ def _column(source: Source, name: str) -> Column:
 def _described(contents: Contents, name: str, values: Floats | None, doubt: str = "") -> Column:
     parts = contents.head(name)
     unit = contents.units.get(name) or (parts[1] if parts else None)
-    return Column(name, parts[0] if parts else name, unit, values, doubt)
+    return Column(name, parts[0] if parts else contents.titles.get(name, name), unit, values, doubt)
 
 
 def _time_of(columns: list[Column]) -> Column | None:

@@ -25,6 +25,7 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.measured.channels import (
     bare_channels,
     by_heads,
+    by_place,
     channel_factor,
     check_channels,
     noise_in_model,
@@ -284,6 +285,7 @@ def load_recording(
     declared = _channels(channels) if channels is not None else bare_channels(table, rig)
     check_channels(declared, rig)
     opened = open_table(table, [channel.column for channel in declared.values()])
+    declared, taken = by_place(opened.contents, declared, os.fspath(table))
     declared, doubts = by_heads(opened, declared, os.fspath(table))
     units = {channel.column: channel.unit for channel in declared.values()}
     columns = opened.read(list(units), units)
@@ -318,7 +320,7 @@ def load_recording(
         coordinates={k: x for k, x in model.items() if k != "t"} if isinstance(rig, GeneralRig) else {},
         speeds=speeds,
     )
-    said = [*opened.contents.doubts, *columns.doubts, *doubts]
+    said = [*opened.contents.doubts, *columns.doubts, *taken, *doubts]
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
     law = None if friction is None else in_model(friction, rig)
     return replace(recording, findings=(*guessed, *_findings(recording, law)))

@@ -58,6 +58,10 @@ class Contents:
         What was guessed: it becomes a finding of the recording.
     paths
         Whether names are paths: what stands before the last slash is where a column is.
+    titles
+        What the file calls a column elsewhere, by its name: a list of words beside a matrix.
+    unnamed
+        Columns that only have a place, in their order, by what holds them: those of a matrix, or a cell of vectors.
     """
 
     kind: str
@@ -67,9 +71,13 @@ class Contents:
     facts: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     paths: bool = False
+    titles: Mapping[str, str] = field(default_factory=dict)
+    unnamed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def head(self, name: str) -> tuple[str, str] | None:
         """Return the name and the unit in the head of a column; None if it has no unit."""
+        if name in self.titles:
+            return head_parts(self.titles[name])
         return head_parts(name.rpartition("/")[2] if self.paths else name)
 
 

@@ -10,11 +10,12 @@ from typing import Any
 
 from stickslip.declared.units import same_dimension
 from stickslip.errors import InputError, Place, quoted
-from stickslip.measured.heads import unit_in
+from stickslip.measured.heads import head_parts, unit_in
 from stickslip.measured.readers import process
 from stickslip.measured.readers.columns import Columns, Contents, Floats, checked, require
 from stickslip.measured.readers.memory import ratio
 from stickslip.measured.readers.process import PROCESS, EndedError
+from stickslip.measured.readers.titles import titles_of, unnamed
 
 
 @dataclass(frozen=True)
@@ -51,14 +52,17 @@ class Container:
         """What the file holds."""
         head, _ = self._answer(())
         units = {name: unit for name, said in head.get("units", {}).items() if (unit := _known(said))}
+        titles = titles_of(head["known"], head.get("words", {}))
         return Contents(
             f"a {self.format.name} file",
             tuple(head["known"]),
             units,
-            also=head.get("also", {}),
+            also=_also(titles) | head.get("also", {}),
             facts=tuple(head.get("facts", ())),
             doubts=tuple(head.get("doubts", ())),
             paths=head.get("paths", False),
+            titles=titles,
+            unnamed=unnamed(head["known"], titles),
         )
 
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
@@ -105,6 +109,14 @@ class Container:
         if "fault" in head:
             raise InputError(quoted(head["fault"], 180), place=Place(str(self.file), column=head["column"]))
         return head, columns
+
+
+def _also(titles: Mapping[str, str]) -> dict[str, str]:
+    """Columns by their titles, with the unit in one and without, where only one has it."""
+    known = [*titles.items()]
+    known += [(name, parts[0]) for name, title in titles.items() if (parts := head_parts(title))]
+    told = [title for _, title in known]
+    return {title: name for name, title in known if told.count(title) == 1}
 
 
 def _known(said: str) -> str | None:

@@ -16,6 +16,7 @@ import numpy as np
 
 WIDEST = 256  # columns of a matrix that are offered each
 DEEPEST = 16  # references of references
+LONGEST = 10_000  # characters of words that may be the titles of columns
 Read = Callable[[], np.ndarray]
 
 
@@ -25,7 +26,10 @@ def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray
         found: dict[str, Read] = {}
         units: dict[str, str] = {}
         odd: dict[str, str] = {}
+        words: dict[str, str] = {}
         for path, data in _datasets(opened):
+            if _matlab_class(data) == "char" and data.size <= LONGEST:
+                words |= _words(path, data)
             try:
                 parts = _columns(path, data)
             except _OddError as error:
@@ -39,6 +43,7 @@ def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray
             "known": known,
             "units": units,
             "also": also,
+            "words": words,
             "facts": [f"{len(known)} columns"],
             "paths": True,
         }
@@ -88,6 +93,15 @@ def _datasets(opened: Any) -> list[tuple[str, Any]]:
 def _matlab_class(data: Any) -> str:
     said = data.attrs.get("MATLAB_class", b"")
     return said.decode() if isinstance(said, bytes) else str(said)
+
+
+def _words(path: str, data: Any) -> dict[str, str]:
+    """A word of MATLAB, or the rows of a char matrix, as a cell of words has them; h5py sees them transposed."""
+    codes = np.atleast_2d(data[...])
+    if codes.dtype.kind != "u" or codes.ndim > 2:
+        return {}
+    told = ["".join(map(chr, one)).strip() for one in codes.T]
+    return {path: told[0]} if len(told) == 1 else {f"{path}{{{k}}}": one for k, one in enumerate(told, 1)}
 
 
 def _columns(path: str, data: Any) -> dict[str, Read]:
