@@ -11,6 +11,7 @@ from click.testing import CliRunner, Result
 
 import stickslip as ss
 from stickslip.cli.commands import main
+from stickslip.files import RECORD
 from stickslip.measured.inspection import inspect
 
 T = np.round(0.002 * np.arange(400), 6)
@@ -57,7 +58,7 @@ def test_the_figure_is_drawn_beside_nothing_it_reads(tmp_path: Path) -> None:
     file = write(tmp_path, rows())
     result = run(file, "--figure", tmp_path / "columns.svg")
     assert result.exit_code == 0, result.output
-    assert {one.name for one in tmp_path.iterdir()} == {"run.csv", "columns.svg", "columns.png"}
+    assert {one.name for one in tmp_path.iterdir()} == {"run.csv", "columns.svg", "columns.png", RECORD}
     (tmp_path / "data.svg").write_bytes(file.read_bytes())
     refused = run(tmp_path / "data.svg", "--figure", tmp_path / "data")
     assert refused.exit_code == 2

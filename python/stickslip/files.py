@@ -1,8 +1,8 @@
 """Outputs appear whole or not at all, and take the place of nothing that is somebody else's.
 
-One rule for all commands. A single output takes the place of a regular file or of none: never of a device, a pipe or
-an input; a link is followed. The files of a folder have names that the user did not choose: one that is there already
-is replaced only if a former result put it there and nobody has changed it since.
+One rule for all commands: a file that is there already is replaced only if a former result put it there and nobody has
+changed it since, or by `--force`; a device, a pipe or an input never. Beside the files a record says whose they are. A
+link to a single output is followed; one in a folder of results is refused.
 """
 
 from __future__ import annotations
@@ -24,42 +24,90 @@ from stickslip.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
-RECORD = ".stickslip.json"  # in a folder of results: what was put there, with its digests
+RECORD = ".stickslip.json"  # in a folder: what results were put there, with their digests
 FINER = 1e-4  # of a sampling interval: how finely times are written
 MOST_DIGITS = 17  # of a double
 
 
-def apart(out: Path, figure: bool, inputs: Mapping[str, Path]) -> None:
-    """Refuse an output that would take the place of what it is made from, or of its own figure.
+def with_figure(out: Path, figure: bool = True) -> tuple[Path, ...]:
+    """Return an output and, where a figure is drawn beside it, its SVG and PNG."""
+    return (out, *(out.with_suffix(kind) for kind in (".svg", ".png"))) if figure else (out,)
+
+
+@contextmanager
+def chosen(
+    targets: Sequence[Path], inputs: Mapping[str, Path], *, force: bool = False, key: str = "--out"
+) -> Iterator[None]:
+    """Files whose names the user chose, each written by `whole` meanwhile: refused before any work, noted after it.
 
     Parameters
     ----------
-    out
-        The file to write.
-    figure
-        Whether a figure is drawn beside it, as SVG and PNG.
+    targets
+        What may be written: an output, and its figures after it.
     inputs
-        Files that are read, by the argument that names them.
+        Files that are read, by the argument that names them: never replaced.
+    force
+        Replace files whosever they are.
+    key
+        The option that names them.
 
     Raises
     ------
     InputError
-        Two of them are one file.
+        One is an input, a device, another target, or a file that no former result put there or that was changed since.
     """
+    for i, target in enumerate(targets):
+        _refuse_chosen(target, targets[:i], inputs, force, key)
+    before = [_stamp(one) for one in targets]
     try:
-        _regular(out)
+        yield
+    finally:
+        for target, stamp in zip(targets, before, strict=True):
+            if _stamp(target) not in (None, stamp):
+                _note(target.resolve())
+
+
+def _refuse_chosen(
+    target: Path, others: Sequence[Path], inputs: Mapping[str, Path], force: bool, key: str
+) -> None:
+    """Refuse to write to a place that the user named."""
+    try:
+        there = _regular(target)
     except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(out)) from None
-    drawn = [out.with_suffix(kind) for kind in (".svg", ".png")] if figure else []
+        raise InputError(f"cannot be written ({error.strerror})", key=key, value=str(target)) from None
+    whose = "its figure" if others else "it"
     for name, path in inputs.items():
-        for target in (out, *drawn):
-            if target.exists() and path.exists() and target.samefile(path):
-                whose = "its figure" if target is not out else "it"
-                words = f"{whose} would overwrite {name} ('{path}'); give another file"
-                raise InputError(words, key="--out", value=str(out))
-    if out in drawn:
-        words = "its figure would overwrite it; end it in .csv"
-        raise InputError(words, key="--out", value=str(out))
+        if there.exists() and path.exists() and there.samefile(path):
+            words = f"{whose} would overwrite {name} ('{path}'); give another file"
+            raise InputError(words, key=key, value=str(target))
+    if target in others:
+        raise InputError("its figure would overwrite it; end it in .csv", key=key, value=str(target))
+    if force or not there.exists() or (put := _former(there.parent).get(there.name)) == _digest(there):
+        return
+    why = "no former result put it there" if put is None else "it was changed since it was written"
+    words = f"is there already, and {why}; give another file, or --force to replace it"
+    raise InputError(words, key=key, value=str(target))
+
+
+def _stamp(file: Path) -> tuple[int, int] | None:
+    """What differs after a file was replaced; None: there is none."""
+    try:
+        status = file.stat()
+    except OSError:
+        return None
+    return status.st_ino, status.st_mtime_ns
+
+
+def _note(file: Path) -> None:
+    """Note in the folder's record that a result put a file there."""
+    record = {k: v for k, v in _former(file.parent).items() if (file.parent / k).is_file()}
+    _write_record(file.parent / RECORD, record | {file.name: _digest(file)})
+
+
+def _write_record(path: Path, record: Mapping[str, str]) -> None:
+    text = json.dumps(dict(sorted(record.items())), indent=1) + "\n"
+    with whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 @contextmanager
@@ -194,8 +242,7 @@ def _move(temporary: Path, target: Path, names: Sequence[str]) -> None:
     for file in gone:  # beside the new files it would tell another story
         file.unlink()
         record.pop(file.relative_to(target).as_posix(), None)
-    text = json.dumps(dict(sorted(record.items())), indent=1) + "\n"
-    (temporary / RECORD).write_text(text, encoding="utf-8")
+    _write_record(temporary / RECORD, record)
     if not target.exists():
         temporary.chmod(0o777 & ~_mask())
         temporary.rename(target)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stickslip.cli import compare, identify
-from stickslip.cli.options import Named, force_option
+from stickslip.cli.options import Output, force_option
 from stickslip.cli.paper_slider import run
 from stickslip.cli.printed import console, say_written
 from stickslip.files import folder
@@ -17,7 +17,7 @@ from stickslip.progress import shares
 @click.command(short_help="All of it on a real recording, then a story of discovery.")
 @click.option(
     "--out",
-    type=Named(file_okay=False),
+    type=Output(file_okay=False),
     default=Path("demo"),
     show_default=True,
     help="Folder for the results.",
@@ -49,5 +49,5 @@ def demo(out: Path, first_half: bool, force: bool) -> None:
     if not first_half:
         from stickslip.cli.rotated_portrait import story
 
-        written += story(out, console).paths
+        written += story(out, console, force=force).paths
     say_written(written)

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import stickslip
-from stickslip.cli.options import Named, files_from_option, force_option
+from stickslip.cli.options import Named, Output, files_from_option, force_option
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.rig import Rig
@@ -30,7 +30,7 @@ from stickslip.shown.report.write import NAMES, fill, written
 
 @click.command(short_help="What the declared model lacks: an effect, and how sure.")
 @click.argument("case", type=Named())
-@click.option("--out", type=Named(), required=True, help="Folder for the results.")
+@click.option("--out", type=Output(), required=True, help="Folder for the results.")
 @click.option(
     "--seed",
     type=click.IntRange(min=0),

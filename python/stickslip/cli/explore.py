@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli.options import Named
+from stickslip.cli.options import Named, Output, force_option
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.formula.dimension import dimensions
 from stickslip.declared.model import Model, load_model, model_file
@@ -14,6 +14,7 @@ from stickslip.declared.quantity import quantity
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
 from stickslip.errors import InputError
+from stickslip.files import chosen
 from stickslip.measured.case import Case, load_case
 from stickslip.measured.recording import Recording
 
@@ -28,10 +29,11 @@ SCREEN = (1440, 1200)  # pixels of a screenshot
 @click.option("--run", "name", default=None, help="Run of a CASE to lay beneath; the first, if absent.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Port; a free one, if absent.")
 @click.option(
-    "--screenshot", type=Named(dir_okay=False), default=None, help="Write a PNG of the page, and end."
+    "--screenshot", type=Output(dir_okay=False), default=None, help="Write a PNG of the page, and end."
 )
+@force_option
 def explore(
-    model: Path, belt_speed: str | None, name: str | None, port: int, screenshot: Path | None
+    model: Path, belt_speed: str | None, name: str | None, port: int, screenshot: Path | None, force: bool
 ) -> None:
     """Open a page with sliders for MODEL (a TOML file, the folder of a result, or a case's rig.toml).
 
@@ -57,7 +59,8 @@ def explore(
     if screenshot is not None:
         from stickslip.shown.explore.screenshot import take
 
-        take(Page(shown, speed, run, Path.cwd()).layout(), "stickslip explore", screenshot, SCREEN)
+        with chosen([screenshot], {"MODEL": model}, force=force, key="--screenshot"):
+            take(Page(shown, speed, run, Path.cwd()).layout(), "stickslip explore", screenshot, SCREEN)
         say_written([screenshot])
         return
 

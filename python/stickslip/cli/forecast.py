@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from stickslip.cli.options import Named
+from stickslip.cli.options import Named, Output, force_option
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.quantity import sized, with_unit
@@ -17,7 +17,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
-from stickslip.files import apart, time_digits, write_csv
+from stickslip.files import chosen, time_digits, with_figure, write_csv
 from stickslip.fitted.forecast import MOST
 from stickslip.likelihoods.forecast import forecast as run_forecast
 from stickslip.measured.channels import head_of
@@ -35,8 +35,9 @@ from stickslip.measured.recording import Recording, load_recording
 )
 @click.option("--drive-speed", default=None, help="The same of the drive of a rig of bodies or matrices.")
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
-@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
+@click.option("--out", type=Output(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also draw the forecast after the end of the run, beside OUT.")
+@force_option
 def forecast(
     model: Path,
     run: Path,
@@ -45,6 +46,7 @@ def forecast(
     horizon: str,
     out: Path,
     figure: bool,
+    force: bool,
 ) -> None:
     """Forecast the readings that follow RUN (a CSV of the past) by MODEL (model_after.toml).
 
@@ -55,18 +57,29 @@ def forecast(
     Example:
       stickslip forecast found/model_after.toml CASE/run_07.csv --belt-speed 0.0140 --horizon 20 --out next.csv
     """
-    apart(out, figure, {"MODEL": model_file(model), "RUN": run})
-    loaded = load_model(model)
-    if isinstance(loaded.rig, GeneralRig):
-        say_written(_of_bodies(loaded, run, belt_speed, drive_speed, horizon, out, figure))
-        return
+    with chosen(with_figure(out, figure), {"MODEL": model_file(model), "RUN": run}, force=force):
+        loaded = load_model(model)
+        if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
+            words = "the rig is in SI and the units of the readings are not given; add [channels]"
+            raise InputError(f"{words}, as in rig.toml", place=Place(str(model)))
+        of_rig = _of_bodies if isinstance(loaded.rig, GeneralRig) else _of_named_rig
+        say_written(of_rig(loaded, run, belt_speed, drive_speed, horizon, out, figure))
+
+
+def _of_named_rig(
+    loaded: Model,
+    run: Path,
+    belt_speed: str | None,
+    drive_speed: str | None,
+    horizon: str,
+    out: Path,
+    figure: bool,
+) -> list[Path]:
+    """The forecast of a rig of (2.1), a block on a belt or a driven slider, written; the files."""
     if drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
     if belt_speed is None:
         raise InputError("missing: the belt's speed; give one like '12 mm/s'", key="--belt-speed")
-    if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
-        words = "the rig is in SI and the units of the readings are not given; add [channels], as in rig.toml"
-        raise InputError(words, place=Place(str(model)))
     units = scales(loaded.rig, loaded.channels)
     v_b = read_quantity(belt_speed, "belt", units["belt"], loaded.rig, "--belt-speed")
     ahead = read_quantity(horizon, "t", units["t"], loaded.rig, "--horizon")
@@ -104,7 +117,7 @@ def forecast(
         markup=False,
         soft_wrap=True,
     )
-    say_written(written)
+    return written
 
 
 def _of_bodies(

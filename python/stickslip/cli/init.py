@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from stickslip.cli.options import Named, force_option
+from stickslip.cli.options import Named, Output, force_option
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.declaration import RIG_KINDS
 from stickslip.errors import InputError
@@ -58,7 +58,7 @@ class Kind(click.Choice[str]):
 @click.option("--validate", multiple=True, help="A file to validate on; the last one, if absent.")
 @click.option("--title", default="", help="Title of the case; its folder's name, if absent.")
 @click.option(
-    "--out", type=Named(file_okay=False), default=None, help="The case's folder; that of FILES, if absent."
+    "--out", type=Output(file_okay=False), default=None, help="The case's folder; that of FILES, if absent."
 )
 @force_option
 def init(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -10,10 +11,11 @@ from rich.box import SIMPLE
 from rich.markup import escape
 from rich.table import Table
 
-from stickslip.cli.options import Named
+from stickslip.cli.options import Named, Output, force_option
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.units import in_si, same_dimension
-from stickslip.errors import InputError, quoted
+from stickslip.errors import quoted
+from stickslip.files import chosen
 from stickslip.measured.inspection import Column, Inspection
 from stickslip.measured.inspection import inspect as look
 
@@ -22,11 +24,12 @@ from stickslip.measured.inspection import inspect as look
 @click.argument("file", type=Named())
 @click.option(
     "--figure",
-    type=Named(dir_okay=False),
+    type=Output(dir_okay=False),
     default=None,
     help="Also draw the columns: a name for SVG and PNG.",
 )
-def inspect(file: Path, figure: Path | None) -> None:
+@force_option
+def inspect(file: Path, figure: Path | None, force: bool) -> None:
     """Say what is in FILE: its columns with units and ranges, its sampling rate, and what is doubtful.
 
     FILE is anything that a case may hold: CSV and other text, LabVIEW, MATLAB, HDF5, Parquet, WAV.
@@ -35,7 +38,13 @@ def inspect(file: Path, figure: Path | None) -> None:
     Example:
       stickslip inspect run_01.lvm --figure run_01_columns
     """
-    drawn = [] if figure is None else _targets(figure, file)
+    drawn = [] if figure is None else _targets(figure)
+    with chosen(drawn, {"FILE": file}, force=force, key="--figure"):
+        _inspect(file, drawn)
+
+
+def _inspect(file: Path, drawn: Sequence[Path]) -> None:
+    """Say what is in a file, and draw it where that is asked for."""
     found = look(file)
     console.print(
         f"{file}: {'; '.join([found.contents.kind, *found.contents.facts])}", markup=False, soft_wrap=True
@@ -46,7 +55,7 @@ def inspect(file: Path, figure: Path | None) -> None:
     if found.doubts:
         console.print("What is doubtful:")
     say_lines([quoted(one, 400) for one in found.doubts])
-    if figure is not None:
+    if drawn:
         from stickslip.shown.plot.curves import save_figure
         from stickslip.shown.plot.file_columns import columns
 
@@ -54,13 +63,10 @@ def inspect(file: Path, figure: Path | None) -> None:
         say_written(drawn)
 
 
-def _targets(figure: Path, file: Path) -> list[Path]:
-    """The two files of the figure, neither of them the one that is read."""
+def _targets(figure: Path) -> list[Path]:
+    """The two files of the figure."""
     stem = figure.with_suffix("") if figure.suffix in (".svg", ".png") else figure
-    drawn = [Path(f"{stem}.{kind}") for kind in ("svg", "png")]
-    if any(one.exists() and file.exists() and one.samefile(file) for one in drawn):
-        raise InputError("would overwrite FILE; give another name", key="--figure", value=str(figure))
-    return drawn
+    return [Path(f"{stem}.{kind}") for kind in ("svg", "png")]
 
 
 def columns_table(found: Inspection) -> Table:

@@ -27,8 +27,12 @@ class Named(click.Path):
         return super().convert(value, param, ctx)
 
 
+class Output(Named):
+    """The path of what a command writes."""
+
+
 force_option = click.option(
-    "--force", is_flag=True, help="Replace files in OUT that no former result put there, too."
+    "--force", is_flag=True, help="Replace files that no former result put there, too."
 )
 
 
@@ -48,4 +52,6 @@ belt_option = click.option(
     help="Take v_b as set, or as the block rides in its sticks.",
 )
 
-out_option = click.option("--out", type=Named(file_okay=False), required=True, help="Folder for the results.")
+out_option = click.option(
+    "--out", type=Output(file_okay=False), required=True, help="Folder for the results."
+)

@@ -23,7 +23,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
 from stickslip.declared.toml_file import write_text
 from stickslip.discovery.result import Found
-from stickslip.files import folder, whole
+from stickslip.files import folder
 from stickslip.measured.case import load_case
 from stickslip.measured.fit_window import Array
 from stickslip.progress import stages
@@ -69,7 +69,7 @@ RUNS = (
 )
 
 
-def story(out: Path, console: Console) -> Told:
+def story(out: Path, console: Console, *, force: bool = False) -> Told:
     """Make the case, search for the cause, write its report, and tell it.
 
     Parameters
@@ -78,20 +78,25 @@ def story(out: Path, console: Console) -> Told:
         Folder; the case goes to out/rotated_portrait, its report to out/rotated_portrait/found.
     console : rich.console.Console
         Where it is told.
+    force : bool
+        Replace files that no former result put there, too.
 
     Returns
     -------
     Told
     """
     place = out / "rotated_portrait"
-    path = write_case(place)
+    path = write_case(place, force=force)
     console.print(
         "Second half: the paper's own story. Its measured portrait (Fig. 4) is rotated against the simulated one and "
         "its stick phase is irregular. Here is a simulated rig with just that trouble; the search is given the "
         "declared model, Table 1 as a start, and the readings.\n"
     )
     case = load_case(path)
-    with folder(place / "found", NAMES) as temporary, stages("discovering", len(CATALOGUE)) as tell:
+    with (
+        folder(place / "found", NAMES, force=force) as temporary,
+        stages("discovering", len(CATALOGUE)) as tell,
+    ):
         found = stickslip.discover(case, progress=tell)
         tell("drawing the report")
         fill(temporary, found, case)
@@ -104,7 +109,7 @@ def story(out: Path, console: Console) -> Told:
     return Told(found, CAUSE, paths)
 
 
-def write_case(place: Path) -> Path:
+def write_case(place: Path, *, force: bool = False) -> Path:
     """Simulate the rig with its cause and write the readings as a case; the same files every time.
 
     Returns
@@ -118,12 +123,13 @@ def write_case(place: Path) -> Path:
     assert rig.scales is not None
     scales = rig.scales
     columns = np.array([scales.time, 1e3 * scales.length, 1e3 * scales.length])
-    for number, run in enumerate(RUNS, 1):
-        readings = _readings(model, run)
-        readings[:, 1:] += NOISE * generator.standard_normal((SAMPLES, 2))
-        with whole(place / f"run_{number:02d}.csv") as temporary:
-            np.savetxt(temporary, readings * columns, "%.7g", ",", header="t,x1,y1", comments="")
-    write_text(place / "rig.toml", _toml(1e3 * scales.velocity, 1e3 * scales.length))
+    names = [f"run_{number:02d}.csv" for number in range(1, len(RUNS) + 1)]
+    with folder(place, (*names, "rig.toml"), force=force) as temporary:
+        for name, run in zip(names, RUNS, strict=True):
+            readings = _readings(model, run)
+            readings[:, 1:] += NOISE * generator.standard_normal((SAMPLES, 2))
+            np.savetxt(temporary / name, readings * columns, "%.7g", ",", header="t,x1,y1", comments="")
+        write_text(temporary / "rig.toml", _toml(1e3 * scales.velocity, 1e3 * scales.length))
     return place / "rig.toml"
 
 

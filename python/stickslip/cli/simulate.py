@@ -12,7 +12,7 @@ import click
 import numpy as np
 from rich.console import Console
 
-from stickslip.cli.options import Named
+from stickslip.cli.options import Named, Output, force_option
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.cli.simulate_rig import Asked, is_file, read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
@@ -21,7 +21,7 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning
-from stickslip.files import apart, write_csv
+from stickslip.files import chosen, with_figure, write_csv
 from stickslip.fitted.identify_windows import natural_period
 from stickslip.measured.fit_window import Array
 from stickslip.simulated.simulate import simulate as run_model
@@ -53,14 +53,15 @@ LONGEST = 1000  # natural periods in the figure
     help="Start x1,x2,y1,y2, units allowed: '1 mm, 14 mm/s, 0, 0'; at rest if absent. Of other rigs coordinates, then "
     "velocities, then states of laws if they are to be given.",
 )
-@click.option("--out", type=Named(dir_okay=False), required=True, help="CSV file to write.")
+@click.option("--out", type=Output(dir_okay=False), required=True, help="CSV file to write.")
 @click.option(
     "--sensors",
     is_flag=True,
     help="Also write accelerations, forces in links and friction at contacts of a rig of bodies or matrices.",
 )
 @click.option("--figure", is_flag=True, help="Also write the figure beside it, as SVG and PNG.")
-def simulate(model: Path, **given: Any) -> None:
+@force_option
+def simulate(model: Path, force: bool, **given: Any) -> None:
     """Simulate MODEL (a TOML file, or the folder of identify or discover); write t, the state and the mode as CSV.
 
     Numbers without a unit are in the units of the readings, as the model file's [channels] say. A belt speed is in
@@ -80,10 +81,17 @@ def simulate(model: Path, **given: Any) -> None:
     asked = Asked(**given)
     speeds = {"--belt-speed": asked.belt_speed, "--drive-speed": asked.drive_speed}
     files = {key: Path(text) for key, text in speeds.items() if text is not None and is_file(text)}
-    apart(asked.out, asked.figure, {"MODEL": model_file(model), **files})
-    loaded = load_model(model)
-    if isinstance(loaded.rig, GeneralRig):
-        sys.exit(simulate_rig(loaded, asked))
+    inputs = {"MODEL": model_file(model), **files}
+    with chosen(with_figure(asked.out, asked.figure), inputs, force=force):
+        loaded = load_model(model)
+        of_bodies = isinstance(loaded.rig, GeneralRig)
+        status = simulate_rig(loaded, asked) if of_bodies else _of_named_rig(loaded, asked)
+    if status:
+        sys.exit(status)
+
+
+def _of_named_rig(loaded: Model, asked: Asked) -> int:
+    """Simulate and write, as the command does; return its exit status."""
     if asked.sensors:
         raise InputError("is for rigs of bodies or matrices; leave it out", key="--sensors")
     units = scales(loaded.rig, loaded.channels)
@@ -123,8 +131,7 @@ def simulate(model: Path, **given: Any) -> None:
         f"{run.status}: {len(run.transitions)} transitions, stick fraction {np.mean(kept.mode == 0):.4g}"
     )
     say_written(written)
-    if not run.status.ok:
-        sys.exit(1)
+    return 0 if run.status.ok else 1
 
 
 def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:

@@ -13,7 +13,7 @@ import click
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from stickslip.cli.options import Named
+from stickslip.cli.options import Named, Output
 from stickslip.cli.printed import console, say_written
 from stickslip.declared.declaration import read_effect, read_friction, read_rig
 from stickslip.declared.model import Model, load_model
@@ -104,7 +104,7 @@ class SweepFile(BaseModel):
 
 @click.command(short_help="A model over a grid of its numbers, into a Zarr store.")
 @click.argument("file", type=Named())
-@click.option("--out", type=Named(), required=True, help="Zarr store to write or go on with.")
+@click.option("--out", type=Output(), required=True, help="Zarr store to write or go on with.")
 @click.option("--threads", type=click.IntRange(min=1), default=None, help="All that there are if absent.")
 def sweep(file: Path, out: Path, threads: int | None) -> None:
     """Simulate a model over a grid of its numbers, as FILE (sweep.toml) says, into a Zarr store.
