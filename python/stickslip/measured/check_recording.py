@@ -22,8 +22,12 @@ def check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[
     if t.size < FEWEST:
         count = "1 sample" if t.size == 1 else f"{t.size} samples"
         raise InputError(f"{count}; a run needs at least {FEWEST}", place=Place(str(columns.path)))
-    step = np.diff(t) * np.sign(channels["t"].scale)
-    wrong = np.flatnonzero(step <= 0)
+    turn = columns.turns.get(name, (-1, -1))[0 if channels["t"].scale > 0 else 1]
+    if columns.averaged > 1 and turn >= 0:
+        place = columns.place(name, turn)
+        raise InputError("not after the time before it; times must increase", place=place)
+    later, sooner = (t[1:], t[:-1]) if channels["t"].scale > 0 else (t[:-1], t[1:])
+    wrong = np.flatnonzero(later <= sooner)
     if not wrong.size:
         return
     at = int(wrong[0]) + 1

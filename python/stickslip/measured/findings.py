@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 FINE = 0.5  # a quantisation step below this part of the noise is dithered away
 ENOUGH = 12  # samples from which noise and glitches can be told
 BESIDE = 3  # samples on either side that a glitch is judged by
+LOOKED_AT = 1 << 20  # samples of a channel that are looked at, a second's work; of a longer one, stretches
+STRETCHES = 16
 
 
 class FindingKind(Enum):
@@ -87,9 +89,12 @@ def channel_findings(
     jumps
         Samples beside a gap or an off step, whose neighbours say nothing of them.
     """
-    if np.ptp(x) == 0:
+    lowest, highest = float(np.min(x)), float(np.max(x))
+    if lowest == highest:
         words = f"{name}: {x[0]:g} {unit} throughout; is the sensor alive?"
         return [Finding(FindingKind.CONSTANT, name, words)]
+    if x.size > LOOKED_AT:
+        return _in_stretches(name, x, unit, noise, jumps, (lowest, highest))
     found = []
     clipping = find_clipping(x)
     at = np.flatnonzero(clipping.mask)
@@ -114,6 +119,34 @@ def channel_findings(
             words = f"{name}: {many} glitch(es) of one sample or two, the first at sample {glitches[0]}"
             found.append(Finding(FindingKind.GLITCHES, name, words, tuple(int(i) for i in glitches)))
     return found
+
+
+def stretches(samples: int) -> NDArray[np.intp]:
+    """Return the samples of a long record that are looked at: stretches of it, evenly apart."""
+    width = LOOKED_AT // STRETCHES
+    starts = np.linspace(0, samples - width, STRETCHES).astype(np.intp)
+    return np.asarray((starts[:, None] + np.arange(width)).ravel())
+
+
+def _in_stretches(
+    name: str, x: Floats, unit: str, noise: float | None, jumps: NDArray[np.intp], ends: tuple[float, float]
+) -> list[Finding]:
+    """Look at stretches of a long channel, whose lowest and highest values are known."""
+    at = stretches(x.size)
+    width = at.size // STRETCHES
+    seams = np.arange(width, at.size, width)  # as beside a gap
+    beside = np.union1d(np.flatnonzero(np.isin(at, jumps)), seams)
+    found = channel_findings(name, x[at], unit, noise, beside)
+    reached = x[at].min() == ends[0] or x[at].max() == ends[1]  # a limit is one of the whole record
+    return [
+        replace(
+            one,
+            message=f"{one.message}, as {STRETCHES} stretches of {width} samples show",
+            samples=tuple(int(at[i]) for i in one.samples),
+        )
+        for one in found
+        if one.kind is not FindingKind.CLIPPED or reached
+    ]
 
 
 def belt_findings(belt: Floats, set_point: float, unit: str) -> list[Finding]:

@@ -296,12 +296,10 @@ def load_recording(
     speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
     belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
     position = _position(rig, declared)
-    model = {
-        one: column * factors[one] + declared[one].offset * factors[one] / declared[one].scale
-        for one, column in raw.items()
-    }
+    model = {one: _in_model(column, declared[one], factors[one]) for one, column in raw.items()}
     check_belt(columns, declared, raw, belt)
     sizes = noise_in_model(noise or {}, declared, rig)
+    sizes = {one: size / math.sqrt(columns.averaged) for one, size in sizes.items()}
     recording = Recording(
         name=name or columns.path.stem,
         role=role,
@@ -317,6 +315,7 @@ def load_recording(
         factors=factors,
         noise=sizes,
         source=columns.path,
+        averaged=columns.averaged,
         coordinates={k: x for k, x in model.items() if k != "t"} if isinstance(rig, GeneralRig) else {},
         speeds=speeds,
     )
@@ -324,6 +323,14 @@ def load_recording(
     guessed = [Finding(FindingKind.GUESSED, "t", f"file: {words}") for words in said]
     law = None if friction is None else in_model(friction, rig)
     return replace(recording, findings=(*guessed, *_findings(recording, law)))
+
+
+def _in_model(column: Floats, channel: Channel, per_unit: float) -> Floats:
+    """A column in the model's numbers."""
+    out = column * per_unit
+    if channel.offset:
+        out += channel.offset * per_unit / channel.scale
+    return out
 
 
 def _channels(given: object) -> dict[str, Channel]:
@@ -358,7 +365,7 @@ def _position(rig: AnyRig, channels: Mapping[str, Channel]) -> str:
 
 
 def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Finding]:
-    found = time_findings(recording.raw["t"] * recording.channels["t"].scale, recording.unit("t"))
+    found = time_findings(_scaled(recording.raw["t"], recording.channels["t"]), recording.unit("t"))
     jumps = np.array([i for finding in found for i in finding.samples], dtype=np.intp)
     for name, channel in recording.channels.items():
         if name == "t":
@@ -366,7 +373,7 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
         noise = recording.noise.get("x1" if name == "spring_force" else name)
         per_unit = factor(channel.reads or name, channel.unit, recording.rig)
         own = None if noise is None else noise / per_unit
-        readings = recording.raw[name] * channel.scale
+        readings = _scaled(recording.raw[name], channel)
         unit = "N" if name == "drive" and is_electric(channel.unit) else _word(channel.unit)
         found += channel_findings(name, readings, unit, own, jumps)
         if name == "drive" and isinstance(recording.rig, DrivenSlider):
@@ -382,6 +389,11 @@ def _findings(recording: Recording, friction: FrictionLaw | None) -> list[Findin
     if wrong and not any(one.kind is FindingKind.BELT for one in found):
         found.append(Finding(FindingKind.BELT, "belt", f"belt: {wrong}"))
     return found
+
+
+def _scaled(column: Floats, channel: Channel) -> Floats:
+    """A column in its channel's unit; not copied where it is."""
+    return column if channel.scale == 1 else column * channel.scale
 
 
 def _word(unit: str) -> str:

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.declared.units import Channel, default_speed_unit, factor
 from stickslip.errors import InputError
+from stickslip.measured.findings import LOOKED_AT, STRETCHES, stretches
 from stickslip.measured.signals import find_belt_speed
+from stickslip.measured.signals.timebase import usual_step
 
 Floats = NDArray[np.float64]
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
@@ -67,15 +69,25 @@ def commonest_rate(t: Floats, x: Floats, width: int) -> float | None:
     width : int
         Samples that the rate is taken over.
     """
-    dt = float(np.median(np.diff(t)))
-    even = np.interp(np.arange(t[0], t[-1], dt), t, x)
-    v = np.sort(scipy.signal.savgol_filter(even, max(7, width | 1), 2, deriv=1, delta=dt))
+    if t.size > LOOKED_AT:  # a long record shows its commonest rate in stretches
+        parts = stretches(t.size).reshape(STRETCHES, -1)
+        v = np.sort(np.concatenate([_rates(t[part], x[part], width) for part in parts]))
+    else:
+        v = np.sort(_rates(t, x, width))
     count = len(v) // 5
     spans = v[count:] - v[:-count]
     at = int(np.argmin(spans))
     middle, half = 0.5 * float(v[at] + v[at + count]), 0.5 * float(spans[at])
     opposite = int(np.count_nonzero(np.abs(v + middle) <= half))
     return middle if 0 < 2 * half < PRONOUNCED * abs(middle) and opposite < 0.4 * count else None
+
+
+def _rates(t: Floats, x: Floats, width: int) -> Floats:
+    """The slope of x over so many samples, at even times (n,)."""
+    dt = usual_step(t)
+    even = np.interp(np.arange(t[0], t[-1], dt), t, x)
+    over = max(7, min(width, t.size // 8) | 1)
+    return np.asarray(scipy.signal.savgol_filter(even, over, 2, deriv=1, delta=dt))
 
 
 def ridden_speed(t: Floats, x: Floats, period: float) -> float | None:
@@ -90,17 +102,18 @@ def ridden_speed(t: Floats, x: Floats, period: float) -> float | None:
     period : float
         Natural period of the block on its spring, in the unit of t.
     """
-    good = np.isfinite(x)
-    t, x = t[good], x[good]
+    if not (good := np.isfinite(x)).all():
+        t, x = t[good], x[good]
     if len(t) < FEWEST or np.ptp(x) == 0:
         return None
-    samples = period / float(np.median(np.diff(t)))
+    samples = period / usual_step(t)
+    middle = slice(max(0, (len(t) - LOOKED_AT) // 2), (len(t) + LOOKED_AT) // 2)  # of a long record
     for parts in PARTS:
         width = min(int(samples / parts), len(t) // 8)
         rate = commonest_rate(t, x, width)
         if rate is not None:
             try:
-                return find_belt_speed(t, x, rate, within=0.2).speed
+                return find_belt_speed(t[middle], x[middle], rate, within=0.2).speed
             except InputError:  # a rate that few windows share
                 return rate
     return None

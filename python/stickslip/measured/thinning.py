@@ -265,7 +265,7 @@ def _means(run: Recording, channels: Sequence[_Channel], k: int, dt: float) -> R
             noise[one.name] *= _shrinks(t, mean, noise[one.name], k)
         mean[one.bad[:whole].reshape(-1, k).mean(axis=1)[kept] > 1 - WHOLE] = np.nan
         means[one.name] = mean
-    return _with(run, t, means, noise, k)
+    return _with(run, t, means, noise, k * run.averaged)
 
 
 def _shrinks(t: Floats, means: Floats, noise: float, k: int) -> float:
@@ -278,7 +278,7 @@ def _shrinks(t: Floats, means: Floats, noise: float, k: int) -> float:
 def _every(run: Recording, channels: Sequence[_Channel], k: int) -> Recording:
     """One reading in k; NaN where it is bad."""
     picked = {one.name: np.where(one.bad[::k], np.nan, one.values[::k]) for one in channels}
-    return _with(run, run.t[::k], picked, dict(run.noise), 1)
+    return _with(run, run.t[::k], picked, dict(run.noise), run.averaged)
 
 
 def _with(run: Recording, t: Floats, values: dict[str, Floats], noise: dict[str, float], k: int) -> Recording:

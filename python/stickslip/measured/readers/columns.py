@@ -31,9 +31,11 @@ class Columns:
     values: dict[str, Floats]
     layout: Lines | None = None  # None: a file that has no lines
     doubts: tuple[str, ...] = ()  # what was guessed while reading
+    averaged: int = 1  # rows of the file that each number is the mean of
+    turns: Mapping[str, tuple[int, int]] = field(default_factory=dict)  # of means, as `Part.turns`
 
     def place(self, column: str | None = None, row: int | None = None) -> Place:
-        """Return the place of a column, or of a row of it, for an error."""
+        """Return the place of a column, or of a row of the file, for an error."""
         line = None if self.layout is None or row is None else self.layout.line(row)
         return Place(str(self.path), line, column=column)
 

@@ -64,7 +64,8 @@ def _all_of(file: Path, mark: int, encoding: str) -> bool:
         stream.seek(mark)
         try:
             while block := stream.read(BLOCK):
-                decoder.decode(block)
+                if encoding != "utf-8" or not block.isascii() or decoder.getstate()[0]:
+                    decoder.decode(block)
             decoder.decode(b"", final=True)
         except UnicodeDecodeError:
             return False

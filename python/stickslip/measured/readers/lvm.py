@@ -21,7 +21,8 @@ from stickslip.measured.readers.columns import Columns, Contents, Floats, requir
 from stickslip.measured.readers.cut_off import last_number
 from stickslip.measured.readers.dialect import Layout, number_in, opened, signs
 from stickslip.measured.readers.encoding import encoding_of
-from stickslip.measured.readers.rows import count_rows, read_rows
+from stickslip.measured.readers.row_counts import count_rows
+from stickslip.measured.readers.rows import read_rows
 
 MAGIC = "LabVIEW Measurement"
 END = "***End_of_Header***"

@@ -12,8 +12,12 @@ from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
 from stickslip.measured.readers.cut_off import last_number, told_count, unended
-from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened, rows_from
+from stickslip.measured.readers.dialect import Layout, number_in, rows_from
 from stickslip.measured.readers.memory import ratio
+from stickslip.measured.readers.part import Part, neighbours
+from stickslip.measured.readers.row_counts import count_rows, fits
+
+CHUNK = 1 << 18  # rows that are parsed at once
 
 
 def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) -> Columns:
@@ -30,32 +34,40 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
     if not count:
         raise InputError("no rows below the column names", place=Place(str(layout.path), layout.header_line))
     values: dict[str, Floats] = {}
+    k = 1 if layout.last else neighbours(count, len(names))  # segments are joined, row by row
+    turns: dict[str, tuple[int, int]] = {}
     for decimal in layout.decimals:
-        if (all_alike := _parsed(layout, names, decimal, count)) is not None:
-            values = all_alike
+        if (all_alike := _parsed(layout, names, decimal, count, k)) is not None:
+            values, turns = all_alike.values, all_alike.turns
             break
     else:
         for name in names:
-            values |= _one(layout, name, names, units.get(name, "1"), count)
+            part = _one(layout, name, names, units.get(name, "1"), count, k)
+            values |= part.values
+            turns |= part.turns
     for name, column in values.items():
         if not np.isfinite(column).all():
             raise_first_fault(layout, names)
             raise InputError("holds an empty cell", place=Place(str(layout.path), column=name))
     doubts = [f"each row ends before the last {given - len(layout.header)} of {given} names"]
     doubts = doubts if len(layout.header) < given else []
+    if k > 1:
+        doubts.append(f"{count} rows are too many to hold; {k} neighbours averaged: {count // k} samples")
     if not layout.last:  # the whole file: of one in segments its reader asks
         doubts += [*last_number(layout, names), *told_count(layout, count)]
-    return Columns(layout.path, values, layout, tuple(doubts))
+    return Columns(layout.path, values, layout, tuple(doubts), k, turns)
 
 
-def _one(layout: Layout, name: str, names: Sequence[str], unit: str, count: int) -> dict[str, Floats]:
+def _one(layout: Layout, name: str, names: Sequence[str], unit: str, count: int, k: int) -> Part:
     """A column with a decimal sign of its own, or one of times."""
     for decimal in layout.decimals:
-        if (column := _parsed(layout, [name], decimal, count)) is not None:
+        if (column := _parsed(layout, [name], decimal, count, k)) is not None:
             return column
     at = layout.header.index(name)
     if is_time(next((cells[at] for _, cells in layout.rows() if len(cells) > at), "")):
-        return {name: _times(layout, name, unit)}
+        part = Part([name], count, k)
+        part.add([_times(layout, name, unit)])
+        return part
     raise_first_fault(layout, names)
     words = "holds a cell that cannot be read as a number"
     raise InputError(words, place=Place(str(layout.path), column=name))
@@ -74,15 +86,16 @@ def _times(layout: Layout, name: str, unit: str) -> Floats:
     return times * ratio("s", unit, Place(str(layout.path), column=name))
 
 
-def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> dict[str, Floats] | None:
-    """The columns, all with one decimal sign; None where a cell is no such number."""
+def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int, k: int) -> Part | None:
+    """The columns, all with one decimal sign, k neighbours averaged; None where a cell is no such number."""
     import pandas as pd
 
     places = [layout.header.index(name) for name in names]
+    kept = Part(names, count, k)
     try:
         with layout.path.open("rb") as stream:
             stream.seek(rows_from(layout))  # quotation marks above would bind
-            frame = pd.read_csv(
+            for frame in pd.read_csv(
                 stream,
                 sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
                 decimal=decimal,
@@ -96,13 +109,15 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int) -> d
                 index_col=False,
                 skipinitialspace=True,
                 on_bad_lines="error",
-            )
+                chunksize=CHUNK,
+            ):
+                kept.add([frame[place].to_numpy(dtype=np.float64) for place in places])
     except (ValueError, pd.errors.ParserWarning):  # pandas' parser errors are ValueErrors
         return None
-    if len(frame) != count:  # a quotation mark that has swallowed line ends
-        words = f"{count} lines but {len(frame)} rows: a quotation mark is opened and not closed on its line"
+    if kept.rows != count:  # a quotation mark that has swallowed line ends
+        words = f"{count} lines but {kept.rows} rows: a quotation mark is opened and not closed on its line"
         raise InputError(words, place=Place(str(layout.path)))
-    return {name: frame[place].to_numpy(dtype=np.float64) for name, place in zip(names, places, strict=True)}
+    return kept
 
 
 def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
@@ -122,33 +137,6 @@ def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
             return kept, count
     raise_first_fault(layout, names)
     raise InputError("rows of several lengths", place=Place(str(layout.path)))
-
-
-def count_rows(layout: Layout) -> tuple[int, int]:
-    """Return the number of rows, and the first that has not a cell for each name; -1: all have."""
-    most, delimiter = len(layout.header), layout.delimiter
-    least, rows = most - layout.spare, 0
-    with opened(layout.path, layout.encoding, layout.mark) as stream:
-        for number, line in enumerate(stream, start=1):
-            if number < layout.first:
-                continue
-            if layout.last and number > layout.last:
-                break
-            count = len(line.split()) if delimiter == " " else line.count(delimiter) + 1
-            if count == most and count > 1 and '"' not in line and "#" not in line and line[0] not in "%/":
-                rows += 1
-                continue
-            if not (text := bare(line, delimiter)):
-                continue
-            if not fits(cells_of(text, delimiter), least, most):
-                return rows, rows
-            rows += 1
-    return rows, -1
-
-
-def fits(cells: Sequence[str], least: int, most: int) -> bool:
-    """Whether a row has a cell for each name; a separator may end it."""
-    return least <= len(cells) <= most or (len(cells) == most + 1 and not cells[-1])
 
 
 def raise_first_fault(layout: Layout, names: Sequence[str]) -> None:

@@ -1,5 +1,6 @@
 """The times of a recording: gaps, repeats and irregular sampling, detected and said."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,9 @@ def _count(where: Indices) -> str:
     return f"sample {where[0]}" if where.size == 1 else f"{where.size} samples, the first {where[0]}"
 
 
+_PIECE = 1 << 20  # steps that are looked at together
+
+
 @explained
 def check_time_base(t: ArrayLike, *, tolerance: float = 0.01) -> TimeBase:
     """Look for gaps, repeated, backward and irregular times.
@@ -123,22 +127,49 @@ def check_time_base(t: ArrayLike, *, tolerance: float = 0.01) -> TimeBase:
     """
     times = finite_vector(t, "t", at_least=2)
     allowed = positive(tolerance, "tolerance")
-    step = np.diff(times)
-    forward = step[step > 0.0]
-    if forward.size == 0:
+    dt = usual_step(times)
+    if not dt > 0.0:
         raise InputError("t never increases; are the columns swapped?")
-    dt = float(np.median(forward))
-    gap = step > 1.5 * dt
-    ordinary = (step > 0.0) & ~gap
-    irregular = ordinary & (np.abs(step - dt) > allowed * dt)
-    at = np.flatnonzero(gap)
+    parts = [_looked_at(times, first, dt, allowed) for first in range(0, times.size - 1, _PIECE)]
+    gaps, duplicates, backward, irregular = (np.concatenate([part[i] for part in parts]) for i in range(4))
+    ordinary, mean = sum(part[4] for part in parts), 0.0
+    if ordinary:
+        mean = sum(part[4] * part[5] for part in parts) / ordinary
+    spread = sum(part[4] * (part[6] ** 2 + (part[5] - mean) ** 2) for part in parts) / max(ordinary, 1)
     return TimeBase(
         samples=times.size,
         dt=dt,
-        jitter=float(np.std(step[ordinary] / dt)) if ordinary.any() else 0.0,
-        gaps=np.column_stack([times[at], times[at + 1]]),
-        missing=int(np.sum(np.maximum(np.rint(step[gap] / dt) - 1.0, 0.0))),
-        duplicates=np.flatnonzero(step == 0.0) + 1,
-        backward=np.flatnonzero(step < 0.0) + 1,
-        irregular=np.flatnonzero(irregular) + 1,
+        jitter=math.sqrt(spread) / dt,
+        gaps=np.column_stack([times[gaps], times[gaps + 1]]),
+        missing=int(np.sum(np.maximum(np.rint((times[gaps + 1] - times[gaps]) / dt) - 1.0, 0.0))),
+        duplicates=duplicates + 1,
+        backward=backward + 1,
+        irregular=irregular + 1,
     )
+
+
+def usual_step(t: Floats) -> float:
+    """Return the median of the steps of times (n,) that increase; of many, of those at places evenly apart. 0: none."""
+    every = max(1, (t.size - 1) // _PIECE)
+    step = t[1::every] - t[:-1:every]
+    forward = step[step > 0.0]
+    if forward.size == 0 and every > 1:
+        step = np.diff(t)
+        forward = step[step > 0.0]
+    return float(np.median(forward)) if forward.size else 0.0
+
+
+_Part = tuple[Indices, Indices, Indices, Indices, int, float, float]
+
+
+def _looked_at(times: Floats, first: int, dt: float, allowed: float) -> _Part:
+    """Gaps, repeated, backward and irregular steps from sample `first` on; number, mean and scatter of the others."""
+    step = np.diff(times[first : first + _PIECE + 1])
+    gap = step > 1.5 * dt
+    ordinary = (step > 0.0) & ~gap
+    irregular = ordinary & (np.abs(step - dt) > allowed * dt)
+    usual = step[ordinary]
+    mean, scatter = (float(usual.mean()), float(usual.std())) if usual.size else (0.0, 0.0)
+    kinds = (gap, step == 0.0, step < 0.0, irregular)
+    one, two, three, four = (np.flatnonzero(kind) + first for kind in kinds)
+    return one, two, three, four, usual.size, mean, scatter
