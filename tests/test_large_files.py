@@ -58,7 +58,7 @@ def test_rows_are_counted_by_blocks_as_line_by_line(
     count, wrong = row_counts._line_by_line(lines, layout)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(row_counts, "BLOCK", 4 * block)
-        assert row_counts.count_rows(layout) == (count, count if wrong else -1)
+        assert row_counts.count_rows(layout)[:2] == (count, count if wrong else -1)
 
 
 def test_a_row_too_short_beside_one_too_long_is_found(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 FINE = 0.5  # a quantisation step below this part of the noise is dithered away
 ENOUGH = 12  # samples from which noise and glitches can be told
 BESIDE = 3  # samples on either side that a glitch is judged by
-LOOKED_AT = 1 << 20  # samples of a channel that are looked at, a second's work; of a longer one, stretches
+LOOKED_AT = 1 << 19  # samples of a channel that are looked at, a second's work; of a longer one, stretches
 STRETCHES = 16
 
 

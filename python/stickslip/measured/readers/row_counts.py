@@ -20,27 +20,31 @@ _NEWLINE = 10
 _SPACES = b" \t\x0b\x0c\x1c\x1d\x1e\x1f"  # what separates words in ASCII, the ends of lines left out
 
 
-def count_rows(layout: Layout) -> tuple[int, int]:
-    """Return the number of rows, and the first that has not a cell for each name; -1: all have."""
-    rows = 0
+def count_rows(layout: Layout) -> tuple[int, int, bool]:
+    """Return the number of rows, the first that has not a cell for each name, and whether all are of bare cells.
+
+    -1 where all rows have their cells. Bare cells have neither comments beside them nor blanks around them.
+    """
+    rows, plain = 0, layout.delimiter != " " and not layout.last
     left = layout.last - layout.first + 1 if layout.last else None
     for block in _blocks(layout):
         if left is None:
             count = _alike(block, layout)
             if count:
-                rows += count
+                rows, plain = rows + count, plain and b" " not in block
                 continue
+        plain = False
         lines = block.decode("utf-8").split("\n")[:-1]
         if left is not None:
             lines = list(islice(lines, left))
             left -= len(lines)
         got, wrong = _line_by_line(lines, layout)
         if wrong:
-            return rows + got, rows + got
+            return rows + got, rows + got, False
         rows += got
         if left == 0:
             break
-    return rows, -1
+    return rows, -1, plain
 
 
 def fits(cells: Sequence[str], least: int, most: int) -> bool:

@@ -18,6 +18,7 @@ from stickslip.measured.readers.part import Part, neighbours
 from stickslip.measured.readers.row_counts import count_rows, fits
 
 CHUNK = 1 << 18  # rows that are parsed at once
+How = tuple[int, int, bool]  # rows, neighbours that are averaged, whether the cells are bare
 
 
 def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) -> Columns:
@@ -30,19 +31,19 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
     """
     names = list(dict.fromkeys(names))
     given = len(layout.header)
-    layout, count = _rectangular(layout, names)
+    layout, count, plain = _rectangular(layout, names)
     if not count:
         raise InputError("no rows below the column names", place=Place(str(layout.path), layout.header_line))
     values: dict[str, Floats] = {}
     k = 1 if layout.last else neighbours(count, len(names))  # segments are joined, row by row
     turns: dict[str, tuple[int, int]] = {}
     for decimal in layout.decimals:
-        if (all_alike := _parsed(layout, names, decimal, count, k)) is not None:
+        if (all_alike := _parsed(layout, names, decimal, (count, k, plain))) is not None:
             values, turns = all_alike.values, all_alike.turns
             break
     else:
         for name in names:
-            part = _one(layout, name, names, units.get(name, "1"), count, k)
+            part = _one(layout, name, names, units.get(name, "1"), (count, k, plain))
             values |= part.values
             turns |= part.turns
     for name, column in values.items():
@@ -58,14 +59,14 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
     return Columns(layout.path, values, layout, tuple(doubts), k, turns)
 
 
-def _one(layout: Layout, name: str, names: Sequence[str], unit: str, count: int, k: int) -> Part:
+def _one(layout: Layout, name: str, names: Sequence[str], unit: str, how: How) -> Part:
     """A column with a decimal sign of its own, or one of times."""
     for decimal in layout.decimals:
-        if (column := _parsed(layout, [name], decimal, count, k)) is not None:
+        if (column := _parsed(layout, [name], decimal, how)) is not None:
             return column
     at = layout.header.index(name)
     if is_time(next((cells[at] for _, cells in layout.rows() if len(cells) > at), "")):
-        part = Part([name], count, k)
+        part = Part([name], *how[:2])
         part.add([_times(layout, name, unit)])
         return part
     raise_first_fault(layout, names)
@@ -86,10 +87,11 @@ def _times(layout: Layout, name: str, unit: str) -> Floats:
     return times * ratio("s", unit, Place(str(layout.path), column=name))
 
 
-def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int, k: int) -> Part | None:
+def _parsed(layout: Layout, names: Sequence[str], decimal: str, how: How) -> Part | None:
     """The columns, all with one decimal sign, k neighbours averaged; None where a cell is no such number."""
     import pandas as pd
 
+    count, k, plain = how
     places = [layout.header.index(name) for name in names]
     kept = Part(names, count, k)
     try:
@@ -104,10 +106,10 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int, k: i
                 names=list(range(max(places) + 1)),  # the cells were counted already
                 usecols=places,
                 nrows=count if layout.last else None,
-                comment="#",
+                comment=None if plain else "#",
                 encoding=layout.encoding,
                 index_col=False,
-                skipinitialspace=True,
+                skipinitialspace=not plain,
                 on_bad_lines="error",
                 chunksize=CHUNK,
             ):
@@ -120,11 +122,11 @@ def _parsed(layout: Layout, names: Sequence[str], decimal: str, count: int, k: i
     return kept
 
 
-def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
-    """Count the cells of every row; return the layout, its spare names known, and the number of rows."""
-    count, wrong = count_rows(layout)
+def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int, bool]:
+    """Count the cells of every row; return the layout, its spare names known, the number of rows, are they bare."""
+    count, wrong, plain = count_rows(layout)
     if wrong < 0:
-        return layout, count
+        return layout, count, plain
     cells = next(cells for i, (_, cells) in enumerate(layout.rows()) if i == 0)
     spare = len(layout.header) - len(cells) + (not cells[-1])
     if wrong == 0 and spare > 0 and layout.delimiter != " ":
@@ -132,9 +134,9 @@ def _rectangular(layout: Layout, names: Sequence[str]) -> tuple[Layout, int]:
         kept = replace(
             layout, header=layout.header[:-spare], units=layout.units[: len(layout.header) - spare]
         )
-        count, short = count_rows(kept)
+        count, short, plain = count_rows(kept)
         if short < 0 and all(name in kept.header for name in names):
-            return kept, count
+            return kept, count, plain
     raise_first_fault(layout, names)
     raise InputError("rows of several lengths", place=Place(str(layout.path)))
 
