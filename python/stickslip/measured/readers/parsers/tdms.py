@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from nptdms import TdmsFile
@@ -13,37 +13,70 @@ LEAD = 28  # bytes of a segment's lead-in; its length from there is a number of 
 BIG_ENDIAN = 1 << 6  # in the flags at byte 4
 
 
+_LOOKED_INTO: list[tuple[str, int, int, IO[bytes], TdmsFile, bool]] = []  # one, until its columns are read
+
+
+def opened(file: str, again: bool) -> tuple[IO[bytes], TdmsFile, bool]:
+    """Return a file, its segments, and whether it is cut off; `again`: as it was looked into just before.
+
+    A file of many segments takes seconds to look through. The index beside it, which may be stale, is not read.
+    """
+    status = os.stat(file)
+    key = (file, status.st_size, status.st_mtime_ns)
+    if _LOOKED_INTO:
+        *before, stream, tdms, is_cut = _LOOKED_INTO.pop()
+        if again and tuple(before) == key:
+            return stream, tdms, is_cut
+        stream.close()
+    stream = open(file, "rb")  # noqa: SIM115  # closed by who reads columns, or before the next file
+    try:
+        found = stream, TdmsFile.open(stream), _is_cut(file)
+    except BaseException:
+        stream.close()
+        raise
+    if not again:
+        _LOOKED_INTO.append((*key, *found))
+    return found
+
+
 def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray]]:
-    """Return what the file holds, and the columns asked for; the index beside it, which may be stale, is not read."""
-    with open(file, "rb") as stream, TdmsFile.open(stream) as tdms:
-        channels = {f"{group.name}/{one.name}": one for group in tdms.groups() for one in group.channels()}
-        grids = _grids(channels)
-        known = [*grids, *channels]
-        head: dict[str, Any] = {
-            "known": known,
-            "units": {name: str(one.properties.get("unit_string", "")) for name, one in channels.items()}
-            | dict.fromkeys(grids, "s"),
-            "also": _also(known),
-            "facts": [f"{len(tdms.groups())} groups, {len(channels)} channels"],
-            "doubts": ["its last segment is incomplete; was the file cut off?"] if _is_cut(file) else [],
-            "paths": True,
-            "times": [],
-        }
-        if any(known.count(name) != 1 for name in names):
-            return head, []
-        columns = []
-        for name in names:
-            values = _times(*grids[name]) if name in grids else channels[name][:]
-            if values.dtype.kind == "M":
-                head["times"].append(name)
-                values = (values - values[:1]).astype("timedelta64[ns]").astype(np.float64) * 1e-9
-            if values.dtype.kind not in "iufb":
-                return {
-                    **head,
-                    "fault": f"holds {values.dtype.name}; a channel is numbers",
-                    "column": name,
-                }, []
-            columns.append(values.astype(np.float64))
+    """Return what the file holds, and the columns asked for."""
+    stream, tdms, is_cut = opened(file, again=bool(names))
+    if not names:
+        return _answer(tdms, is_cut, names)
+    with stream:
+        return _answer(tdms, is_cut, names)
+
+
+def _answer(tdms: TdmsFile, is_cut: bool, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray]]:
+    channels = {f"{group.name}/{one.name}": one for group in tdms.groups() for one in group.channels()}
+    grids = _grids(channels)
+    known = [*grids, *channels]
+    head: dict[str, Any] = {
+        "known": known,
+        "units": {name: str(one.properties.get("unit_string", "")) for name, one in channels.items()}
+        | dict.fromkeys(grids, "s"),
+        "also": _also(known),
+        "facts": [f"{len(tdms.groups())} groups, {len(channels)} channels"],
+        "doubts": ["its last segment is incomplete; was the file cut off?"] if is_cut else [],
+        "paths": True,
+        "times": [],
+    }
+    if any(known.count(name) != 1 for name in names):
+        return head, []
+    columns = []
+    for name in names:
+        values = _times(*grids[name]) if name in grids else channels[name][:]
+        if values.dtype.kind == "M":
+            head["times"].append(name)
+            values = (values - values[:1]).astype("timedelta64[ns]").astype(np.float64) * 1e-9
+        if values.dtype.kind not in "iufb":
+            return {
+                **head,
+                "fault": f"holds {values.dtype.name}; a channel is numbers",
+                "column": name,
+            }, []
+        columns.append(values.astype(np.float64))
     return head, columns
 
 
