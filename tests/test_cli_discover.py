@@ -17,7 +17,7 @@ import found_by_hand
 import stickslip as ss
 from quick_figures import quickly
 from stickslip.cli.commands import main
-from stickslip.cli.discover import folded
+from stickslip.cli.running.discover import folded
 from stickslip.discovery.result import Found
 from stickslip.progress import StageStep, stages, trying
 from studies import few

@@ -152,7 +152,7 @@ def test_what_lacks_or_is_wrong_is_said_in_one_line(
 
 
 def test_on_a_terminal_what_lacks_is_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stickslip.cli.init.on_terminal", lambda: True)
+    monkeypatch.setattr("stickslip.cli.running.init.on_terminal", lambda: True)
     write(tmp_path / "run.csv", **{"t [s]": T, "load": np.round(500 * X, 6)})
     result = init(tmp_path / "run.csv", answers="500 g\n500\nN\n")
     assert result.exit_code == 0, result.output

@@ -8,12 +8,31 @@ from pathlib import Path
 import pytest
 
 import stickslip
+from stickslip.cli.commands import COMMANDS
+from stickslip.declared import declaration
+from stickslip.declared.rig_kinds import NAMED, RIG_KINDS
 
-SLOW = ("jinja2", "loky", "matplotlib", "pandas", "pint", "pydantic", "scipy", "tomlkit", "xarray", "zarr")
-HELP = "from stickslip.cli.commands import main\ntry:\n    main(['--help'])\nexcept SystemExit:\n    pass"
+SLOW = (
+    "bokeh",
+    "jinja2",
+    "loky",
+    "matplotlib",
+    "pandas",
+    "pint",
+    "psutil",
+    "pydantic",
+    "rich",
+    "scipy",
+    "tomlkit",
+    "xarray",
+    "zarr",
+)
+ASKED = "from stickslip.cli.commands import main\ntry:\n    main({})\nexcept SystemExit:\n    pass"
+STARTS = {"import": "import stickslip", "help": ASKED.format(["--help"])}
+STARTS |= {f"{name} --help": ASKED.format([name, "--help"]) for name in COMMANDS}
 
 
-@pytest.mark.parametrize("code", ["import stickslip", HELP], ids=["import", "help"])
+@pytest.mark.parametrize("code", STARTS.values(), ids=STARTS)
 def test_nothing_slow_is_loaded(code: str) -> None:
     asked = f"{code}\nimport sys\nprint(*(name for name in {SLOW} if name in sys.modules), file=sys.stderr)"
     run = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
@@ -54,3 +73,7 @@ def test_help_says_of_a_command_what_the_command_says() -> None:
         assert command is not None
         assert command.name == name
         assert command.short_help == words
+
+
+def test_the_kinds_of_rigs_that_are_shown_are_those_that_are_read() -> None:
+    assert (*NAMED, *declaration.GENERAL) == RIG_KINDS

@@ -16,7 +16,7 @@ from rich.console import Console
 import found_by_hand
 import stickslip as ss
 from found_by_hand import SCHEMA, made
-from stickslip.cli.discover import effects_table
+from stickslip.cli.running.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.messages import unseen

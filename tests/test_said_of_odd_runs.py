@@ -12,8 +12,8 @@ from rich.console import Console
 
 import found_by_hand
 import stickslip as ss
-from stickslip.cli.check import runs_table
-from stickslip.cli.discover import errors_table
+from stickslip.cli.running.check import runs_table
+from stickslip.cli.running.discover import errors_table
 from stickslip.discovery.slider import remarks
 
 NAME = "run [/4] [bold]x"

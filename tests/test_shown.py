@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 import stickslip as ss
-from stickslip.cli.compare import comparison_table
+from stickslip.cli.running.compare import comparison_table
 from stickslip.declared.scale import percent, plainly
 from stickslip.discovery.result import Verdict
 from stickslip.fitted.identify_words import misfit_messages

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import page_folder
-from stickslip.cli import compare, identify
 from stickslip.cli.commands import COMMANDS, main
 from stickslip.cli.options import Output
+from stickslip.cli.running import compare, identify
 from stickslip.files import RECORD
 
 SIMULATE = "MODEL.toml --belt-speed 0.012 --t-end 1 --figure --out run.csv"

@@ -6,12 +6,7 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli import compare, identify
 from stickslip.cli.options import Output, force_option
-from stickslip.cli.paper_slider import run
-from stickslip.cli.printed import console, say_written
-from stickslip.files import folder
-from stickslip.progress import shares
 
 
 @click.command(short_help="All of it on a real recording, then a story of discovery.")
@@ -33,21 +28,6 @@ def demo(out: Path, first_half: bool, force: bool) -> None:
     Example:
       stickslip demo --out demo
     """
-    with folder(out, (*identify.WRITTEN, *compare.WRITTEN), force=force) as temporary:
-        with shares("demo") as tell:
-            result = run(tell)
-        identify.fill_identified(result.found, temporary)
-        compare.fill_comparison(result.comparison, temporary)
-    written = [out / name for name in (*identify.WRITTEN, *compare.WRITTEN)]
-    for paragraph in result.before:
-        console.print(paragraph + "\n")
-    console.print(identify.estimates_table(result.found))
-    console.print(compare.comparison_table(result.comparison))
-    compare.say_verdict(result.comparison)
-    for paragraph in result.after:
-        console.print(paragraph + "\n")
-    if not first_half:
-        from stickslip.cli.rotated_portrait import story
+    from stickslip.cli.running.demo import perform
 
-        written += story(out, console, force=force).paths
-    say_written(written)
+    perform(out, first_half, force)

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stickslip
-from stickslip.cli.discover import say
+from stickslip.cli.running.discover import say
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import Effect, effect
 from stickslip.declared.friction.paper import PaperFriction

@@ -20,6 +20,7 @@ from stickslip.declared.law_numbers import check_size
 from stickslip.declared.laws import ALL_LAWS
 from stickslip.declared.quantity import quantity
 from stickslip.declared.rig import LONG, NONDIMENSIONAL, AnyRig, BlockOnBelt, DrivenSlider, Rig, Scales
+from stickslip.declared.rig_kinds import RIG_KINDS
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig, RigError
 from stickslip.declared.rigs.matrices import MatricesRig
@@ -30,7 +31,6 @@ from stickslip.errors import InputError, did_you_mean
 T = TypeVar("T")
 
 GENERAL: Mapping[str, type[BodiesRig] | type[MatricesRig]] = {"bodies": BodiesRig, "matrices": MatricesRig}
-RIG_KINDS = ("two_degree", "block_on_belt", "driven_slider", *GENERAL)
 SI = ("m", "J", "r", "k1", "k2", "k3", "c1", "c2", "length")
 
 
