@@ -135,7 +135,9 @@ def _must_not_lack(name: str, kind: str, found: Inspection) -> None:
         return
     for one in found.columns:
         if one.values is None and one.unit is not None and _measures(name, one.unit):
-            raise InputError(one.doubt, place=Place(str(found.path), column=one.head))
+            raise InputError(
+                one.doubt or "holds words, no numbers", place=Place(str(found.path), column=one.head)
+            )
     either = "x1 or spring_force" if kind == "block_on_belt" and name == "x1" else name
     there = ", ".join(one.head for one in found.columns)
     raise LackingError(f"the column of {either}; there are {there}", option="--channel", begins=f"{name}=")

@@ -12,6 +12,7 @@ _UNIT = re.compile(r"[\w µμ°%²³·^/*.()⁻¹-]{1,25}$")
 _TOWER = re.compile(
     r"\d{3}|(?:\*\*|\^).*(?:\*\*|\^).*(?:\*\*|\^)"
 )  # powers of powers, which pint would work out
+_SPELT = ("sec", "deg", "rad", "rpm")  # short words that capitals do not make another unit
 _WORD = 3  # letters from which a capital is spelling and no prefix: "Volt" is V, "MN" is no mN
 
 
@@ -35,4 +36,5 @@ def unit_in(text: str) -> str | None:
         return None
     if is_unit(unit):
         return unit
-    return unit.lower() if len(unit) > _WORD and is_unit(unit.lower()) else None
+    word = unit.lower()
+    return word if (len(unit) > _WORD or word in _SPELT) and is_unit(word) else None

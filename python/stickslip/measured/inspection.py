@@ -13,6 +13,7 @@ from stickslip.errors import InputError
 from stickslip.measured.findings import channel_findings, time_findings
 from stickslip.measured.readers.columns import Contents, Floats, Source
 from stickslip.measured.readers.tables import open_table
+from stickslip.measured.readers.text import Text
 from stickslip.measured.signals import check_time_base
 
 TIMES = ("t", "time", "zeit", "x_value", "temps", "tiempo", "seconds", "timestamp", "datetime")
@@ -31,7 +32,7 @@ class Column:
     values
         Its numbers (n,), those of clock times and dates in seconds since the first; None if it has none.
     doubt
-        Why it has no numbers, in words.
+        Why it has no numbers, in words; "" for a column of words.
     """
 
     name: str
@@ -99,6 +100,8 @@ def _column(source: Source, name: str) -> Column:
     try:
         return _described(source.contents, name, source.read([name], {name: "s"}).values[name])
     except InputError as error:
+        if isinstance(source, Text) and source.is_words(name):
+            return _described(source.contents, name, None)
         where = "" if error.place is None or error.place.line is None else f"line {error.place.line}: "
         return _described(source.contents, name, None, where + error.what)
 

@@ -66,7 +66,7 @@ def columns_table(found: Inspection) -> Table:
 
 def _numbers(one: Column) -> tuple[str, ...]:
     if one.values is None or not one.values.size:
-        return ("no numbers", "", "", "")
+        return ("no numbers" if one.doubt else "words", "", "", "")
     x = one.values
     return (str(x.size), *(f"{value:.6g}" for value in (x[0], np.min(x), np.max(x))))
 

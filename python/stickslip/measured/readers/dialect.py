@@ -136,17 +136,28 @@ def find_layout(file: Path, wanted: Sequence[str] = ()) -> Layout:
 
 
 def _declared(lines: Sequence[str], wanted: Sequence[str]) -> tuple[int, tuple[str, ...], str] | None:
-    """The last line above the rows that has all the wanted names, with its cells and its separator."""
-    found = None
+    """The last line above the rows that has all the wanted names, with its cells and its separator.
+
+    A note may name them too, also below the names: rows tell, which have as many cells as there are names.
+    """
+    found: list[tuple[int, tuple[str, ...], str]] = []
+    rows = 0
     for i, line in enumerate(lines):
-        if found is not None and _is_row(line, found[2]):
-            return found
+        as_wide = [one for one in found if _is_row(line, one[2], len(one[1]))]
+        if as_wide:
+            return as_wide[-1]
+        if found and bare(
+            line, found[-1][2]
+        ):  # of another width: rows without a last cell, or one of a preamble
+            rows = rows + 1 if _is_row(line, found[-1][2]) else 0
+            if rows == ALIKE:
+                break
         for delimiter in SEPARATORS:
             names = _names(line, delimiter)
             if names and all(_has(names, one) for one in wanted):
-                found = i, names, delimiter
+                found.append((i, names, delimiter))
                 break
-    return found
+    return found[-1] if found else None
 
 
 def _names(line: str, delimiter: str) -> tuple[str, ...]:
@@ -248,6 +259,8 @@ def _units_below(
     if below is None:
         return (), at + 1
     cells = [cell.strip("\"' ") for cell in cells_of(bare(lines[below], delimiter), delimiter)]
+    while len(cells) > len(names) and not cells[-1]:  # a separator may end the line
+        cells.pop()
     if len(cells) > len(names) or _is_row(lines[below], delimiter):
         return (), at + 1
     units = [unit_in(cell) if cell else "" for cell in cells]

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 
 from stickslip.errors import Place
+from stickslip.measured.readers.clock import is_time
 from stickslip.measured.readers.columns import Columns, Contents, require
-from stickslip.measured.readers.dialect import Layout, find_layout
+from stickslip.measured.readers.dialect import HEAD, Layout, find_layout, number_in
 from stickslip.measured.readers.rows import read_rows
 
 _SEPARATOR = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "white space"}
@@ -37,6 +39,16 @@ class Text:
         if layout.encoding == "latin-1":
             facts.append("the encoding is guessed: the bytes are not UTF-8")
         return Contents("a table in text", layout.header, units, facts=tuple(facts))
+
+    def is_words(self, name: str) -> bool:
+        """Whether a column holds words, as that of comments does: none of its first cells is a number or a time."""
+        layout = self.layout
+        at = layout.header.index(name)
+        told = [cells[at] for _, cells in islice(layout.rows(), HEAD) if len(cells) > at and cells[at]]
+        return not any(
+            is_time(cell) or any(number_in(cell, sign) is not None for sign in layout.decimals)
+            for cell in told
+        )
 
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
         """Return some of the columns, the line of each row known."""

@@ -1,0 +1,86 @@
+"""Heads as people and instruments write them: the numbers right, or one clear line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.measured.heads import unit_in
+from stickslip.measured.inspection import inspect
+
+N = 60
+T = np.round(0.002 * np.arange(N), 4)
+F = np.round(1.5 + 0.4 * np.sin(0.3 * np.arange(N)), 6)
+RIG = ss.BlockOnBelt(mass=0.5, stiffness=500.0)
+
+
+def rows(separator: str = ",", end: str = "", words: tuple[str, ...] = ()) -> str:
+    told = [separator + word for word in words] + [separator * bool(words)] * (N - len(words))
+    return "".join(f"{t:.4f}{separator}{f:.6f}{word}{end}\n" for t, f, word in zip(T, F, told, strict=True))
+
+
+def load(file: Path) -> ss.Recording:
+    channels = {"t": ss.Channel("t", "s"), "spring_force": ss.Channel("F", "N")}
+    return ss.load_recording(file, RIG, channels=channels, belt_speed="5 mm/s")
+
+
+RIGHT = {
+    "Sec in a head": "t [Sec],F [N]\n" + rows(),
+    "SEC in a row of units": "t,F\nSEC,NEWTON\n" + rows(),
+    "rows, names and units end in separators": "t;F;\ns;N;\n" + rows(";", ";"),
+    "units alone end in one": "t;F\n[s];[N];\n" + rows(";"),
+    "names and units do, rows do not": "t;F;\ns;N;\n" + rows(";"),
+    "a note that names both": "t and F over time\nt,F\n" + rows(),
+    "a note in cells": "Channels,t,F\nt,F\ns,N\n" + rows(),
+    "a note among white space": "note on t F here\nt F\n" + rows(" "),
+    "rows of a preamble below a note": "t and F over time\nRange 10.0 -10.0 5\nChannel 1 2 3\nt F\n"
+    + rows(" "),
+    "a comment at the first row": "t [s],F [N],Comment\n" + rows(words=("begin",)),
+}
+
+
+@pytest.mark.parametrize("text", RIGHT.values(), ids=RIGHT)
+def test_the_numbers_are_right(tmp_path: Path, text: str) -> None:
+    (tmp_path / "run.csv").write_text(text)
+    run = load(tmp_path / "run.csv")
+    np.testing.assert_array_equal(run.raw["t"], T)
+    np.testing.assert_array_equal(run.raw["spring_force"], F)
+
+
+REFUSED = {
+    "siemens": ("t [S],F [N]\n" + rows(), r"the file has 't \[S\]', but its channel is declared in 's'"),
+    "a note below the names": (
+        "t,F\nt and F over time\n" + rows(),
+        "line 2: 1 cell where the header names 2",
+    ),
+    "force in seconds": ("t [s],F [SEC]\n" + rows(), "but its channel is declared in 'N'"),
+}
+
+
+@pytest.mark.parametrize(("text", "words"), REFUSED.values(), ids=REFUSED)
+def test_what_is_doubtful_gets_one_line(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "run.csv").write_text(text)
+    with pytest.raises(ss.InputError, match=words) as caught:
+        load(tmp_path / "run.csv")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("word", ["begin", "ok, 5 mm"])
+def test_a_column_of_words_is_not_doubtful(tmp_path: Path, word: str) -> None:
+    (tmp_path / "run.csv").write_text("t [s];F [N];Comment\n" + rows(";", words=(word,)))
+    found = inspect(tmp_path / "run.csv")
+    assert not found.doubts
+    assert [one.values is None for one in found.columns] == [False, False, True]
+
+
+def test_a_column_of_numbers_with_a_word_is_doubtful(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("t [s],F [N]\n" + rows().replace(f"{F[7]:.6f}", "lost"))
+    assert any("'lost' is text" in one for one in inspect(tmp_path / "run.csv").doubts)
+
+
+@pytest.mark.parametrize("word", ["Min", "MAX", "Ms", "Pa s x", "AVG"])
+def test_words_in_capitals_are_not_made_units(word: str) -> None:
+    assert unit_in(word) != word.lower()
