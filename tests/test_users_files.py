@@ -22,6 +22,7 @@ LINES = {  # a command that writes: its line, and the files that it would write
     "compare": ("MODEL.toml CASE/rig.toml --out out", [f"out/{one}" for one in compare.WRITTEN]),
     "demo": ("--out out", [f"out/{one}" for one in identify.WRITTEN]),
     "discover": ("CASE/rig.toml --out out", ["out/report.json", "out/model_after.toml", "out/report.html"]),
+    "example": ("bodies --out out", ["out/rig.toml", "out/run_01.csv", "out/run_02.csv"]),
     "explore": ("MODEL.toml --belt-speed 0.012 --screenshot page.png", ["page.png"]),
     "forecast": (
         "CASEMODEL.toml RUN.csv --belt-speed '12 mm/s' --horizon '0.1 s' --figure --out next.csv",
@@ -33,7 +34,7 @@ LINES = {  # a command that writes: its line, and the files that it would write
     "simulate": (SIMULATE, ["run.csv", "run.svg", "run.png"]),
     "sweep": ("SWEEP.toml --out store", ["store"]),  # it never replaces anything: there is no --force
 }
-QUICK = ("forecast", "init", "inspect", "simulate")
+QUICK = ("example", "forecast", "init", "inspect", "simulate")
 MODEL = '[rig]\nkind = "block_on_belt"\nm = 0.0307\nk = 168\n'
 MODEL += '[friction]\nkind = "coulomb"\nstatic = 0.11\nkinetic = 0.07\n'
 CHANNELS = '[channels]\nt = { column = "t", unit = "s" }\nx1 = { column = "x1", unit = "mm" }\n'

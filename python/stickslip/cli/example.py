@@ -6,10 +6,8 @@ from pathlib import Path
 
 import click
 
-from stickslip.cli.options import Named, force_option
-from stickslip.cli.printed import say_written
+from stickslip.cli.options import Output, force_option
 from stickslip.data.practice import PRACTICE
-from stickslip.files import folder
 
 LISTED = "".join(f"\n  {name:14}{what}" for name, (what, _, _) in PRACTICE.items())
 HELP = f"""Write the files of an example into a folder. The tutorial and the how-to pages begin with them.
@@ -27,14 +25,13 @@ Example:
 @click.argument("name", type=click.Choice(list(PRACTICE)))
 @click.option(
     "--out",
-    type=Named(file_okay=False),
+    type=Output(file_okay=False),
     default=Path(),
     help="Folder for the files; this one, if absent.",
 )
 @force_option
 def example(name: str, out: Path, force: bool) -> None:
     """Write the files of an example into a folder."""
-    _, files, write = PRACTICE[name]
-    with folder(out, files, force=force) as temporary:
-        write(temporary)
-    say_written([out / one for one in files])
+    from stickslip.cli.running.example import perform
+
+    perform(name, out, force)
