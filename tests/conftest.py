@@ -4,16 +4,31 @@ from __future__ import annotations
 
 import sys
 
+import numpy as np
 import pytest
 
 from stickslip.discovery.discover import discover
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first: a long one that begins last would be waited for by a core alone.
-
-    Each is run by one process (see below): what a file makes once is not made twice.
     """
+    Cases beyond the sample of a test are studies; files with slow tests come first.
+
+    A long one that begins last would be waited for by a core alone. Each file is run by one process (see below): what
+    it makes once is not made twice.
+    """
+    cases: dict[tuple[object, str], list[pytest.Function]] = {}
+    for item in items:
+        if isinstance(item, pytest.Function) and item.get_closest_marker("sampled") is not None:
+            cases.setdefault((item.path, item.originalname), []).append(item)
+    for every in cases.values():
+        marker = every[0].get_closest_marker("sampled")
+        assert marker is not None
+        kept = {round(at) for at in np.linspace(0, len(every) - 1, marker.args[0])}
+        for place, case in enumerate(every):
+            if place not in kept:
+                case.add_marker(pytest.mark.study)
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: item.path not in slow)
 

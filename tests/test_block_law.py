@@ -24,6 +24,7 @@ class Told:
     residual_after: Left
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("declared", ["none", 'kind = "coulomb"\nstatic = 6.0\nkinetic = 4.2'])
 def test_a_likelier_law_is_said_where_much_is_left(tmp_path: Path, declared: str) -> None:
     case = case_of(rig_of(0.01), tmp_path, friction=declared, law=FALLING, length=4.0, step=2e-3)

@@ -51,6 +51,7 @@ def simulated(
     return model, one, bench_of(case.model, [recording(case, t, np.transpose(read) + noise)], known)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "effect", "where", "numbers"), PLACED)
 def test_windows_of_the_true_model_leave_the_noise(
     name: str, effect: str, where: str, numbers: dict[str, float]
@@ -62,6 +63,7 @@ def test_windows_of_the_true_model_leave_the_noise(
     assert lacking.deviance > exact.deviance + 20
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "effect", "where", "numbers"), PLACED)
 def test_derivatives_with_an_effect_are_those_of_differences(
     name: str, effect: str, where: str, numbers: dict[str, float]

@@ -40,6 +40,7 @@ def readings(model, run, t, speed):
     return read(t, state, no_slopes(len(t)), (), model.parameters, speed, 2).values
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kind", EFFECTS)
 def test_the_exact_model_is_forecast_to_the_noise(tmp_path, kind):
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=[ss.effect(kind, **EFFECTS[kind])])
@@ -73,6 +74,7 @@ ONE_DEGREE = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", ONE_DEGREE)
 def test_a_block_on_a_belt_keeps_the_time_and_the_sensors_of_the_run(tmp_path, kind):
     law, rig = ss.CoulombFriction(static=1, kinetic=0.5), ss.BlockOnBelt()
@@ -131,6 +133,7 @@ BLOCK = ss.BlockOnBelt(mass=1.0, stiffness=100.0, damping=0.5)
 WAVE = ss.tabulated("x1 channel", "x1", [-0.06, -0.02, 0.02, 0.06], [0.004, -0.004, 0.004, -0.004])
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("sensors", "most"),
     [

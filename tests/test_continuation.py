@@ -122,6 +122,7 @@ def by_its_parts() -> ss.Model:
     return ss.Model(rig, friction=hyperbolic(DROP, DECAY, F))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("step", [0.02, 0.5])
 @pytest.mark.parametrize("model", [in_si, in_its_own_units, by_its_parts])
 def test_every_point_of_a_branch_is_a_cycle_and_none_is_steady_sliding(model, step):
@@ -328,6 +329,7 @@ def test_how_a_branch_ends_is_said(leine, damped):
     assert few.ends == ("max_points", "max_points")
 
 
+@pytest.mark.study
 def test_a_forced_branch_goes_on_where_the_strobe_leaves_a_stick():
     """Every point closes by a simulation of its own, also where the instant it is looked at comes to lie in slip."""
     speed = 0.658

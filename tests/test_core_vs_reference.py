@@ -54,6 +54,7 @@ def test_pairs_of_effects_agree(run):
     agree(*run)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", SIZES)
 def test_every_effect_agrees(name):
     @settings(COMMON, max_examples=3)

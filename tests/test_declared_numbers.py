@@ -28,6 +28,7 @@ SAID = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("said", "scatter"), [*((said, False) for said in SAID), ("other direction", True), ("nothing", True)]
 )
@@ -44,6 +45,7 @@ def test_identify_says_what_was_declared(tmp_path: Path, said: str, scatter: boo
     assert {name: one["declared"] for name, one in written.items()} == told
 
 
+@pytest.mark.study
 def test_a_law_given_in_the_call_is_the_declared_one(tmp_path: Path) -> None:
     case = case_of(rig_of(0.01), tmp_path, friction=OFF, length=4.0, step=2e-3)
     law = ss.CoulombFriction(static=5.5, kinetic=4.4)

@@ -95,6 +95,7 @@ def test_what_is_left_out_is_said(case):
     )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("chi2", "noise", "said"),
     [
@@ -113,6 +114,7 @@ def test_a_noise_estimated_too_large_is_said(case, chi2, noise, said):
     assert any("the noise was estimated from the readings, and too large" in one for one in words) is said
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("c", "gain"), [(0.01, "11 %"), (-0.01, "-9.1 %"), (0.03, None), (0.93, None)])
 def test_a_damping_that_a_gain_of_y1_would_be_like_is_told(c, gain):
     """c = eta1 e/(1 + e): y scaled by 1 + e, with J, k2, k3, c1 and c2 to match, leaves c1 x1' on the block alone."""

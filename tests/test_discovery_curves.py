@@ -74,6 +74,7 @@ def test_the_file_forecasts_what_the_loop_does(model: Model, tmp_path) -> None:
     assert np.sqrt(np.mean(off**2)) < 1.3 * NOISE
 
 
+@pytest.mark.study
 def test_it_is_what_the_error_after_counts(model: Model) -> None:
     case = bent()
     block, _ = error_block(model.with_effects([]), model, prepare(case.validate), case.validate, Workers(1))

@@ -48,6 +48,7 @@ def fitted(case: Case, data=None) -> tuple[list, Left]:
     return data, left_by_law(case, data[: len(case.train)])
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize("name", few(TAPS, ["first order"]))
 def test_a_filter_s_noise_is_taken_at_its_size_where_readings_are_independent(name, known):
@@ -74,6 +75,7 @@ def test_white_noise_is_left_alone():
     assert filtered(null, data) is None
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "effect",
     [

@@ -31,6 +31,7 @@ def hummed(channel: str, w: float, size: float, *, length: float = 60.0, **other
     return replace(case, runs=tuple(runs))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("channel", "w", "jitter"), [("x1", 41.7, 0.0), ("y1", 9.3, 0.0), ("y1", 33.3, 0.4)])
 def test_a_hum_is_found_with_its_frequency_and_size(channel, w, jitter):
     found = humming(left_by_law(hummed(channel, w, 3 * NOISE, jitter=jitter)))
@@ -48,6 +49,7 @@ def test_it_is_the_verdict():
     assert (found.verdict.value, one.where, one.depends_on) == ("unlisted_effect", "y1 channel", ("t",))
 
 
+@pytest.mark.study
 def test_noise_and_a_force_are_no_hum():
     assert humming(left_by_law(make_case((), length=60.0))) is None
     forced = ss.effect("harmonic_forcing", a=0.05, w=2.3, phi=0.0)

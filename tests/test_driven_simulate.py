@@ -185,6 +185,7 @@ def ahead(*effects: ss.Effect) -> np.ndarray:
     return forecast(model(*effects), t, 25 * np.sin(8 * t), np.array([0]), np.zeros(1), np.array([0.05]), 300)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("moved", [in_the_loop, ahead])
 @pytest.mark.parametrize("name", DRIVEN)
 def test_every_number_of_every_effect_acts(name: str, moved: Callable[..., np.ndarray]) -> None:
@@ -238,6 +239,7 @@ def test_a_wrong_mass_is_another_mass() -> None:
     np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("where", ["block", "contact", "angle_body", "x1 channel", "y1 channel"])
 @pytest.mark.parametrize("variable", ["x1", "x2", "v_w", "t", "y1", "y2"])
 def test_a_curve_acts_or_is_refused(where: str, variable: str) -> None:
@@ -257,6 +259,7 @@ def test_a_curve_acts_or_is_refused(where: str, variable: str) -> None:
     assert np.max(np.abs(ours - plain)) > 1e-4 * np.ptp(plain)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_each_effect_moves_it_as_its_formula_says(name: str) -> None:
     numbers, force = SMOOTH[name]

@@ -61,6 +61,7 @@ def record(rig: str, name: str) -> tuple[ss.Model, ss.Model, ss.Recording, np.nd
     return right, right.with_effects([]), seen, shown
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("rig", "name"), CASES)
 def test_a_forecast_uses_it(rig: str, name: str) -> None:
     right, wrong, seen, shown = record(rig, name)
@@ -79,6 +80,7 @@ def test_a_forecast_uses_it(rig: str, name: str) -> None:
     assert off(wrong) > 2 * off(right)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("rig", "name"), CASES)
 def test_a_comparison_uses_it(rig: str, name: str) -> None:
     right, wrong, seen, _ = record(rig, name)

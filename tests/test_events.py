@@ -84,6 +84,7 @@ def test_no_retrigger_where_slip_begins_without_acceleration(v_b, locator):
     assert len(run.transitions) == 33
 
 
+@pytest.mark.sampled(6)
 @locators
 @pytest.mark.parametrize("phi", np.linspace(0, 6, 13))
 def test_no_retrigger_on_the_continuous_branch_under_forcing(phi, locator):
@@ -188,6 +189,7 @@ def test_two_in_one_step(excess):
     assert run.kinks == pytest.approx(told, abs=1e-7 if excess < 1e-8 else 1e-10)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("member", ["1->+1->0 short", "near graze"])
 def test_short_excursions_of_the_rig(member):
     v_b, alpha1 = {"1->+1->0 short": (23, 17), "near graze": (52, 54)}[member]

@@ -28,6 +28,7 @@ def halves(run: ss.Recording, samples: int) -> tuple[ss.Recording, np.ndarray, n
     return past, run.raw["x1"][samples:], run.raw["y1"][samples:]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("scatter", [0.0, 0.03])
 def test_the_band_holds_95_percent_of_the_readings_to_come(scatter: float) -> None:
     model = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction())
@@ -67,6 +68,7 @@ def test_the_band_is_as_wide_as_friction_scatters() -> None:
     assert 2.5 < widths[1] / widths[0] < 10  # five, less what noise and the rough estimate of ten events add
 
 
+@pytest.mark.study
 def test_what_the_events_of_a_run_have_in_common_is_forecast() -> None:
     """The law of other runs is 4 % off here: without the mean of this run's events every phase drifts away."""
     true = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction())
@@ -100,6 +102,7 @@ def test_a_block_on_a_belt_has_the_band_of_its_own_channel() -> None:
     assert 0.9 < inside.mean() <= 1.0
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("members", [60, 200])
 @pytest.mark.parametrize("noise", [0.0, 0.3, 3.0])
 def test_the_band_holds_what_its_members_stand_for(members: int, noise: float) -> None:

@@ -28,6 +28,7 @@ def forecast(
     return float(np.sqrt(np.mean((found["x1"] - real) ** 2))), float(np.mean(high - low)), held
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("speed", [-0.035, 0.02])
 @pytest.mark.parametrize("lag", [(), LAG])
 @pytest.mark.parametrize("law", [LAW, PERCENT], ids=["true", "percent"])

@@ -118,6 +118,7 @@ def off(
     return float(np.sqrt(np.mean((ahead.x1.to_numpy() - truth) ** 2))) / NOISE, float(truth.std()) / NOISE
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("speed", [0.2, -0.2])
 @pytest.mark.parametrize("name", ["", *NUMBERS, *CURVES])
 def test_a_forecast_is_as_good_as_the_model_s_own_run(name: str, speed: float) -> None:
@@ -129,6 +130,7 @@ def test_a_forecast_is_as_good_as_the_model_s_own_run(name: str, speed: float) -
     assert size > 1000
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("speed", [0.2, -0.2])
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_is_forecast_as_it_is(law: str, speed: float) -> None:
@@ -148,6 +150,7 @@ def test_a_forecast_may_begin_anywhere_in_the_cycle(seen: int, name: str) -> Non
     assert error < 5
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["harmonic_forcing", "belt_seam", "belt_speed_ripple"])
 def test_the_phase_of_another_run_is_not_that_of_this_one(name: str) -> None:
     model = model_of(name)

@@ -74,6 +74,7 @@ FORMULAS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", few(FORMULAS, ["with a state", "a factor on friction"]))
 def test_a_formula_acts_as_the_plain_simulator_says(name: str) -> None:
     model = string(ss.effect("formula", **FORMULAS[name]))
@@ -214,6 +215,7 @@ def test_every_effect_of_the_catalogue_acts_on_any_rig_as_on_the_named_one_or_is
     assert change < 1e-9 if kind.physics == "reading" else change > 1e-7
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name", [name for name, kind in KINDS.items() if name not in ss.CATALOGUE and not kind.anywhere.refused]
 )

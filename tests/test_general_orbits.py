@@ -60,6 +60,7 @@ def test_the_derivatives_of_a_cycle_are_those_of_the_named_one() -> None:
     np.testing.assert_allclose(ours.state[ORDER], named.state, rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.study
 def test_a_branch_by_its_parts_is_that_of_the_named_rig() -> None:
     asked = {"parameter": "belt_speed", "span": (1.4, 3.5), "guess": (3.0, 0.0)}
     named = ss.continuation(ss.Model(ss.BlockOnBelt(damping=0.1), friction=LEINE), 2.0, **asked)  # type: ignore[arg-type]
@@ -298,6 +299,7 @@ def test_a_branch_of_two_blocks_goes_on_where_one_no_longer_sticks_at_the_cut() 
         assert branch.stick_time[k] == pytest.approx(float(lasting @ (tr.after == 0).sum(axis=1)), rel=1e-8)
 
 
+@pytest.mark.study
 def test_exponents_of_steady_sliding_on_bristles() -> None:
     """One direction is some fifty times faster than the block."""
     law = ss.LuGreFriction(sigma0=100, sigma1=10, sigma2=0.4, F_c=1, F_s=1.5, v_s=0.1)

@@ -44,6 +44,7 @@ def test_an_effect_under_a_noise_declared_too_large_is_learned_to_the_noise() ->
     assert found.residual_after.clean
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("factor", [1.0, 1.03, 1.1])
 @pytest.mark.parametrize("seed", [2, 3])
 def test_noise_alone_is_called_noise(factor: float, seed: int) -> None:

@@ -292,6 +292,7 @@ def test_cases_without_an_effect_give_their_true_branches(name):
         assert found.estimates[n].low <= getattr(true, n) <= found.estimates[n].high
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("friction", "plus", "words"),
     [

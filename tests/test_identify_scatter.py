@@ -117,6 +117,7 @@ def _saved(found: ss.Identified, folder: Path) -> Path:
     return next(path for path in found.save(folder / "out") if path.name == "model.toml")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("memories", [(0.0, 0.0), (0.9, 0.9), (0.95, 0.1)])
 def test_events_that_are_alike_make_a_covariance_and_a_wider_one(
     block: tuple[ss.Identified, Fit], monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]

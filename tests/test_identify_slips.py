@@ -61,6 +61,7 @@ def coulomb_run(tmp_path, belt_speed, t_end, dt, noise, seed=0, start=0.0):
     return ss.load_recording(path, rig, channels=channels, belt_speed=belt_speed), run.transitions
 
 
+@pytest.mark.study
 def test_a_swing_that_only_touches_the_speed_of_the_belt_is_no_slip(tmp_path):
     """The block slips once and never sticks again: no levels can be told, and none are."""
     recording, transitions = coulomb_run(tmp_path, belt_speed=0.2, t_end=6, dt=0.001, noise=2e-6)

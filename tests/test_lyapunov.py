@@ -123,6 +123,7 @@ def test_bad_input_is_answered_in_one_line(keywords, message):
         lyapunov(RIG, belt_speed=0.1, **keywords)
 
 
+@pytest.mark.study
 def test_a_direction_that_only_shrinks_fast_has_its_own_exponent():
     """100 natural times faster than the block: exp(-629) over an interval, and no stick."""
     model = ss.Model(

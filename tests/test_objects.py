@@ -79,6 +79,7 @@ def test_it_is_printed_in_one_line(name: str) -> None:
     assert len(said) < 500
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_notebook_shows_a_table(name: str) -> None:
     seen = Outline(example(name)._repr_html_())
@@ -107,6 +108,7 @@ def test_its_frame_has_rows(name: str) -> None:
     assert len(set(frame.columns)) == frame.shape[1]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", [one for one in NAMES if issubclass(getattr(ss, one), Drawn)])
 def test_it_draws_itself_in_a_notebook(name: str) -> None:
     figure = example(name).plot()

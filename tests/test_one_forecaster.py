@@ -30,6 +30,7 @@ MODELS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", MODELS)
 def test_a_comparison_forecasts_what_forecast_does(name: str, tmp_path: Path) -> None:
     rig, law, effects, speed = MODELS[name]

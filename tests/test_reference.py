@@ -43,6 +43,7 @@ def quadrature(run, value):
 FEW = (3382, 1929, 4001)  # of the hard members; the core is held against all of them
 
 
+@pytest.mark.sampled(2)
 @known.coulomb_blocks
 def test_coulomb_block_on_belt_in_closed_form(static, kinetic, v_b, slip, stick, high, low, direction):
     model = Model(BlockOnBelt(), friction=CoulombFriction(static=static, kinetic=kinetic))
@@ -118,6 +119,7 @@ def test_energy_falls_at_the_dampers_rate_without_friction():
     assert lost > 0.3
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("v_b", [0.1, -0.1, 0.3])
 def test_friction_never_feeds_the_rig(v_b):
     model = known.paper_model()
@@ -148,6 +150,7 @@ def test_reference_rig_has_the_transitions_of_the_extended_precision_run():
     assert run.transitions.after.tolist() == [-(row[2] != 0) for row in told]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "member",
     few(known.HARD_MEMBERS, FEW),
@@ -345,6 +348,7 @@ LAW = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", APART)
 @pytest.mark.parametrize("v_b", [0.1, -0.1])
 def test_effects_agree_with_the_simulator_written_apart(name, v_b, monkeypatch):

@@ -68,6 +68,7 @@ RIG_FOUND = [  # numbers found, and the constants that they make of the declared
 ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("shares", "expected"), RIG_FOUND, ids=lambda one: "-".join(one) or "none")
 def test_a_wrong_number_of_the_rig_has_its_constant_in_si(
     tmp_path: Path, shares: dict[str, float], expected: dict[str, float]

@@ -40,6 +40,7 @@ def test_without_sticks_no_speed_is_told() -> None:
         assert ridden_speed(t, x + noise, PERIOD) is None
 
 
+@pytest.mark.study
 def test_one_run_in_a_wrong_unit_is_named_with_the_unit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

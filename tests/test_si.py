@@ -154,6 +154,7 @@ def bare(numbers: dict[str, float], measured: dict[str, Dimension]) -> dict[str,
     return {name: value / measured[name].size(SCALES) for name, value in numbers.items()}
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", DRIVEN)
 def test_an_effect_of_a_driven_slider_in_si_moves_it_as_the_bare_one_does(name: str) -> None:
     dt = 1e-3

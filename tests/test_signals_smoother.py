@@ -50,6 +50,7 @@ def test_the_truth_used_here_is_a_solution():
         assert (truth.v[truth.mode == 0] == truth.belt_speed).all()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("sigma", [0.0005, 0.001, 0.002])
 def test_sticks_slips_and_instants_of_the_paper_rig(sigma):
     truth = paper()
@@ -89,6 +90,7 @@ def test_twice_as_good_as_the_best_that_the_recursion_can_do(sigma):
     assert rms(found.a - truth.a) < 0.5 * best["a"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_errors_are_as_large_as_reported(seed):
     truth = paper()
@@ -99,6 +101,7 @@ def test_errors_are_as_large_as_reported(seed):
         assert 0.4 < rms(error[slip] / getattr(found, name + "_std")[slip]) < 1.5, name
 
 
+@pytest.mark.study
 def test_instants_are_as_doubtful_as_reported():
     truth = block()
     scores = []
@@ -143,6 +146,7 @@ def test_irregular_times_gaps_and_glitches():
     close_by(smooth(truth.t, regular, belt_speed=0.2, outliers=marked).onsets, truth.onsets, 0.2)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("belt_speed", [0.06, 0.17])
 def test_measured_belt_and_a_set_point_known_only_so_well(belt_speed):
     truth = paper(belt_speed)

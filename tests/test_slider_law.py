@@ -48,6 +48,7 @@ def half(one: Interval) -> float:
     return 0.5 * (one.high - one.low)
 
 
+@pytest.mark.study
 def test_a_doubtful_gain_makes_the_law_as_doubtful() -> None:
     """Forces read with a gain are its inverse times what they were: relative doubts add up in squares."""
     choice, runs = chosen(0)

@@ -24,6 +24,7 @@ from stickslip.simulated.simulate import simulate
 RATIOS = [0.0, 0.005, 0.02, 0.05, 0.1]  # damping over critical damping
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_the_law_is_right_with_a_declared_damper(ratio: float, tmp_path: Path) -> None:
     case = case_of(rig_of(ratio), tmp_path)
@@ -55,6 +56,7 @@ def test_the_law_is_right_with_a_declared_damper(ratio: float, tmp_path: Path) -
     assert one.timing < 0.01
 
 
+@pytest.mark.study
 def test_a_damper_not_declared_is_found_and_the_law_beside_it_is_right(tmp_path: Path) -> None:
     rig = rig_of(0.1)
     case = replace(case_of(rig, tmp_path), rig=replace(rig, damping=0.0))

@@ -13,6 +13,7 @@ import stickslip as ss
 from pages_run import DOCS, ROOT, Reader, Step, steps
 from quick_figures import quickly
 from stickslip.declared.laws import ALL_LAWS
+from studies import few
 from website import laws
 
 PAGES = {str(path.relative_to(ROOT)): path for path in [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]}
@@ -34,7 +35,16 @@ FOLLOWED = {name: steps(page) for name, page in PAGES.items() if name not in ELS
 FOLLOWED = {name: found for name, found in FOLLOWED.items() if found}
 
 
-@pytest.mark.parametrize("page", FOLLOWED)
+LONG = (  # pages that search or fit much
+    "docs/how-to/forecast.md",
+    "docs/how-to/read-a-report.md",
+    "docs/how-to/fit-a-law.md",
+    "docs/how-to/compare-two-models.md",
+    "docs/discovery.md",
+)
+
+
+@pytest.mark.parametrize("page", few(FOLLOWED, [one for one in FOLLOWED if one not in LONG]))
 def test_a_page_runs_from_top_to_bottom(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     quickly(monkeypatch)  # what is printed is compared, no figure

@@ -60,6 +60,7 @@ def test_its_phase_in_a_new_run_is_told_by_the_past():
     assert error(False) > 1.4 * NOISE  # so much hangs on the phase
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("where", ["block", "angle_body", "contact"])
 @pytest.mark.parametrize("phi", [-2.5, 0.7, 9.0])
 def test_core_and_reference_read_the_same_phase(where, phi):

@@ -203,6 +203,7 @@ def test_noise_of_runs_sampled_unequally_is_that_of_one_sensor(long: Recording) 
     assert second.noise[0] == pytest.approx(2 * first.noise[0], rel=1e-9)
 
 
+@pytest.mark.study
 def test_a_block_on_a_belt_is_thinned_too() -> None:
     model = ss.Model(BLOCK, friction=ss.CoulombFriction(static=1.0, kinetic=0.6))
     t = np.arange(45_000) * 0.002

@@ -134,6 +134,7 @@ def runs_of(true: ss.Rig, declared: ss.Rig) -> Case:
     return Case("", declared, LAW, known, tuple(runs), units, Path("rig.toml"))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["m", "k1"])
 def test_a_mass_and_a_spring_that_are_wrong_are_told_apart(name: str) -> None:
     """The unit of time is off by as much for one as for the other, and what else is off tells them."""
@@ -147,6 +148,7 @@ def test_a_mass_and_a_spring_that_are_wrong_are_told_apart(name: str) -> None:
     assert all(one.gain < first.gain - 5 for one in others)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("more", [0.0, 0.006])
 def test_what_the_runs_say_of_it(more: float) -> None:
     """A mass that is nearly right: the declared unit of time is held against the one that the runs have."""

@@ -124,6 +124,7 @@ def test_a_run_that_never_sticks_is_cut_at_its_slips_and_fitted() -> None:
     assert all(one.stuck for one in stretches(prepare(sticking.train)))
 
 
+@pytest.mark.study
 def test_a_contact_that_yields_is_fitted_with_bristle_and_speed_of_its_own() -> None:
     own = bench(make_case((YIELDS,), length=40.0))
     at = ss.effect("contact_compliance", k=500.0, c=1.0)
