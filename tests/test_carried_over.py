@@ -50,7 +50,7 @@ def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
     runs = recorded(DAMPED, speeds=(0.1, -0.12, 0.15), seed=1)
     data = prepare(runs)
     (lacking, before), (right, after) = known(data), known(data, DAMPED)
-    block, views = error_block((lacking, right), (before, after), data, runs, Workers(1), 0)
+    block, views = error_block((lacking, right), (before, after), lacking, data, runs, Workers(1), 0)
     assert block.after == pytest.approx(block.floor, rel=0.25)
     assert block.before > 1.3 * block.after
     assert block.floor > 5 * NOISE / np.std(data[0].readings[:, 0])
@@ -58,6 +58,10 @@ def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
         assert row.two_cycles["after"] > 0.8 * row.one_cycle["after"]
         assert row.rmse["x1"]["floor"] > NOISE
         assert row.transition_time["after"] < 0.1
+    assert block.likelihood is not None
+    assert block.likelihood.gain > 100
+    assert block.likelihood.chance > 0.99
+    assert block.carries
     assert block.covered is not None
     assert 0.88 < block.covered < 0.99
     made = views[runs[0].name][1]
@@ -93,7 +97,7 @@ def test_a_phase_is_known_from_the_windows_before() -> None:
     (plain, before), (fit, after) = known(data), known(data, FORCED)
     repeat = Population(level=1e-4, curve=1e-4, length=0.4, static=1e-4, belt=1e-4)
     fits = tuple(replace(each, population=repeat) for each in (plain, fit))
-    block, _ = error_block(fits, (before, after), data, [one], Workers(1), 0)
+    block, _ = error_block(fits, (before, after), None, data, [one], Workers(1), 0)
     noise = np.sqrt(np.mean((NOISE / data[0].readings[:, :2].std(axis=0)) ** 2))
     assert block.after < 2 * noise
     assert block.before > 8 * noise

@@ -153,7 +153,7 @@ def test_a_law_of_ones_own_comes_back_from_its_table_and_from_a_pickle(table: di
     law = ss.FormulaFriction(**table)  # type: ignore[arg-type]
     assert ss.FormulaFriction(**law.table()) == law  # type: ignore[arg-type]
     assert pickle.loads(pickle.dumps(law)) == law
-    assert eval(repr(law), {"FormulaFriction": ss.FormulaFriction}) == law
+    assert repr(law).startswith("FormulaFriction(")  # a line of it: the whole is in table()
     assert law.with_numbers({next(iter(law.numbers)): 7.0}) != law
 
 

@@ -131,7 +131,7 @@ def test_a_headline_of_many_effects_numbers_them():
             effects=effects,
             unclaimed=(),
             residual_after=fits,
-            error=SimpleNamespace(rises=False),
+            error=SimpleNamespace(rises=False, carries=True),
         )
         return headline(rig)
 

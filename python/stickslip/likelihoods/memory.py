@@ -13,7 +13,8 @@ from stickslip.likelihoods.fit_state import Fit
 Floats = NDArray[np.float64]
 MOST = 0.95
 STATIC, KINETIC, BELT = 0, 1, 2
-FEWEST = 4  # events of a run that a correlation can be had from
+FEWEST = 3  # events of a run that say anything of a correlation beside their mean
+GRID = np.linspace(0.0, MOST, 96)  # correlations that are weighed
 
 
 def memory(fit: Fit, which: int) -> tuple[float, float]:
@@ -25,7 +26,7 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
     fit : with the events' own friction
     which : STATIC, the static limit, KINETIC, the mean of the curve, or BELT, the mean speed of the window's own belt
 
-    All runs and contacts together. The mean of a short run takes (1 + 3 m)/n of it (Kendall, Biometrika 41, 1954).
+    All runs and contacts together.
     """
     belt = () if fit.windows.belt is None else (fit.windows.belt,)
     every = (fit.windows.statics, fit.windows.kinetics, belt)[which]
@@ -34,21 +35,37 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
 
 
 def correlation(runs: Sequence[Floats]) -> tuple[float, float]:
-    """Return the same of numbers of events, (n,) of each run."""
-    along = square = 0.0
-    count = used = 0
-    for one in runs:
-        if len(one) < FEWEST:
-            continue
-        u = one - one.mean()
-        along, square = along + float(u[1:] @ u[:-1]), square + float(u @ u)
-        count, used = count + len(u), used + 1
-    if square == 0:
+    """
+    Return the same of numbers of events, (n,) of each run.
+
+    They are a stationary first-order recurrence about a mean of each run, of one variance. The correlation has the mean
+    and the standard deviation of its posterior: its restricted likelihood, in which the means are no estimates, and as
+    likely anything from 0 to `MOST` before. What so few events as a run of a block has do not say stays open.
+    """
+    found = [one for one in runs if len(one) >= FEWEST]
+    if not any(np.ptp(one) for one in found):
         return 0.0, 0.0
-    each = count / used
-    found = (along / square + 1 / each) / (1 - 3 / each)
-    found = min(max(found, 0.0), MOST)
-    return found, math.sqrt((1 - found**2) / count)
+    size, spread, left = np.zeros_like(GRID), np.zeros_like(GRID), 0
+    for one in found:
+        n, ends = len(one), one[0] + one[-1]
+        ones = ((n - 2) * (1 - GRID) + 2) / (
+            1 + GRID
+        )  # the inverse of a recurrence's correlations is tridiagonal
+        mean = (ends + (1 - GRID) * one[1:-1].sum()) / (1 + GRID) / ones
+        off = one[:, None] - mean
+        square = (
+            (off**2).sum(axis=0)
+            + GRID**2 * (off[1:-1] ** 2).sum(axis=0)
+            - 2 * GRID * (off[1:] * off[:-1]).sum(axis=0)
+        )
+        spread += square / (1 - GRID**2)
+        size += (n - 1) * np.log(1 - GRID**2) + np.log(ones)
+        left += n - 1
+    deviance = size + left * np.log(spread)
+    weight = np.exp(-0.5 * (deviance - deviance.min()))
+    weight /= weight.sum()
+    mean_of = float(weight @ GRID)
+    return mean_of, math.sqrt(float(weight @ (GRID - mean_of) ** 2))
 
 
 def slowness(found: float, turn: float) -> float:
