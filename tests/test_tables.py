@@ -57,7 +57,7 @@ def test_mat_variables_are_columns(tmp_path: Path) -> None:
     np.testing.assert_array_equal(columns.values["x"], X)
     assert set(column_names(tmp_path / "run.mat")) == {"t", "x"}  # words are no column
     assert columns.place("x", 2).line is None
-    with pytest.raises(InputError, match="a channel is a real vector"):
+    with pytest.raises(InputError, match="'note': words; a channel is a real vector"):
         read_columns(tmp_path / "run.mat", ["note"])
 
 

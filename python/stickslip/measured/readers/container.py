@@ -50,7 +50,7 @@ class Container:
     @cached_property
     def contents(self) -> Contents:
         """What the file holds."""
-        head, _ = self._answer(())
+        head = self._head
         units = {name: unit for name, said in head.get("units", {}).items() if (unit := _known(said))}
         titles = titles_of(head["known"], head.get("words", {}))
         return Contents(
@@ -65,6 +65,10 @@ class Container:
             unnamed=unnamed(head["known"], titles),
         )
 
+    @cached_property
+    def _head(self) -> dict[str, Any]:
+        return self._answer(())[0]
+
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
         """Return some of the columns, times that are no numbers in their declared unit."""
         also = self.contents.also
@@ -73,6 +77,9 @@ class Container:
             for name in dict.fromkeys(names)
         }
         for name in own.values():
+            if name in self._head.get("words", {}):
+                words = "words; a channel is a real vector of numbers"
+                raise InputError(words, place=Place(str(self.file), column=name))
             require(name, self.contents.names, Place(str(self.file), column=name))
         head, columns = self._answer(tuple(own.values()))
         values = dict(zip(own, columns, strict=True))
