@@ -19,7 +19,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin
 from stickslip.likelihoods.members import Events, Flown, Members
-from stickslip.likelihoods.memory import KINETIC, MOST, memory
+from stickslip.likelihoods.memory import of_effects
 from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.shared import Declared
@@ -86,9 +86,8 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     cut = timed(cut, known.windows.motions(known.at, known.own))
     rng = np.random.default_rng(seed)
     rest = float(np.median([one.rest for one in cut]))
-    found, error = memory(fit, KINETIC)
-    # the runs of the fit tell the correlation poorly: every member has one that may be the true one
-    like = np.clip(found + error * rng.standard_normal(DRAWN + 1), 0.0, MOST)
+    # the runs of the fit tell correlations poorly: every member has some that may be the true ones
+    found, like = of_effects(fit, DRAWN + 1, rng)
     out = []
     least = fit.windows.policy.fewest_stuck
     for start, stop in _spans(run, cycles, min(one.start for one in cut) + least):

@@ -22,7 +22,7 @@ from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.in_common import Common, in_common
 from stickslip.likelihoods.members import Events, Members
-from stickslip.likelihoods.memory import KINETIC, MOST, memory
+from stickslip.likelihoods.memory import KINETIC, memory, of_effects
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.sensors import Sensors
@@ -93,7 +93,7 @@ def distribution(
     rng = np.random.default_rng(seed)
     events, common = _events(fit, shared, rng)
     members = Members(windows, fit.at, _extended(run, future), events, rest, rng)
-    expected = common + float(events.memory.mean()) * (fit.random[-1] - common)
+    expected = common + events.memory.mean(axis=0) * (fit.random[-1] - common)
     own = members.begun(tail, fit.population, fit.noise, expected)
     if own is None:
         return None
@@ -104,9 +104,9 @@ def distribution(
 
 def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[Events, Floats]:
     """What a past shows of the events to come, and what its own have in common."""
-    found, error = memory(fit, KINETIC)
-    # the past tells the correlation poorly: every member has one that may be the true one
-    like = np.clip(found + error * rng.standard_normal(MEMBERS), 0.0, MOST)
+    found, _ = memory(fit, KINETIC)
+    # the past tells correlations poorly: every member has some that may be the true ones
+    _, like = of_effects(fit, MEMBERS, rng)
     root = factor(fit.population, fit.windows.places)[0]
     if shared is not None:
         n = len(fit.random)

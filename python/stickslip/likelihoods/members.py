@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -32,7 +31,7 @@ class Events:
     Parameters
     ----------
     root : (effects, white) factor of the covariance of their random effects
-    memory : (m,) correlation with the event before
+    memory : (m, effects) correlation with the event before
     mean : (m, effects) what they have in common
     wide : (m,) factor of their standard deviations
     mean_only : how many of the members, the first ones, have no friction of their own
@@ -48,9 +47,8 @@ class Events:
 
     def next(self, k: int, last: Floats, rng: np.random.Generator) -> Floats:
         """Return the random effects of member k's next event, after those of its last."""
-        like, drawn = float(self.memory[k]), 0.0
-        if k >= self.mean_only:
-            drawn = math.sqrt(1 - like**2) * self.wide[k]
+        like = self.memory[k]
+        drawn = np.sqrt(1 - like**2) * self.wide[k] if k >= self.mean_only else 0.0
         fresh = self.root @ rng.standard_normal(self.root.shape[1])
         return np.asarray(self.mean[k] + like * (last - self.mean[k]) + drawn * fresh)
 

@@ -34,6 +34,31 @@ def memory(fit: Fit, which: int) -> tuple[float, float]:
     return correlation([u[members] for u in series for members in fit.windows.by_run])
 
 
+def of_effects(fit: Fit, draws: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """
+    Return the correlation of every random effect with itself an event before, and draws of what it may be instead.
+
+    Parameters
+    ----------
+    fit : with the events' own friction
+    draws : how many
+    rng : draws
+
+    Returns
+    -------
+    expected : (effects,)
+    drawn : (draws, effects) the same of all effects of a kind
+    """
+    expected, drawn = np.zeros(fit.windows.effects), np.zeros((draws, fit.windows.effects))
+    belt = () if fit.windows.belt is None else (fit.windows.belt,)
+    for which, effects in ((STATIC, fit.windows.statics), (KINETIC, fit.windows.kinetics), (BELT, belt)):
+        found, error = memory(fit, which)
+        at = [i for one in effects for i in np.atleast_1d(one)]
+        expected[at] = found
+        drawn[:, at] = np.clip(found + error * rng.standard_normal(draws), 0.0, MOST)[:, None]
+    return expected, drawn
+
+
 def correlation(runs: Sequence[Floats]) -> tuple[float, float]:
     """
     Return the same of numbers of events, (n,) of each run.
