@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits, unexplained
-from stickslip.likelihoods.mixed import Bounds, products, solve, taken
+from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.repeating import explained, lost, swollen
@@ -191,7 +191,7 @@ def _linearised(fit: Fit, policy: Policy) -> Fit:
     return replace(fit, linear=replace(linear, weight=weight), knee=knee)
 
 
-def _estimate(fit: Fit, policy: Policy, turns: int, bounds: Bounds | None = None) -> Estimate[Any]:
+def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
     return estimate(
@@ -203,23 +203,15 @@ def _estimate(fit: Fit, policy: Policy, turns: int, bounds: Bounds | None = None
         fit.random,
         policy,
         turns,
-        fit.windows.steps(fit.at) if bounds is None else bounds,
+        fit.windows.steps(fit.at),
     )
 
 
 def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float]:
-    """
-    The fit a step on and the cost that it saves; None where no step saves any.
-
-    The population is what the windows say of it within a stride of each number. Further away, where a law is known
-    loosely, what the windows' own friction multiplies passes for what the law alone does, and no scatter is left.
-    """
+    """The fit a step on and the cost that it saves; None where no step saves any."""
     assert fit.linear is not None
     windows = fit.windows
-    stride = np.array([n.stride for n in windows.numbers])
-    low, high = windows.steps(fit.at)
-    bounds = np.maximum(low, -stride), np.minimum(high, stride)
-    found = _estimate(fit, policy, TURNS if free else 0, bounds)
+    found = _estimate(fit, policy, TURNS if free else 0)
     population, noise = found.population, found.noise
     if not free:
         noise = _freed_noise(fit, found)
@@ -227,14 +219,16 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     if damping or not free:
         roots = factor(population, windows.places)
         prior = windows.prior.at(fit.at)
-        solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, bounds)
+        solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
+    stride = np.array([n.stride for n in windows.numbers])
+    share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
     for size in STEPS:
-        at = windows.bounded(fit.at + size * solution.shared)
+        at = windows.bounded(fit.at + size * share * solution.shared)
         own = fit.own.copy()
-        own[:, : windows.begins] += size * np.clip(solution.own, -1, 1)
-        own[:, windows.begins :] += size * np.clip(solution.effects - fit.random, -1, 1)
+        own[:, : windows.begins] += size * share * np.clip(solution.own, -1, 1)
+        own[:, windows.begins :] += size * share * np.clip(solution.effects - fit.random, -1, 1)
         blocks = windows.blocks(at, own, shared=(), local=False)
         new, then = cost.total(blocks, own, at)
         worse = new > each + WORSE[0] + WORSE[1] * each
