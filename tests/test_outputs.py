@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import stat
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 
 import stickslip as ss
 from stickslip.errors import QUOTED, InputError, Place, quoted
-from stickslip.files import RECORD, folder, whole
+from stickslip.files import RECORD, chosen, folder, whole
 
 NAMES = ("model.toml", "figures/*.svg")
 
@@ -70,6 +71,60 @@ def test_a_link_in_a_folder_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(ss.InputError, match="a link"):
         write(tmp_path / "out", "a", force=True)
     assert (tmp_path / "kept.toml").read_text() == "kept"
+
+
+def test_a_folder_on_another_disk_is_written_to_though_a_link_leads_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk, here = tmp_path / "disk", tmp_path / "here"
+    disk.mkdir(), here.mkdir()
+    (here / "out").symlink_to(disk)
+    usual = Path.replace
+
+    def on_one_disk(self: Path, to: Path) -> Path:
+        if self.resolve().is_relative_to(disk) != to.resolve().is_relative_to(disk):
+            raise OSError(errno.EXDEV, os.strerror(errno.EXDEV))
+        return usual(self, to)
+
+    monkeypatch.setattr(Path, "replace", on_one_disk)
+    write(here / "out", "a")
+    assert (disk / "model.toml").read_text() == "a"
+    assert sorted(os.listdir(disk)) == sorted([RECORD, "figures", "model.toml"])
+    assert os.listdir(here) == ["out"]
+
+
+def test_a_link_to_a_folder_that_is_not_there_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "out").symlink_to("to")
+    write(tmp_path / "out", "a")
+    assert (tmp_path / "to" / "model.toml").read_text() == "a"
+    assert (tmp_path / "out").is_symlink()
+
+
+@pytest.mark.parametrize("way", ["circle", "inner file", "inner link"])
+def test_a_folder_that_cannot_be_filled_is_refused_before_any_work(tmp_path: Path, way: str) -> None:
+    out = tmp_path / "out"
+    if way == "circle":
+        out.symlink_to("out")
+    else:
+        out.mkdir()
+        (tmp_path / "mine").mkdir()
+        inner = out / "figures"
+        inner.write_text("mine") if way == "inner file" else inner.symlink_to("../mine")
+    with pytest.raises(ss.InputError), folder(out, NAMES):
+        pytest.fail("work was done")
+
+
+@pytest.mark.parametrize("way", ["circle", "record", "closed"])
+def test_a_file_that_cannot_be_written_is_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    out = tmp_path / ("new/" + RECORD if way == "record" else "out")
+    if way == "circle":
+        out.symlink_to("out")
+    if way == "closed":  # the superuser may write anywhere
+        monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(ss.InputError, match=r"cannot be written|record of results"), chosen([out], {}):
+        pytest.fail("work was done")
 
 
 def test_a_pipe_stays_a_pipe(tmp_path: Path) -> None:

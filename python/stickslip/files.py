@@ -7,6 +7,7 @@ link to a single output is followed; one in a folder of results is refused.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -71,8 +72,14 @@ def _refuse_chosen(
     target: Path, others: Sequence[Path], inputs: Mapping[str, Path], force: bool, key: str
 ) -> None:
     """Refuse to write to a place that the user named."""
+    if target.name == RECORD:
+        raise InputError("the record of results has this name; give another file", key=key, value=str(target))
     try:
         there = _regular(target)
+        near = next(one for one in there.parents if one.exists())
+        if not near.is_dir() or not os.access(near, os.W_OK | os.X_OK):
+            code = errno.EACCES if near.is_dir() else errno.ENOTDIR
+            raise OSError(code, os.strerror(code))
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", key=key, value=str(target)) from None
     whose = "its figure" if others else "it"
@@ -142,7 +149,7 @@ def whole(path: Path) -> Iterator[Path]:
 def folder(
     target: Path, names: Sequence[str], *, force: bool = False, inputs: Iterable[Path] = ()
 ) -> Iterator[Path]:
-    """A temporary folder beside the target, whose files are moved into it on success.
+    """A temporary folder in the target, or beside one that is not there yet, whose files are moved on success.
 
     Parameters
     ----------
@@ -162,18 +169,20 @@ def folder(
         The place is a file, cannot be written to, or holds a file of one of these names that no former result put
         there, or that was changed since; said before any work is done.
     """
-    temporary = None
+    temporary, given = None, target
     try:
+        target = _resolved(target)
         if target.exists() and not target.is_dir():
-            raise InputError("is a file; give a folder", key="--out", value=str(target))
-        _refuse_foreign(target, names, force, inputs)
+            raise InputError("is a file; give a folder", key="--out", value=str(given))
+        _refuse_foreign(target, given, names, force, inputs)
         target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name[:100]}."))
+        near = target if target.exists() else target.parent  # on the disk of what it is moved to
+        temporary = Path(tempfile.mkdtemp(dir=near, prefix=f".{target.name[:100]}."))
         yield temporary
-        _refuse_foreign(target, names, force, inputs)
+        _refuse_foreign(target, given, names, force, inputs)
         _move(temporary, target, names)
     except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(target)) from None
+        raise InputError(f"cannot be written ({error.strerror})", key="--out", value=str(given)) from None
     finally:
         if temporary is not None:
             shutil.rmtree(temporary, ignore_errors=True)
@@ -181,12 +190,20 @@ def folder(
 
 def _regular(path: Path) -> Path:
     """Where to write for `path`: at the end of its links, which must be a regular file or nothing."""
-    target = path.resolve()
+    target = _resolved(path)
     if target.is_dir():
         raise InputError(f"{path}: is a folder; give a file")
     if target.exists() and not target.is_file():
         raise InputError(f"{path}: is a device or a pipe; give a file")
     return target
+
+
+def _resolved(path: Path) -> Path:
+    """The end of a path's links; an OSError where they lead in a circle, as for all else that cannot be opened."""
+    try:
+        return path.resolve()
+    except RuntimeError:  # of Python before 3.13
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP)) from None
 
 
 def _mask() -> int:
@@ -214,23 +231,29 @@ def _there(target: Path, names: Sequence[str]) -> list[Path]:
     return sorted({file for name in names for file in target.glob(name)})
 
 
-def _refuse_foreign(target: Path, names: Sequence[str], force: bool, inputs: Iterable[Path]) -> None:
-    """Refuse to replace what is not a former result's."""
+def _refuse_foreign(
+    target: Path, given: Path, names: Sequence[str], force: bool, inputs: Iterable[Path]
+) -> None:
+    """Refuse to replace what is not a former result's, in a folder as it was given."""
     former = _former(target)
+    for inner in sorted({Path(name).parts[0] for name in names if len(Path(name).parts) > 1}):
+        if (target / inner).is_symlink() or ((target / inner).exists() and not (target / inner).is_dir()):
+            words = f"holds '{inner}', which is no folder; move it, or give another folder"
+            raise InputError(words, key="--out", value=str(given))
     read = [one for one in inputs if one.exists()]
     for file in _there(target, names):
         name = file.relative_to(target).as_posix()
         if not file.is_file() or file.is_symlink():
             what = "a link" if file.is_symlink() else "not a file"
             words = f"holds '{name}', which is {what} and would be replaced; move it, or give another folder"
-            raise InputError(words, key="--out", value=str(target))
+            raise InputError(words, key="--out", value=str(given))
         if any(file.samefile(one) for one in read):
             words = f"holds '{name}', which is read here; give another folder"
-            raise InputError(words, key="--out", value=str(target))
+            raise InputError(words, key="--out", value=str(given))
         if not force and former.get(name) != _digest(file):
             whose = "was changed since it was written" if name in former else "no former result put there"
             words = f"holds '{name}', which {whose}; give another folder, or --force to replace it"
-            raise InputError(words, key="--out", value=str(target))
+            raise InputError(words, key="--out", value=str(given))
 
 
 def _move(temporary: Path, target: Path, names: Sequence[str]) -> None:
