@@ -156,3 +156,12 @@ def test_a_copied_line_of_channels_is_refused_for_text_too(tmp_path):
     np.savetxt(file, np.c_[T, F], delimiter=",", header="t,F", comments="")
     with pytest.raises(ss.InputError, match="each has its own column"):
         load(file, "t", "t")
+
+
+def test_a_column_that_is_not_there_is_missed_among_the_words_of_the_others(saved) -> None:
+    file = saved({"names": cell([["Time", "Force [N]"]]), "data": np.c_[T, F]})
+    with pytest.raises(ss.InputError, match=r"'t': missing; the file has Time, Force \[N\]"):
+        load(file, "t", "F")
+    file = saved({"names": cell([["Time", "Force"]]), "data": np.c_[T, F], "more": np.c_[T, F]})
+    with pytest.raises(ss.InputError, match=r"missing; the file has .*data.*1.*more.*2"):
+        load(file, "t", "F")

@@ -26,6 +26,8 @@ def doubt(error: ErrorBlock) -> str:
     """Return in words why what was found does not carry over."""
     if (held := error.likelihood) is None:
         return f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
+    if held.against and held.gain > 0:  # a few forecasts gain more than most lose
+        return f"most of {held.forecasts} forecasts of runs never used are less likely with it (p = {held.chance:.2g})"
     less = f"runs never used are less likely with it, by {-held.gain:.3g} in -2 log likelihood"
     if held.against:
         return f"{less} over {held.forecasts} forecasts (p = {held.chance:.2g})"

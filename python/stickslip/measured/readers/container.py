@@ -71,7 +71,7 @@ class Container:
 
     def read(self, names: Sequence[str], units: Mapping[str, str]) -> Columns:
         """Return some of the columns, times that are no numbers in their declared unit."""
-        also = self.contents.also
+        also, titles = self.contents.also, self.contents.titles
         own = {
             name: name if name in self.contents.names else also.get(name, name)
             for name in dict.fromkeys(names)
@@ -80,7 +80,10 @@ class Container:
             if name in self._head.get("words", {}):
                 words = "words; a channel is a real vector of numbers"
                 raise InputError(words, place=Place(str(self.file), column=name))
-            require(name, self.contents.names, Place(str(self.file), column=name))
+            known = self.contents.names
+            if name not in known:  # which columns there are is said by their words, as one asks for them
+                known = tuple(titles[one] if titles.get(one) in also else one for one in known)
+            require(name, known, Place(str(self.file), column=name))
         head, columns = self._answer(tuple(own.values()))
         values = dict(zip(own, columns, strict=True))
         for name in own:
