@@ -366,3 +366,14 @@ def test_files_of_other_kinds_are_named(tmp_path: Path, magic: bytes, words: str
     (tmp_path / "run.csv").write_bytes(magic + bytes(100))
     with pytest.raises(ss.InputError, match=words):
         read_columns(tmp_path / "run.csv", ["t"])
+
+
+def test_a_file_that_is_replaced_while_it_is_read_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "run.h5"
+    hdf5(file)
+    looked = open_table(file)
+    assert "run/F" in looked.contents.names
+    with h5py.File(file, "w") as f:
+        f["other"] = T
+    with pytest.raises(ss.InputError, match="was changed while it was read"):
+        looked.read(["run/F"], {})

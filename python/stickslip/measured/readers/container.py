@@ -85,6 +85,8 @@ class Container:
                 known = tuple(titles[one] if titles.get(one) in also else one for one in known)
             require(name, known, Place(str(self.file), column=name))
         head, columns = self._answer(tuple(own.values()))
+        if len(columns) != len(own):  # the parser found other names than before
+            raise InputError("was changed while it was read; read it again", place=Place(str(self.file)))
         values = dict(zip(own, columns, strict=True))
         for name in own:
             if own[name] in head.get("times", ()):
