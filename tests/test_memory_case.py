@@ -41,6 +41,28 @@ def test_recordings_keep_their_roles() -> None:
     assert case.declared_law == COULOMB
 
 
+def test_recordings_of_one_name_are_told_apart() -> None:
+    """What was forecast of one was held against the readings of the other."""
+    runs = [replace(block_run(seed=k), role=role) for k, role in enumerate(("train", "validate", "validate"))]
+    names = [run.name for run in case_in_memory(runs, None).runs]
+    assert names == [f"{runs[0].name}_{k}" for k in (1, 2, 3)]
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path: Path) -> None:
+    text = '[rig]\nkind = "block_on_belt"\nm = 0.5\nk = 500\n'
+    text += '[channels]\nt = { column = "t", unit = "s" }\nx1 = { column = "x1", unit = "mm" }\n'
+    for day, role in (("monday", "train"), ("tuesday", "validate"), ("friday", "validate")):
+        (tmp_path / day).mkdir()
+        frame().to_csv(tmp_path / day / "run.csv", index=False)
+        text += f'[[run]]\nfile = "{day}/run.csv"\nrole = "{role}"\nbelt_speed = "5 mm/s"\n'
+    case = tmp_path / "rig.toml"
+    case.write_text(text)
+    assert [run.name for run in ss.load_case(case).runs] == ["monday/run", "tuesday/run", "friday/run"]
+    case.write_text(text.replace('role = "validate"', 'role = "validate"\nname = "late"'))
+    with pytest.raises(ss.InputError, match=r"\[\[run\]\] 2 has this name already"):
+        ss.load_case(case)
+
+
 @pytest.mark.parametrize(
     ("given", "named", "words"),
     [

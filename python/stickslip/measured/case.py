@@ -6,8 +6,9 @@ One file, as what a case is and how each key of its file becomes that are read t
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import count
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -263,9 +264,12 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
     candidates = read_candidates(document, declared.candidate, rig, friction, channels)
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
     _check_runs(document, declared.run, allowed)
+    named = [
+        run.model_copy(update={"name": name})
+        for run, name in zip(declared.run, _names(declared.run), strict=True)
+    ]
     runs = tuple(
-        _read_run(document, i, run, declared, channels, noise, friction, rig)
-        for i, run in enumerate(declared.run)
+        _read_run(document, i, run, declared, channels, noise, friction, rig) for i, run in enumerate(named)
     )
     title = declared.title or document.path.resolve().parent.name
     undeclared = tuple(one.name for one in fields(friction) if one.name not in law)
@@ -305,6 +309,10 @@ def _check_runs(document: Document, runs: list[_RunTable], allowed: Path) -> Non
         if run.start is not None and run.end is not None and run.start >= run.end:
             raise document.error(f"must be above from = {run.start:g}", "run", i, "to", value=run.end)
         for j, earlier in enumerate(runs[:i]):
+            if run.name is not None and earlier.name == run.name:
+                raise document.error(
+                    f"[[run]] {j + 1} has this name already", "run", i, "name", value=run.name
+                )
             if earlier.file != run.file or not _overlap(earlier, run):
                 continue
             which = f"[[run]] {j + 1} has these samples already"
@@ -354,7 +362,7 @@ def _read_run(
         role=run.role,
         noise=noise,
         window=(run.start, run.end),
-        name=_name_of(run),
+        name=run.name,
         # Table 1 is no guess in N, and neither are the defaults of a law of which only the kind is given
         friction=friction if isinstance(own, Rig) or set(declared.friction) - {"kind"} else None,
     )
@@ -383,15 +391,40 @@ def _read_general(
         role=run.role,
         noise=noise,
         window=(run.start, run.end),
-        name=_name_of(run),
+        name=run.name,
     )
 
 
-def _name_of(run: _RunTable) -> str:
+def told_apart(names: Sequence[str]) -> list[str]:
+    """Names of runs, those of several numbered: results are looked up by them."""
+    taken, out = set(names), []
+    for name in names:
+        own = name
+        if names.count(name) > 1:
+            own = next(one for k in count(1) if (one := f"{name}_{k}") not in taken)
+            taken.add(own)
+        out.append(own)
+    return out
+
+
+def _names(runs: Sequence[_RunTable]) -> list[str]:
+    """Their own, or those of their files and windows; the folders of files that are called alike tell them apart."""
+    short = [_name_of(run, Path(run.file).stem) for run in runs]
+    given = [run.name is not None for run in runs]
+    return told_apart(
+        [
+            _name_of(run, Path(run.file).with_suffix("").as_posix())
+            if short.count(name) > 1 and not own
+            else name
+            for run, name, own in zip(runs, short, given, strict=True)
+        ]
+    )
+
+
+def _name_of(run: _RunTable, name: str) -> str:
     """Its own, or that of its file and its window."""
     if run.name is not None:
         return run.name
-    name = Path(run.file).stem
     name += "" if run.start is None else f"_from_{run.start:g}"
     return name + ("" if run.end is None else f"_to_{run.end:g}")
 

@@ -18,7 +18,7 @@ from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
-from stickslip.measured.case import Case
+from stickslip.measured.case import Case, told_apart
 from stickslip.measured.recording import Recording, load_recording
 
 SHARE = 2 / 3  # of a run's time that is trained on, where nothing is there to validate on
@@ -85,6 +85,10 @@ def case_in_memory(
     first = given[0]
     if any(run.channels != first.channels for run in given):
         raise InputError("the recordings have different channels; record them alike", key="case")
+    names = told_apart([run.name for run in given])
+    given = [
+        run if run.name == name else replace(run, name=name) for run, name in zip(given, names, strict=True)
+    ]
     if all(run.role == "train" for run in given):
         given = [part for run in given for part in _cut(run)]
     own_rig = rig or first.rig
