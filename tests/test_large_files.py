@@ -99,6 +99,25 @@ def test_a_time_that_goes_back_is_found_though_the_means_increase(
         load(write(tmp_path / "run.csv", t))
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("% a note", "line 702: a comment among the rows"),
+        ("// a note", "line 702: a comment among the rows"),
+        ('1.4,"5', "line 702: a quotation mark is opened and not closed"),
+        ("1.4,1_0", "line 702, column 'F': '1_0' has a character"),
+        ("1.4,\uff15", "line 702, column 'F': .* has a character"),
+    ],
+)
+def test_what_only_a_person_reads_has_its_line(tmp_path: Path, line: str, said: str) -> None:
+    file = write(tmp_path / "run.csv")
+    lines = file.read_text().splitlines()
+    lines[701] = line
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(ss.InputError, match=said):
+        load(file)
+
+
 def test_a_cell_that_is_no_number_has_its_line_though_rows_are_averaged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -12,12 +13,13 @@ from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
 from stickslip.measured.readers.cut_off import last_number, told_count, unended
-from stickslip.measured.readers.dialect import Layout, number_in, rows_from
+from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened, rows_from
 from stickslip.measured.readers.memory import ratio
 from stickslip.measured.readers.part import Part, neighbours
 from stickslip.measured.readers.row_counts import count_rows, fits
 
 CHUNK = 1 << 18  # rows that are parsed at once
+_WRITTEN = re.compile(r"[+-]?([0-9]+[.,]?[0-9]*|[.,][0-9]+)([eE][+-]?[0-9]+)?")
 How = tuple[int, int, bool]  # rows, neighbours that are averaged, whether the cells are bare
 
 
@@ -70,8 +72,29 @@ def _one(layout: Layout, name: str, names: Sequence[str], unit: str, how: How) -
         part.add([_times(layout, name, unit)])
         return part
     raise_first_fault(layout, names)
+    _raise_odd_line(layout, name)
     words = "holds a cell that cannot be read as a number"
     raise InputError(words, place=Place(str(layout.path), column=name))
+
+
+def _raise_odd_line(layout: Layout, name: str) -> None:
+    """Raise the first line that only a person reads: a comment among the rows, an open quotation mark, odd digits."""
+    at, place = layout.header.index(name), str(layout.path)
+    with opened(layout.path, layout.encoding, layout.mark) as stream:
+        for number, line in enumerate(stream, start=1):
+            if number < layout.first or (layout.last and number > layout.last) or not line.strip():
+                continue
+            if not (text := bare(line, layout.delimiter)):
+                if line.lstrip().startswith("#"):
+                    continue
+                words = "a comment among the rows; delete it, or begin it with #"
+                raise InputError(words, place=Place(place, number))
+            if text.count('"') % 2:
+                raise InputError("a quotation mark is opened and not closed", place=Place(place, number))
+            cell = cells_of(text, layout.delimiter)[at]
+            if _WRITTEN.fullmatch(cell) is None:
+                words = f"'{quoted(cell, 30)}' has a character that numbers are not written with"
+                raise InputError(words, place=Place(place, number, column=name))
 
 
 def _times(layout: Layout, name: str, unit: str) -> Floats:
