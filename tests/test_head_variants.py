@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from stickslip.measured.heads import unit_in
 from stickslip.measured.inspection import inspect
+from stickslip.measured.readers.tables import read_columns
 
 N = 60
 T = np.round(0.002 * np.arange(N), 4)
@@ -84,3 +85,14 @@ def test_a_column_of_numbers_with_a_word_is_doubtful(tmp_path: Path) -> None:
 @pytest.mark.parametrize("word", ["Min", "MAX", "Ms", "Pa s x", "AVG"])
 def test_words_in_capitals_are_not_made_units(word: str) -> None:
     assert unit_in(word) != word.lower()
+
+
+def test_a_comment_that_names_the_columns_in_another_order_is_refused(tmp_path: Path) -> None:
+    """Its order was taken: time and force were swapped."""
+    file = tmp_path / "run.csv"
+    rows = "".join(f"{k},{2 * k}\n" for k in range(9))
+    file.write_text("t,F\n# F,t\n" + rows)
+    with pytest.raises(ss.InputError, match="line 2: names the columns in another order than line 1"):
+        read_columns(file, ["t", "F"])
+    file.write_text("t,F\n# t,F\n" + rows)
+    assert read_columns(file, ["t", "F"]).values["F"][1] == 2

@@ -130,12 +130,14 @@ def find_layout(file: Path, wanted: Sequence[str] = ()) -> Layout:
         lines = [line.rstrip("\n") for _, line in zip(range(HEAD), stream, strict=False)]
     if not any(line.strip() and not line.strip().startswith(COMMENTS) for line in lines):
         raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(str(file)))
-    at, names, delimiter = (_declared(lines, wanted) if wanted else None) or _guessed(file, lines)
+    at, names, delimiter = (_declared(file, lines, wanted) if wanted else None) or _guessed(file, lines)
     units, first = _units_below(lines, at, names, delimiter)
     return Layout(file, encoding, mark, names, at + 1, first + 1, delimiter, signs(delimiter), units)
 
 
-def _declared(lines: Sequence[str], wanted: Sequence[str]) -> tuple[int, tuple[str, ...], str] | None:
+def _declared(
+    file: Path, lines: Sequence[str], wanted: Sequence[str]
+) -> tuple[int, tuple[str, ...], str] | None:
     """The last line above the rows that has all the wanted names, with its cells and its separator.
 
     A note may name them too, also below the names: rows tell, which have as many cells as there are names.
@@ -145,6 +147,7 @@ def _declared(lines: Sequence[str], wanted: Sequence[str]) -> tuple[int, tuple[s
     for i, line in enumerate(lines):
         as_wide = [one for one in found if _is_row(line, one[2], len(one[1]))]
         if as_wide:
+            _refuse_other_order(file, lines, as_wide, wanted)
             return as_wide[-1]
         if found and bare(
             line, found[-1][2]
@@ -158,6 +161,23 @@ def _declared(lines: Sequence[str], wanted: Sequence[str]) -> tuple[int, tuple[s
                 found.append((i, names, delimiter))
                 break
     return found[-1] if found else None
+
+
+def _refuse_other_order(
+    file: Path,
+    lines: Sequence[str],
+    found: Sequence[tuple[int, tuple[str, ...], str]],
+    wanted: Sequence[str],
+) -> None:
+    """Refuse a comment right above the rows that has the names of a plain line above it in another order."""
+    last, names, _ = found[-1]
+    if not lines[last].lstrip().startswith(COMMENTS):
+        return
+    for at, others, _ in found[:-1]:
+        plain = not lines[at].lstrip().startswith(COMMENTS)
+        if plain and [one for one in others if one in wanted] != [one for one in names if one in wanted]:
+            words = f"names the columns in another order than line {at + 1}; delete one of the two"
+            raise InputError(words, place=Place(str(file), last + 1))
 
 
 def _names(line: str, delimiter: str) -> tuple[str, ...]:
