@@ -120,7 +120,7 @@ def test_a_struct_makes_a_recording(file):
     [
         ("run", r"column 'run': missing; the file has .*run.t"),
         ("run.f", r"missing; the file has .*did you mean 'run.F'"),
-        ("data{3}", r"missing; the file has|char array"),
+        ("data{3}", r"words; a channel is a real vector|char array"),
         ("matrix", r"missing; the file has .*matrix\(:,1\)"),
         ("F", r"missing; the file has"),  # run.F, runs(1).F and runs(2).F
         ("run.empty", r"empty double array|float64 array of shape \(0, 0\)"),
