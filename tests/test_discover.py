@@ -36,7 +36,7 @@ def test_nothing_is_found_where_nothing_is(clean):
     assert clean.scatter == {}  # every event repeats
     assert clean.residual_after.clean
     assert clean.error.after == clean.error.before
-    assert clean.error.after < 1.2 * clean.error.floor
+    assert clean.error.after < 1.5 * clean.error.floor  # of one short run, whose members are drawn
     assert clean.error.floor < 0.03
 
 
