@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.data.practice import write_lvm, write_simulated
+from stickslip.cli.practice import write_lvm, write_simulated
 
 
 def test_a_block_sticks_and_slips_with_the_period_of_the_closed_form() -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from stickslip.cli.practice import write_lvm, write_simulated
 from stickslip.data import example
-from stickslip.data.practice import write_lvm, write_simulated
 
 
 def prepare(folder: Path) -> None:

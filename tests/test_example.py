@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 import stickslip as ss
 from stickslip.cli.commands import main
+from stickslip.cli.practice import PRACTICE, WEIGHT
 from stickslip.data import example
-from stickslip.data.practice import PRACTICE, WEIGHT
 
 
 @pytest.mark.parametrize("name", PRACTICE)

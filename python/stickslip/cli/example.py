@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stickslip.cli.options import Output, force_option
-from stickslip.data.practice import PRACTICE
+from stickslip.cli.practice import PRACTICE
 
 LISTED = "".join(f"\n  {name:14}{what}" for name, (what, _, _) in PRACTICE.items())
 HELP = f"""Write the files of an example into a folder. The tutorial and the how-to pages begin with them.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from stickslip.cli.practice import PRACTICE
 from stickslip.cli.printed import say_written
-from stickslip.data.practice import PRACTICE
 from stickslip.files import folder
 
 

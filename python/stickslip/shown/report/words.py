@@ -1,4 +1,7 @@
-"""Plain words for a verdict: what each effect is, where it sits, how sure one can be."""
+"""Plain words for a verdict: what each effect is, where it sits, how sure one can be.
+
+One file, as a report is read from top to bottom: what one sentence says the next need not.
+"""
 
 from __future__ import annotations
 
