@@ -1,10 +1,12 @@
 """How alike neighbouring events are: against dense covariances, and recurrences that are known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 
-from stickslip.likelihoods.memory import GRID, correlation
+from stickslip.likelihoods.memory import GRID, correlation, of_effects
 
 
 def recurrence(n: int, like: float, rng: np.random.Generator) -> np.ndarray:
@@ -47,3 +49,15 @@ def test_its_error_covers_what_is_true(like: float, events: int) -> None:
 
 def test_what_does_not_vary_remembers_nothing() -> None:
     assert correlation([np.ones(9), np.zeros(2)]) == (0.0, 0.0)
+
+
+def test_each_kind_of_scatter_remembers_as_it_does_itself() -> None:
+    rng = np.random.default_rng(3)
+    static, kinetic, belt = (recurrence(200, like, rng) for like in (0.0, 0.8, 0.4))
+    windows = SimpleNamespace(effects=4, statics=(0,), kinetics=([1, 2],), belt=3, by_run=[np.arange(200)])
+    fit = SimpleNamespace(windows=windows, random=np.column_stack([static, kinetic, kinetic, belt]))
+    expected, drawn = of_effects(fit, 500, rng)
+    assert expected == pytest.approx([0.0, 0.8, 0.8, 0.4], abs=0.15)
+    assert np.mean(drawn, axis=0) == pytest.approx(expected, abs=0.05)
+    np.testing.assert_array_equal(drawn[:, 1], drawn[:, 2])
+    assert abs(np.corrcoef(drawn[:, 0], drawn[:, 1])[0, 1]) < 0.2
