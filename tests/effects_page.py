@@ -53,8 +53,9 @@ No belt, no spring; SI. F is the drive, T the friction of the law. Beside these:
 
 TAIL = """
 What has no name is a `tabulated` term, a smooth curve of one variable on block, angle body or contact:
-`ss.tabulated(where, depends_on, knots, values)`. In t it may repeat, with a `period`; its angular frequency `w` and
-phase `phi` are then parameters like those at the knots (`value_0`, ...), for sweeps, sensitivities and `Model.replace`.
+`ss.tabulated(where, depends_on, knots, values)`, two of a motion at most. In t it may repeat, with a `period`; its
+angular frequency `w` and phase `phi` are then parameters like those at the knots (`value_0`, ...), for sweeps,
+sensitivities and `Model.replace`.
 
 Numbers may be such that friction turns negative: a `friction_drift` beyond 1 + r t = 0, a `stribeck_peak` or
 `static_aging` that takes more than there is, a curve below -1 at the contact. The model is then simulated as declared,

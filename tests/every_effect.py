@@ -42,6 +42,10 @@ EFFECTS: dict[str, list[ss.Effect | ss.Tabulated]] = {
     "a slow lag": [*one("sensor_lag", tau=20.0), *one("sensor_crosstalk", c=0.1)],
     "a table on the block": [ss.tabulated("block", "x1", *SHAPE)],
     "a table on the angle body": [ss.tabulated("angle_body", "y2", *SHAPE)],
+    "two tables": [
+        ss.tabulated("contact", "v_w", *SHAPE),
+        ss.tabulated("block", "x1", [-0.4, 0.1, 0.5], [0.1, -0.15, 0.2]),
+    ],
     "a table on the contact": [ss.tabulated("contact", "y1", *SHAPE)],
     "a table in time that repeats": [ss.tabulated("block", "t", [0, 1, 2, 3], [0, 0.2, -0.1, 0], period=3)],
     "a table in time at its own phase": [

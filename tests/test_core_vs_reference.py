@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 
+from stickslip.declared.effect import tabulated
+from stickslip.declared.rig import Rig
 from stickslip.simulated.reference import integrate as reference
 from strategies import SIZES, clearance, runs
 
@@ -62,5 +66,35 @@ def test_every_effect_agrees(name):
     def each(run):
         assume(run[0].effects)
         agree(*run, t_end=6.0 if name == "contact_compliance" else 12.0)  # which is stiff
+
+    each()
+
+
+KNOTS, OTHERS = (-0.4, -0.1, 0.0, 0.15, 0.4), (-0.6, 0.05, 0.3)
+TWO = {
+    "a force and a factor": (
+        tabulated("contact", "v_w", KNOTS, (0.1, -0.1, 0.15, 0.0, 0.1)),
+        tabulated("block", "x1", OTHERS, (0.1, -0.15, 0.2)),
+    ),
+    "two factors": (
+        tabulated("contact", "x1", KNOTS, (0.1, -0.1, 0.15, 0.0, 0.1)),
+        tabulated("contact", "y1", OTHERS, (0.1, -0.05, 0.1)),
+    ),
+    "one in time that repeats": (
+        tabulated("block", "x2", KNOTS, (0.2, 0.1, 0.0, -0.1, -0.3)),
+        tabulated("angle_body", "t", (0, 1, 2, 3), (0, 0.2, -0.1, 0), period=3, phi=2.5),
+    ),
+}
+
+
+@pytest.mark.parametrize("two", TWO.values(), ids=TWO)
+def test_two_tables_agree(two):
+    @settings(COMMON, max_examples=4)
+    @given(runs(names=()))
+    def each(run):
+        model, v_b, start = run
+        assume(isinstance(model.rig, Rig))
+        for turn in (1, -1):
+            agree(replace(model, effects=two[::turn]), v_b, start)
 
     each()

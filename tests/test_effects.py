@@ -135,11 +135,13 @@ def test_tabulated_curve_repeats_in_time() -> None:
         tabulated("block", "t", t, wave + t, period=2.0)
 
 
-def test_a_motion_has_one_tabulated_term() -> None:
-    one, other = (tabulated(where, "x1", [0.0, 1.0, 2.0], [0.0, 0.1, 0.3]) for where in ("contact", "block"))
+def test_a_motion_has_two_tabulated_terms_at_most() -> None:
+    places = ("contact", "block", "angle_body")
+    curves = [tabulated(where, "x1", [0.0, 1.0, 2.0], [0.0, 0.1, 0.3]) for where in places]
     rig = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
-    with pytest.raises(InputError, match="one tabulated term"):
-        Model(rig, friction=PaperFriction(), effects=[one, other])
+    with pytest.raises(InputError, match="two tabulated terms"):
+        Model(rig, friction=PaperFriction(), effects=curves)
+    Model(rig, friction=PaperFriction(), effects=curves[1:])
 
 
 @pytest.mark.parametrize("belt_speed", [0.1, -0.1])

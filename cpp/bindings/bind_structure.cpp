@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "pybind.hpp"
@@ -28,6 +29,21 @@ py::tuple parameter_names() {
   return out;
 }
 
+// A tabulated term: place, variable, period, knots.
+using TableTuple = std::tuple<int, int, double, std::vector<double>>;
+
+Table table(const TableTuple& from) {
+  const auto& [place, variable, period, knots] = from;
+  if (knots.size() > max_knots) throw py::value_error("a tabulated term has at most 24 knots");
+  Table out;
+  out.place = static_cast<TablePlace>(place);
+  out.variable = static_cast<TableVariable>(variable);
+  out.period = period;
+  out.knots = static_cast<int>(knots.size());
+  std::copy(knots.begin(), knots.end(), out.knot);
+  return out;
+}
+
 }  // namespace
 
 void bind_structure(py::module_& m) {
@@ -36,25 +52,21 @@ void bind_structure(py::module_& m) {
       .value("block_on_belt", RigKind::block_on_belt)
       .finalize();
   py::class_<Structure>(m, "Structure", "Which rig, law and effects a parameter vector describes.")
-      .def(py::init([](RigKind rig, int law, std::uint32_t effects, int place, int variable, double period,
-                       const std::vector<double>& knots) {
+      .def(py::init([](RigKind rig, int law, std::uint32_t effects, const std::vector<TableTuple>& tables) {
              if (law < 0 || law >= Laws::size) throw py::value_error("law must be a place in LAWS");
              Structure s;
              s.rig = rig;
              s.law = law;
              s.effects = effects;
-             s.table_place = static_cast<TablePlace>(place);
-             s.table_variable = static_cast<TableVariable>(variable);
-             s.table_period = period;
-             if (knots.size() > max_knots) throw py::value_error("a tabulated term has at most 24 knots");
-             s.knots = static_cast<int>(knots.size());
-             std::copy(knots.begin(), knots.end(), s.knot);
+             if (tables.size() > table_count) throw py::value_error("a model has two tabulated terms at most");
+             for (std::size_t i = 0; i < tables.size(); ++i) s.table[i] = table(tables[i]);
              return s;
            }),
-           py::kw_only(), py::arg("rig"), py::arg("law"), py::arg("effects") = 0, py::arg("table_place") = 0,
-           py::arg("table_variable") = 0, py::arg("table_period") = 0.0, py::arg("knots") = std::vector<double>{});
+           py::kw_only(), py::arg("rig"), py::arg("law"), py::arg("effects") = 0,
+           py::arg("tables") = std::vector<TableTuple>{});
   m.attr("PARAMETERS") = parameter_names();
   m.attr("MAX_KNOTS") = max_knots;
+  m.attr("TABLES") = table_count;
   m.attr("STATES") = names(state_names);
   m.attr("EFFECTS") = names(effect_names);
   m.attr("LAWS") = names(law_names);

@@ -53,7 +53,7 @@ void prepare(const Request& q, System<T>& sys, State<T>& s, int first, int count
   load(q.initial, seeds, first, count, stride, s.z, state_count);
   s.t = T(q.t_start);
   build(sys);
-  build_table(sys);
+  build_tables(sys);
 }
 
 template <class T>

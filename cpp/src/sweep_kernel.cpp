@@ -31,7 +31,8 @@ void sweep(const SweepRequest& q, void* workspace) {
     ensemble->run();
     return;
   }
-  if (q.lanes && q.structure->table_period == 0) {  // cycles of a table in t would keep the lanes apart
+  const auto& tables = q.structure->table;
+  if (q.lanes && tables[0].period == 0 && tables[1].period == 0) {  // cycles of a table in t would keep the lanes apart
     auto* ensemble = new (workspace) EffectEnsemble<width>(q);
     ensemble->run();
     return;

@@ -101,7 +101,7 @@ void prepare(const Setup& setup, System<T>& sys) {
   sys.structure = setup.structure;
   for (int i = 0; i < parameter_count; ++i) sys.p[i] = T(setup.p[static_cast<std::size_t>(i)]);
   build(sys);
-  build_table(sys);
+  build_tables(sys);
 }
 
 template <class T>
@@ -130,7 +130,7 @@ Run<T> run(const Setup& setup, double t_end, double tolerance, const Seed& seed,
   s.t = T(0.0);
   seed(sys.p, s);
   build(sys);
-  build_table(sys);
+  build_tables(sys);
   Machine<T> machine(sys, {tolerance, tolerance, t_end, henon, order_for(tolerance_share * tolerance), 0.0, 100000});
   machine.start(s, setup.contact);
   Run<T> out;

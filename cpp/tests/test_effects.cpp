@@ -10,13 +10,14 @@ constexpr int order = 24;
 
 // Those whose equations stand below. A new effect is held to the formula of its Python file (tests/test_acts.py), and may
 // be written out here too.
+constexpr std::uint32_t tabulated = effect("tabulated") | effect("second_tabulated");
 constexpr std::uint32_t written_out =
     effect("block_viscous_damping") | effect("block_quadratic_damping") | effect("spring_cubic_k1") |
     effect("spring_cubic_k2") | effect("spring_cubic_k3") | effect("spring_gap_k3") | effect("constant_load") |
     effect("harmonic_forcing") | effect("pivot_dry_friction") | effect("normal_force_feedback") |
     effect("stribeck_peak") | effect("static_aging") | effect("friction_memory") | effect("friction_drift") |
     effect("belt_seam") | effect("contact_compliance") | effect("belt_speed_ripple") | effect("belt_load_droop") |
-    effect("sensor_lag") | effect("tabulated");
+    effect("sensor_lag") | tabulated;
 
 // The reference rig with a number for every effect; which of them act is set apart.
 Setup all_effects() {
@@ -38,10 +39,12 @@ Setup all_effects() {
   p[slot("belt_speed_ripple.a")] = 0.15;
   p[slot("belt_speed_ripple.w")] = 2.3, p[slot("belt_speed_ripple.phi")] = 1.1, p[slot("belt_load_droop.k")] = 0.004;
   p[slot("belt_load_droop.tau")] = 0.8, p[slot("sensor_lag.tau")] = 0.2, p[slot("sensor_crosstalk.c")] = 0.1;
-  s.structure.knots = 3;
+  for (auto& table : s.structure.table) table.knots = 3;
   for (std::size_t i = 0; i < 3; ++i) {
-    s.structure.knot[i] = -1.0 + static_cast<double>(i);
+    s.structure.table[0].knot[i] = -1.0 + static_cast<double>(i);
+    s.structure.table[1].knot[i] = -1.2 + 1.1 * static_cast<double>(i);
     p[slot_count + i] = 0.3 * std::cos(2.0 * static_cast<double>(i));
+    p[slot_count + max_knots + i] = 0.2 * std::sin(1.0 + 2.0 * static_cast<double>(i));
   }
   s.z = {0.12, 0.0, -0.2, 0.15, 0.0, 0.003, -0.01, 0.1, 0.7};
   return s;
@@ -75,16 +78,19 @@ struct Equations {
     return s.p[belt_speed] * (1 + ripple()) + (acts(effect("belt_load_droop")) ? at.z[state("b")] : 0);
   }
   double v() const { return x2() - belt(); }
-  int knot() const { return mode.side[surface_of<Tabulated>]; }
+  template <class E>
   double table(TablePlace place) const {
-    if (!acts(effect("tabulated")) || s.structure.table_place != place) return 0;
+    const Table& own = s.structure.table[E::table];
+    if (!acts(bit_of<E>) || own.place != place) return 0;
     const double of[] = {x1(), x2(), y1(), y2(), v(), at.t};
-    const double x = of[static_cast<int>(s.structure.table_variable)];
-    const double* c = sys.table[knot()];
-    if (knot() == 0 || knot() == s.structure.knots) return c[0];
-    const double d = x - s.structure.knot[knot() - 1];
+    const double x = of[static_cast<int>(own.variable)];
+    const int knot = mode.side[surface_of<E>];
+    const double* c = sys.table[E::table][knot];
+    if (knot == 0 || knot == own.knots) return c[0];
+    const double d = x - own.knot[knot - 1];
     return c[0] + d * (c[1] + d * (c[2] + d * c[3]));
   }
+  double tables(TablePlace place) const { return table<Tabulated>(place) + table<SecondTabulated>(place); }
   double factor() const {
     const auto& p = s.p;
     double f = 1;
@@ -95,7 +101,7 @@ struct Equations {
     if (acts(effect("belt_seam")))
       f *= 1 + p[slot("belt_seam.a")] * std::sin(2 * M_PI * (p[belt_speed] * at.t - x1()) / p[slot("belt_seam.L")] +
                                                  p[slot("belt_seam.phi")]);
-    return f * (1 + table(TablePlace::contact));
+    return f * (1 + table<Tabulated>(TablePlace::contact)) * (1 + table<SecondTabulated>(TablePlace::contact));
   }
   double kinetic() const {
     const double u = std::abs(acts(effect("friction_memory")) ? at.z[state("w")] : v()),
@@ -121,7 +127,7 @@ struct Equations {
   }
   double block_force() const {
     const auto& p = s.p;
-    double f = both() + table(TablePlace::block);
+    double f = both() + tables(TablePlace::block);
     if (acts(effect("block_viscous_damping"))) f -= p[slot("block_viscous_damping.c")] * x2();
     if (acts(effect("block_quadratic_damping"))) f -= p[slot("block_quadratic_damping.c")] * x2() * std::abs(x2());
     if (acts(effect("spring_cubic_k1"))) f -= p[slot("spring_cubic_k1.k")] * std::pow(x1(), 3);
@@ -133,7 +139,7 @@ struct Equations {
   }
   double leg_force() const {
     const auto& p = s.p;
-    double f = both() + table(TablePlace::angle_body);
+    double f = both() + tables(TablePlace::angle_body);
     if (acts(effect("spring_cubic_k3"))) f -= p[slot("spring_cubic_k3.k")] * std::pow(y1(), 3);
     if (acts(effect("spring_gap_k3")) && std::abs(y1()) > p[slot("spring_gap_k3.d")])
       f -= p[slot("spring_gap_k3.k")] * (y1() - std::copysign(p[slot("spring_gap_k3.d")], y1()));
@@ -220,7 +226,7 @@ void check_effects(Setup setup, std::uint32_t effects, int contact) {
 TEST_CASE("effects: each alone satisfies its equation in stick and in slip either way") {
   const Setup setup = all_effects();
   for (int bit = 0; bit < Effects::size; ++bit) {
-    const std::uint32_t one = (1u << bit) & written_out & ~effect("tabulated");
+    const std::uint32_t one = (1u << bit) & written_out & ~tabulated;
     if (one == 0) continue;
     for (const int contact : {-1, 0, 1}) {
       if (contact == 0 && one == effect("contact_compliance")) continue;  // bristles know no rigid stick
@@ -236,8 +242,10 @@ TEST_CASE("effects: any of them together satisfy their equations under every law
     setup.structure.law = std::array{law("paper"), law("coulomb"), law("hyperbolic")}[static_cast<std::size_t>(n % 3)];
     setup.p[slot("coulomb.static_minus")] = 5.94;  // the static limit of T_- in every law
     setup.p[slot("hyperbolic.scale_minus")] = 5.94 - setup.p[slot("hyperbolic.constant_minus")];
-    setup.structure.table_place = static_cast<TablePlace>(random() % 3);
-    setup.structure.table_variable = static_cast<TableVariable>(random() % 6);
+    for (auto& table : setup.structure.table) {
+      table.place = static_cast<TablePlace>(random() % 3);
+      table.variable = static_cast<TableVariable>(random() % 6);
+    }
     const auto effects = static_cast<std::uint32_t>(random()) & written_out;
     for (const int contact : {-1, 0, 1}) {
       if (contact == 0 && ((effects & effect("contact_compliance")) != 0 || setup.structure.law != law("paper")))
@@ -251,9 +259,12 @@ TEST_CASE("effects: a table of every variable in every place satisfies its equat
   for (const auto place : {TablePlace::block, TablePlace::angle_body, TablePlace::contact}) {
     for (int variable = 0; variable < 6; ++variable) {
       Setup setup = all_effects();
-      setup.structure.table_place = place;
-      setup.structure.table_variable = static_cast<TableVariable>(variable);
-      for (const int contact : {-1, 0, 1}) check_effects(setup, effect("tabulated"), contact);
+      for (auto& table : setup.structure.table) {
+        table.place = place;
+        table.variable = static_cast<TableVariable>(variable);
+      }
+      for (const std::uint32_t which : {effect("tabulated"), effect("second_tabulated"), tabulated})
+        for (const int contact : {-1, 0, 1}) check_effects(setup, which, contact);
     }
   }
 }

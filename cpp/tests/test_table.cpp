@@ -10,9 +10,9 @@ const std::vector<double> heights{0.3, -0.2, 0.8, 0.1, -0.5, 0.6, 0.2};
 System<double> table_of(const std::vector<double>& x, const std::vector<double>& y) {
   Setup setup = reference_rig();
   setup.structure.effects = effect("tabulated");
-  setup.structure.knots = static_cast<int>(x.size());
+  setup.structure.table[0].knots = static_cast<int>(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    setup.structure.knot[i] = x[i];
+    setup.structure.table[0].knot[i] = x[i];
     setup.p[slot_count + i] = y[i];
   }
   System<double> sys;
@@ -21,15 +21,15 @@ System<double> table_of(const std::vector<double>& x, const std::vector<double>&
 }
 
 double value_in(const System<double>& sys, int interval, double x) {
-  const double* c = sys.table[interval];
-  if (interval == 0 || interval == sys.structure.knots) return c[0];
-  const double d = x - sys.structure.knot[interval - 1];
+  const double* c = sys.table[0][interval];
+  if (interval == 0 || interval == sys.structure.table[0].knots) return c[0];
+  const double d = x - sys.structure.table[0].knot[interval - 1];
   return c[0] + d * (c[1] + d * (c[2] + d * c[3]));
 }
 
 int interval_of(const System<double>& sys, double x) {
   int i = 0;
-  while (i < sys.structure.knots && x >= sys.structure.knot[i]) ++i;
+  while (i < sys.structure.table[0].knots && x >= sys.structure.table[0].knot[i]) ++i;
   return i;
 }
 
@@ -109,15 +109,15 @@ TEST_CASE("table: its curve differentiates by its values") {
     System<T> sys;
     const Setup setup = reference_rig();
     sys.structure = setup.structure;
-    sys.structure.knots = 4;
+    sys.structure.table[0].knots = 4;
     for (int i = 0; i < parameter_count; ++i) sys.p[i] = T(setup.p[static_cast<std::size_t>(i)]);
     for (std::size_t i = 0; i < 4; ++i) {
-      sys.structure.knot[i] = knots[i];
+      sys.structure.table[0].knot[i] = knots[i];
       sys.p[slot_count + static_cast<int>(i)] = v[i];
     }
     build(sys);
-    build_table(sys);
-    const T* c = sys.table[2];
+    build_tables(sys);
+    const T* c = sys.table[0][2];
     const double d = 0.23;
     return T(c[0] + d * (c[1] + d * (c[2] + d * c[3])));
   };

@@ -25,6 +25,7 @@ __all__: list[str] = [
     "STATES",
     "SWEEP_ROW",
     "Structure",
+    "TABLES",
     "TABLE_PLACES",
     "TABLE_VARIABLES",
     "bodies_layout",
@@ -51,10 +52,14 @@ class Structure:
         rig: RigKind,
         law: typing.SupportsInt | typing.SupportsIndex,
         effects: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_place: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_variable: typing.SupportsInt | typing.SupportsIndex = 0,
-        table_period: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        knots: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
+        tables: collections.abc.Sequence[
+            tuple[
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.SupportsInt | typing.SupportsIndex,
+                typing.SupportsFloat | typing.SupportsIndex,
+                collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+            ]
+        ] = [],
     ) -> None: ...
 
 class Locator(enum.IntEnum):
@@ -240,5 +245,6 @@ OPERATIONS: tuple[str, ...]
 PARAMETERS: tuple[str, ...]
 STATES: tuple[str, ...]
 SWEEP_ROW: tuple[str, ...]
+TABLES: int = 2
 TABLE_PLACES: tuple[str, ...]
 TABLE_VARIABLES: tuple[str, ...]

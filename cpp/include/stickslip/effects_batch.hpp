@@ -42,9 +42,11 @@ void put(EffectBatch<W>& b, int i, const Member& m) {
   copy_branch(b.sys.minus, i, m.sys.minus);
   copy_branch(b.sys.plus, i, m.sys.plus);
   for (int slot = effect_first; slot < slot_count; ++slot) b.sys.p[slot].set(i, m.sys.p[slot]);
-  const int intervals = acts(m.sys, bit_of<Tabulated>) ? m.sys.structure.knots + 1 : 0;
-  for (int k = 0; k < intervals; ++k)
-    for (int j = 0; j < 4; ++j) b.sys.table[k][j].set(i, m.sys.table[k][j]);
+  for (int which = 0; which < table_count; ++which) {
+    const int knots = m.sys.structure.table[which].knots;
+    for (int k = 0; k <= knots && knots > 0; ++k)
+      for (int j = 0; j < 4; ++j) b.sys.table[which][k][j].set(i, m.sys.table[which][k][j]);
+  }
   b.sys.frequency.set(i, m.sys.frequency);
   for (int k = 0; k < state_count; ++k) b.s.z[k].set(i, m.s.z[k]);
   b.s.t.set(i, m.s.t);

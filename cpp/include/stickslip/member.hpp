@@ -51,7 +51,7 @@ inline void start_member(const SweepRequest& q, const Common& common, Member& m,
     build_law(m.sys);
   }
   build_rig(m.sys);
-  build_table(m.sys);
+  build_tables(m.sys);
   for (Side& side : m.on) side = Side::none;
   m.mode = Mode{};
   set_modes(m.sys, m.s, m.mode, m.on, 2, scratch);

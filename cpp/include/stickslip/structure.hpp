@@ -13,7 +13,7 @@ enum class RigKind : int { two_degree = 0, block_on_belt = 1 };
 
 // Numbers of the rig (2.1), whose stiffness is what its block has beside alpha1; of the 1-DOF block: mass = alpha1,
 // damping = eta1, stiffness of its own. Those of the laws and of the effects follow, in the order of the files, and after
-// these the values of a table at its knots.
+// these the values of each table at its knots.
 enum Slot : int { alpha1, alpha2, beta3, eta1, eta12, coupling, stiffness, belt_speed, rig_slot_count };
 inline constexpr std::array<std::string_view, rig_slot_count> rig_names{
     "alpha1", "alpha2", "beta3", "eta1", "eta12", "coupling", "stiffness", "belt_speed"};
@@ -21,7 +21,7 @@ inline constexpr std::array<std::string_view, rig_slot_count> rig_names{
 constexpr int law_first = rig_slot_count;
 constexpr int effect_first = law_first + stickslip::numbers_before<void>(stickslip::Laws{});
 constexpr int slot_count = effect_first + stickslip::numbers_before<void>(stickslip::Effects{});
-constexpr int parameter_count = slot_count + max_knots;
+constexpr int parameter_count = slot_count + table_count * max_knots;
 static_assert(stickslip::Effects::size <= 32, "an effect is a bit of Structure::effects");
 
 // The state: x1 x2 y1 y2, then the hidden ones.
@@ -33,11 +33,7 @@ struct Structure {
   RigKind rig = RigKind::two_degree;
   int law = 0;                // place among the laws
   std::uint32_t effects = 0;  // bit k: the effect at place k
-  TablePlace table_place = TablePlace::block;
-  TableVariable table_variable = TableVariable::x1;
-  double table_period = 0;  // of t-phase; 0: none
-  int knots = 0;            // >= 2 with a table; the values at the knots are the slots after slot_count
-  double knot[max_knots] = {};
+  Table table[table_count];   // the values at the knots are the slots after slot_count
 };
 
 }  // namespace stickslip_abi

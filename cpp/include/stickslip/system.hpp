@@ -19,7 +19,7 @@ struct System {
   Structure structure;
   Real<T> stick_step, floor_step, line_step;  // of linear pieces: at rest, on a floor, along a line
   Real<T> frequency;                          // of the block on its spring
-  T table[max_knots + 1][4];  // cubic of each interval in (variable - its left knot); constant outside the knots
+  T table[table_count][max_knots + 1][4];     // cubic of each interval in (variable - its left knot); constant outside
 };
 
 template <class T>

@@ -59,34 +59,39 @@ void periodic_curvature(const double* knot, const T* y, int n, T* m) {
 
 // Interval i > 0 starts at knot i - 1; 0 and the last hold the end values. The tridiagonal system for the second
 // derivatives has real coefficients, so values may carry derivatives.
-template <class T>
+template <class E, class T>
 void build_table(System<T>& sys) {
-  const Structure& st = sys.structure;
-  const int n = st.knots;
+  const Table& own = sys.structure.table[E::table];
+  const int n = own.knots;
   if (n < 2) return;
-  const T* y = sys.p.p + slot_count;
+  const T* y = sys.p.p + slot_count + E::table * max_knots;
   T m[max_knots];  // second derivatives
-  if (st.table_period > 0) {
-    T& phi = sys.p[first_slot<Tabulated> +
-                   place_of(Tabulated::parameters, "phi")];  // whole turns off: a side counts the periods in an int
+  if (own.period > 0) {
+    T& phi = sys.p[first_slot<E> + place_of(E::parameters, "phi")];  // whole turns off: a side counts periods in an int
     const double turn = 2 * std::numbers::pi;
     phi = phi - turn * std::floor(static_cast<double>(value(phi)) / turn);
-    periodic_curvature(st.knot, y, n, m);
+    periodic_curvature(own.knot, y, n, m);
   } else {
-    natural_curvature(st.knot, y, n, m);
+    natural_curvature(own.knot, y, n, m);
   }
-  for (T& flat : sys.table[0]) flat = T(0.0);
-  for (T& flat : sys.table[n]) flat = T(0.0);
-  sys.table[0][0] = y[0];
-  sys.table[n][0] = y[n - 1];
+  auto& table = sys.table[E::table];
+  for (T& flat : table[0]) flat = T(0.0);
+  for (T& flat : table[n]) flat = T(0.0);
+  table[0][0] = y[0];
+  table[n][0] = y[n - 1];
   for (int i = 0; i + 1 < n; ++i) {
-    const double h = st.knot[i + 1] - st.knot[i];
-    T* out = sys.table[i + 1];
+    const double h = own.knot[i + 1] - own.knot[i];
+    T* out = table[i + 1];
     out[0] = y[i];
     out[1] = (y[i + 1] - y[i]) / h - (m[i] * 2.0 + m[i + 1]) * (h / 6);
     out[2] = m[i] * 0.5;
     out[3] = (m[i + 1] - m[i]) / (6 * h);
   }
+}
+template <class T>
+void build_tables(System<T>& sys) {
+  build_table<Tabulated>(sys);
+  build_table<SecondTabulated>(sys);
 }
 
 }  // namespace stickslip::inline STICKSLIP_ISA

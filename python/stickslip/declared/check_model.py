@@ -10,6 +10,8 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.errors import InputError, did_you_mean
 
+MOST_CURVES = 2  # of a motion, that the core has tables for
+
 
 def idle(law: FrictionLaw, effects: Collection[str]) -> str | None:
     """Say which of some named effects could not act under a law and beside the others; None if each can."""
@@ -49,10 +51,10 @@ def check_belt(effects: Iterable[AnyEffect]) -> None:
                 f"effect '{one.name}' is for a DrivenSlider; {did_you_mean(one.name, CATALOGUE)}"
             )
     curves = [one.name for one in effects if isinstance(one, Tabulated) and not one.of_reading]
-    if len(curves) > 1:
+    if len(curves) > MOST_CURVES:
         raise InputError(
-            f"effects '{curves[0]}' and '{curves[1]}': a motion can have one tabulated term; name what the other "
-            "stands for, or put both into one curve",
+            f"effects {', '.join(map(repr, curves))}: a motion can have two tabulated terms; name what another "
+            "stands for, or put two into one curve",
             key="effects",
         )
 

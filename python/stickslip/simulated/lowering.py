@@ -27,7 +27,8 @@ from stickslip.simulated.states import AT, COUNT, HIDDEN, VISIBLE
 Floats = NDArray[np.float64]
 
 SLOTS: Mapping[str, int] = {name: i for i, name in enumerate(_core.PARAMETERS)}
-WIDTH = len(_core.PARAMETERS) + _core.MAX_KNOTS
+TABLES = ("tabulated", "second_tabulated")  # the core's names of a model's curves
+WIDTH = len(_core.PARAMETERS) + _core.TABLES * _core.MAX_KNOTS
 # what no motion depends on, though a lag has a state
 READ_ALONE = frozenset(kind.name for kind in CATALOGUE.values() if kind.physics == "reading")
 READING_EFFECTS = frozenset(name for name in READ_ALONE if not CATALOGUE[name].hidden)
@@ -167,24 +168,15 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
     rig_kind = _lower_rig(on_belt(model.rig), put, parameters)
     law_kind = _lower_law(model.friction, put)
     put("belt_speed", belt_speed)
-    bits, table, factors = 0, None, dict[str, float | Floats]()
+    bits, tables, factors = 0, list[Tabulated](), dict[str, float | Floats]()
     for term in model.effects:
         if isinstance(term, FormulaEffect):
             continue
         if isinstance(term, Tabulated):
             if term.of_reading:  # acts on the reading, not on the motion
                 continue
-            table = term
-            bits |= 1 << _core.EFFECTS.index("tabulated")
-            for i, value in enumerate(term.values):
-                place = len(SLOTS) + i
-                parameters[place] = value
-                slots[f"{term.name}.value_{i}"] = (place,)
-            if term.period is not None:
-                _, last = slots.popitem()  # it is the first again
-                slots[f"{term.name}.value_0"] += last
-                for key in ("w", "phi"):
-                    put(f"{term.name}.{key}", term.parameters[key], f"tabulated.{key}")
+            bits |= _lower_table(term, len(tables), put, parameters, slots)
+            tables.append(term)
             continue
         if term.name in CONSTANTS:
             _correct(term, parameters, slots, factors)
@@ -194,10 +186,15 @@ def _translate(model: Model, belt_speed: float) -> Lowered:
         rig=rig_kind,
         law=law_kind,
         effects=bits,
-        table_place=0 if table is None else _core.TABLE_PLACES.index(table.where),
-        table_variable=0 if table is None else _core.TABLE_VARIABLES.index(table.variable),
-        table_period=0.0 if table is None or table.period is None else table.period,
-        knots=[] if table is None else list(table.knots),
+        tables=[
+            (
+                _core.TABLE_PLACES.index(one.where),
+                _core.TABLE_VARIABLES.index(one.variable),
+                one.period or 0.0,
+                list(one.knots),
+            )
+            for one in tables
+        ],
     )
     _put_formulas(formulas, model, put)
     return Lowered(
@@ -280,6 +277,22 @@ def _correct(
     (place,) = slots[f"{term.name}.e"] = slots[name]
     factors[name], factors[f"{term.name}.e"] = 1 + term.parameters["e"], float(parameters[place])
     parameters[place] *= factors[name]
+
+
+def _lower_table(
+    term: Tabulated, which: int, put: _Put, parameters: Floats, slots: dict[str, tuple[int, ...]]
+) -> int:
+    """Give a curve its places; the bit of its effect."""
+    for i, value in enumerate(term.values):
+        place = len(SLOTS) + which * _core.MAX_KNOTS + i
+        parameters[place] = value
+        slots[f"{term.name}.value_{i}"] = (place,)
+    if term.period is not None:
+        _, last = slots.popitem()  # it is the first again
+        slots[f"{term.name}.value_0"] += last
+        for key in ("w", "phi"):
+            put(f"{term.name}.{key}", term.parameters[key], f"{TABLES[which]}.{key}")
+    return 1 << _core.EFFECTS.index(TABLES[which])
 
 
 def _lower_effect(term: Effect, put: _Put) -> int:

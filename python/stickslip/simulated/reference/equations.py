@@ -20,8 +20,9 @@ derivatives by a complex step) and arrays of them (for a look at many instants a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -48,9 +49,16 @@ class Side:
     clamped: bool = False  # beyond the fitted range of the branch
     memory: int = 1  # sign of w (friction_memory)
     pivot: int = 0  # sign of y2, 0 stuck (pivot_dry_friction)
-    cell: int = 0  # tabulated term: 0 before the first knot, i after knot i, counted from 1
-    cycle: int = 0  # periods behind (tabulated in t)
+    cell: tuple[
+        int, ...
+    ] = ()  # of each tabulated term: 0 before the first knot, i after knot i, counted from 1
+    cycle: tuple[int, ...] = ()  # periods behind (tabulated in t)
     of: Mapping[str, int] = field(default_factory=dict)  # of effects that are laws in pieces, by name
+
+
+def _with(row: tuple[int, ...], k: int, value: int) -> tuple[int, ...]:
+    """The row with another value at place k."""
+    return (*row[:k], value, *row[k + 1 :])
 
 
 def _cells(curve: Tabulated) -> list[tuple[float, Value]]:
@@ -88,11 +96,8 @@ class System:
         hidden = (("w", "friction_memory"), ("z", "contact_compliance"), ("b", "belt_load_droop"))
         self.names = names + [h for h, effect in hidden if effect in self.e]
         self.d = len(names)
-        curves = [x for x in model.effects if isinstance(x, Tabulated) and not x.of_reading]
-        if len(curves) > 1:
-            raise TypeError(f"the reference takes one tabulated term, the model has {len(curves)}")
-        self.curve = curves[0] if curves else None
-        self.cells = _cells(self.curve) if self.curve else []
+        self.curves = [x for x in model.effects if isinstance(x, Tabulated) and not x.of_reading]
+        self.cells = [_cells(one) for one in self.curves]
         self.compliant = "contact_compliance" in self.e
         self.mass = self.rig.alpha1 if self.two else self.rig.mass
 
@@ -127,7 +132,7 @@ class System:
         for adds, p in self.adds:
             if adds.block:
                 load = load - adds.block(p, at)
-        return load - self.tabulated("block", t, z, x2, side)
+        return load - sum(self.tabulated("block", t, z, x2, side))
 
     def angle_force(self, t: Value, z: Value, side: Side) -> Value:
         """alpha2 y2' without the pivot's dry friction."""
@@ -137,26 +142,28 @@ class System:
         for adds, p in self.adds:
             if adds.angle_body:
                 force = force + adds.angle_body(p, at)
-        return force + self.tabulated("angle_body", t, z, x2, side)
+        return force + sum(self.tabulated("angle_body", t, z, x2, side))
 
-    def table_variable(self, t: Value, z: Value, x2: Value, side: Side) -> Value:
-        """Return what the tabulated term depends on, the periods behind taken off."""
-        assert self.curve is not None
-        name, period = self.curve.variable, self.curve.period
+    def table_variable(self, k: int, t: Value, z: Value, x2: Value, side: Side) -> Value:
+        """Return what tabulated term k depends on, the periods behind taken off."""
+        one = self.curves[k]
+        name, period = one.variable, one.period
         if name == "t":
-            return t + (self.curve.phi / (2 * np.pi) - side.cycle) * period if period else t
+            return t + (one.phi / (2 * np.pi) - side.cycle[k]) * period if period else t
         return x2 - self.belt(t, z)[0] if name == "v_w" else x2 if name == "x2" else self.get(z, name)
 
-    def tabulated(self, where: str, t: Value, z: Value, x2: Value, side: Side) -> Value:
-        """G of the tabulated term, on the cubic of the frozen cell; 0 elsewhere than `where`."""
-        if self.curve is None or self.curve.where != where:
-            return 0.0
-        start, cubic = self.cells[side.cell]
-        return np.polyval(cubic, self.table_variable(t, z, x2, side) - start)
+    def tabulated(self, where: str, t: Value, z: Value, x2: Value, side: Side) -> Iterator[Value]:
+        """G of each tabulated term there, on the cubic of its frozen cell."""
+        for k, one in enumerate(self.curves):
+            if one.where == where:
+                start, cubic = self.cells[k][side.cell[k]]
+                yield np.polyval(cubic, self.table_variable(k, t, z, x2, side) - start)
 
     def normal(self, t: Value, z: Value, side: Side) -> Value:
         """N: what friction is multiplied by."""
-        factor, at = 1.0 + 0.0 * z[0] + self.tabulated("contact", t, z, z[1], side), self.at(t, z, z[1], side)
+        factor, at = 1.0 + 0.0 * z[0], self.at(t, z, z[1], side)
+        for g in self.tabulated("contact", t, z, z[1], side):
+            factor = factor * (1.0 + g)
         for adds, p in self.adds:
             if adds.friction:
                 factor = factor * (1 + adds.friction(p, at))
@@ -265,14 +272,23 @@ class System:
 
     def _knot_guards(self, side: Side) -> dict[str, Guard]:
         out: dict[str, Guard] = {}
-        if self.curve is None:
-            return out
-        knots, cell = self.curve.knots, side.cell
-        if cell < len(knots):
-            out["knot+"] = lambda t, z: self.table_variable(t, z, z[1], side) - knots[cell]
-        if cell > 0:
-            out["knot-"] = lambda t, z: knots[cell - 1] - self.table_variable(t, z, z[1], side)
+        for k, one in enumerate(self.curves):
+            if (cell := side.cell[k]) < len(one.knots):
+                out[f"knot{k}+"] = partial(self._past_knot, k, one.knots[cell], 1.0, side)
+            if cell > 0:
+                out[f"knot{k}-"] = partial(self._past_knot, k, one.knots[cell - 1], -1.0, side)
         return out
+
+    def _past_knot(self, k: int, knot: float, sign: float, side: Side, t: Value, z: Value) -> Value:
+        return sign * (self.table_variable(k, t, z, z[1], side) - knot)
+
+    def _at_knot(self, name: str, side: Side) -> Side:
+        """The side after a knot of a tabulated term: `knot0+` is the next of the first."""
+        k, up = int(name[4:-1]), name[-1] == "+"
+        cell, cycle = side.cell[k] + (1 if up else -1), side.cycle[k]
+        if up and self.curves[k].period and side.cell[k] == len(self.curves[k].knots) - 1:
+            cell, cycle = 1, cycle + 1
+        return replace(side, cell=_with(side.cell, k, cell), cycle=_with(side.cycle, k, cycle))
 
     def switch(self, name: str, t: float, z: Value, side: Side) -> tuple[Value, Side]:
         """State and sides after the switching `name` at t, z."""
@@ -286,16 +302,14 @@ class System:
         if name.startswith("pivot"):
             z[3] = 0.0
             return z, replace(side, pivot=self.pivot(t, z, side))
-        if name == "knot+" and self.curve and self.curve.period and side.cell == len(self.curve.knots) - 1:
-            return z, replace(side, cell=1, cycle=side.cycle + 1)
+        if name.startswith("knot"):
+            return z, self._at_knot(name, side)
         for owner, (sides, p) in self.sided.items():
             if name in (ends := sides.ends(p, side.of[owner])):
                 return z, replace(side, of={**side.of, owner: ends[name][1]})
         changes: dict[str, dict[str, Any]] = {
             "clamp": {"clamped": not side.clamped},
             "memory": {"memory": -side.memory},
-            "knot+": {"cell": side.cell + 1},
-            "knot-": {"cell": side.cell - 1},
         }
         return z, replace(side, **changes[name])
 
@@ -325,15 +339,13 @@ class System:
     def start(self, z: Value, dwell: float = 0.0) -> tuple[Value, Side]:
         """State and sides at t = 0; within `REST` of V is at rest on the belt, since `dwell` if it sticks."""
         z, t = z.copy(), 0.0
-        side = Side(contact=0)
+        phases = [one.phi / (2 * np.pi) if one.period else 0.0 for one in self.curves]
+        side = Side(0, cell=(0,) * len(phases), cycle=tuple(int(np.floor(phase)) for phase in phases))
+        cells = [self._cell(k, t, z, side) for k in range(len(phases))]
+        side = replace(side, cell=tuple(cells))
         at = self.at(t, z, z[1], side)
         side = replace(side, of={name: int(sides.start(p, at)) for name, (sides, p) in self.sided.items()})
         v = z[1] - self.belt(t, z)[0]
-        if self.curve:
-            if self.curve.period:
-                side = replace(side, cycle=int(np.floor(self.curve.phi / (2 * np.pi))))
-            cell = np.searchsorted(self.curve.knots, self.table_variable(t, z, z[1], side), side="right")
-            side = replace(side, cell=int(cell))
         if abs(v) > REST:
             z, side = self.enter(int(np.sign(v)), z, side, t)
         else:
@@ -346,6 +358,12 @@ class System:
         if "pivot_dry_friction" in self.e:
             side = replace(side, pivot=int(np.sign(z[3])) or self.pivot(t, z, side))
         return z, side
+
+    def _cell(self, k: int, t: Value, z: Value, side: Side) -> int:
+        """Where a tabulated term stands at a start."""
+        return int(
+            np.searchsorted(self.curves[k].knots, self.table_variable(k, t, z, z[1], side), side="right")
+        )
 
     def rate(self, guard: Guard, t: Value, z: Value, side: Side) -> Value:
         """f_S, the rate of a switching function along the flow, by a complex step (exact to rounding)."""
