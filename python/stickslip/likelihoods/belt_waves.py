@@ -124,18 +124,6 @@ def leg(
     return np.asarray(_filtered(over, beside, step, values)[row, window])
 
 
-def pushed(force: Floats, step: float, values: Mapping[str, float]) -> Floats:
-    """
-    Return y1 that follows from a force on the angle body, (n, count), the body at rest before.
-
-    Parameters
-    ----------
-    force : (n, count)
-    step, values : as of `leg`
-    """
-    return _filtered((1.0,), force, step, values)
-
-
 def _filtered(over: tuple[float, ...], x: Floats, step: float, values: Mapping[str, float]) -> Floats:
     b, a = _filter(step, over, *(values[name] for name in ("alpha2", "eta12", "beta3")))
     return np.asarray(scipy.signal.lfilter(b, a, x, axis=0))

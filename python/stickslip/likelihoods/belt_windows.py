@@ -36,6 +36,7 @@ from stickslip.simulated.lowering import SLOTS, WIDTH, lower
 from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X2, Z
 
 Floats = NDArray[np.float64]
+PROFILE = "tabulated_contact_x1"  # a window's own friction
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
 NEARBY = 1e-6  # step of the derivatives of the derived states
 ALIKE = 1e-8  # of those derivatives over the largest: they are the same in all windows
@@ -102,8 +103,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         ]
         # what springs have beside alpha1 is no number of a model by itself
         self.slots = {BESIDE: (SLOTS[BESIDE],), **self.lowered[0].slots}
-        term = next(k for k in self.slots if k.endswith(".value_0")).removesuffix("0")
-        self.curve = [self.slots[f"{term}{i}"][0] for i in range(policy.knots)]
+        self.curve = [self.slots[f"{PROFILE}.value_{i}"][0] for i in range(policy.knots)]
         self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
         self.limits = {sign: StaticLimit(model.friction, sign > 0) for sign in (1, -1)}
         self.formulas = formulas_of(model)

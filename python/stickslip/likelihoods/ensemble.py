@@ -17,7 +17,7 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.band import MEMBERS, band, standing
-from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.belt_windows import PROFILE, BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.in_common import Common, in_common
@@ -68,7 +68,7 @@ def distribution(
     seed : of the draws
     """
     cut = stretches([run])
-    if len(cut) < FEWEST or any(isinstance(one, Tabulated) or one.name == YIELDS for one in model.effects):
+    if len(cut) < FEWEST or not _has_windows(model):
         return None
     windows = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
     try:
@@ -100,6 +100,13 @@ def distribution(
     whole = members.run(own, tail, len(run.t) + len(future)).readings[:, len(run.t) - tail.start :]
     found = _summed(whole, run, fit, rng)
     return None if found is None else replace(found, common=shared is not None)
+
+
+def _has_windows(model: Model) -> bool:
+    """Whether windows have a place for its effects: beside their own friction for one curve, and none like it."""
+    curves = [one for one in model.effects if isinstance(one, Tabulated)]
+    taken = len(curves) > 1 or any(one.of_reading or one.name == PROFILE for one in curves)
+    return not taken and all(one.name != YIELDS for one in model.effects)
 
 
 def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[Events, Floats]:

@@ -12,13 +12,13 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from stickslip.declared.effect import Effect, FormulaEffect, effect
+from stickslip.declared.effect import Effect, FormulaEffect, Tabulated, effect, tabulated
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Scales
 from stickslip.declared.scaled_formula import in_scales
-from stickslip.declared.si import dimension
+from stickslip.declared.si import OF_VARIABLES, curve_dimension, dimension
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.stretches import LATEST, SOONEST
 from stickslip.measured.recording import Recording
@@ -67,6 +67,12 @@ class Scaled:
         sizes = {k: self.size(f"{one.name}.{k}") for k in one.parameters}
         return one.replace(**{k: v * sizes[k] if back else v / sizes[k] for k, v in one.parameters.items()})
 
+    def curve(self, one: Tabulated) -> Tabulated:
+        """Return a curve of scaled numbers in the declared ones."""
+        along, size = (d.size(self.scales) for d in (OF_VARIABLES[one.variable], curve_dimension(one.where)))
+        knots, values = np.array(one.knots) * along, np.array(one.values) * size
+        return tabulated(one.where, one.variable, knots, values)
+
     def model(
         self, made: Model, values: Mapping[str, float], gain: str, rivals: Sequence[FormulaEffect] = ()
     ) -> Model:
@@ -84,9 +90,12 @@ class Scaled:
         shares = {"rig_mass": values["mass"] / ALPHA - 1, "rig_stiffness": values["stiffness"] / ALPHA - 1}
         shares["sensor_gain"] = values.get(gain, 0.0)
         effects = [
-            own[one.name].replace(**one.parameters) if isinstance(one, FormulaEffect) else self.effect(one)
+            own[one.name].replace(**one.parameters)
+            if isinstance(one, FormulaEffect)
+            else self.curve(one)
+            if isinstance(one, Tabulated)
+            else self.effect(one)
             for one in made.effects
-            if isinstance(one, (Effect, FormulaEffect))
         ]
         effects += [effect(name, e=e) for name, e in shares.items() if e != 0]
         return Model(

@@ -183,7 +183,12 @@ class GeneralBench(Bench):
                 out[members, k] = size * chain(len(members), found, rng)
         return out
 
-    def curves(self, fit: Fit, workers: Workers = ALONE) -> Sequence[Learned]:  # noqa: ARG002  # none as yet
+    def curves(
+        self,
+        fit: Fit,  # noqa: ARG002  # none as yet
+        terms: Sequence[Term] = (),  # noqa: ARG002
+        workers: Workers = ALONE,  # noqa: ARG002
+    ) -> Sequence[Learned]:
         """See `Bench.curves`."""
         return ()
 

@@ -189,6 +189,6 @@ class BeltBench(Bench):
         made = root @ rng.standard_normal((len(points), self.policy.draws))
         return np.asarray(made.reshape(len(members), len(places), self.policy.draws))
 
-    def curves(self, fit: Fit, workers: Workers = ALONE) -> list[Learned]:
+    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> list[Learned]:
         """See `Bench.curves`."""
-        return learned(self, fit, workers)
+        return learned(self, fit, terms, workers)

@@ -1,14 +1,13 @@
 """Curves that no name explains: a force, a factor of friction or of the belt's speed, or a reading, of one variable.
 
-While the block slips, a force on it is a change of friction: the windows have columns of that at every place of the
-slip, where the static limit follows, so that a curve of anything costs no simulation. So they have of the belt's speed.
-A force on the angle body is seen through that body alone.
+A force and a factor of friction have the columns of a model that has such a curve, of no size. One of the belt is what
+it adds to each window's own belt.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -17,11 +16,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
+from stickslip.discovery.laboratory.curve_term import curve_term
+from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.learned import Factors, Learned
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.data import Data
-from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.motion import Motion
@@ -32,23 +33,24 @@ from stickslip.likelihoods.stretches import Stretch
 from stickslip.simulated import states
 
 Floats = NDArray[np.float64]
-FEWEST = 3  # samples of a slip that a curve can be read along
 
 
 @dataclass(frozen=True)
 class _Shaped:
     """
-    A curve's shapes: where, of what, its knots, columns by shape, and what they add to random effects where it does.
+    A curve's shapes: where, of what, its knots, columns by shape, and what it is in the model where it is in it.
 
-    `unit` is how large 1 of a random effect is there, infinite where it adds to none.
+    `width` is the standard deviation of its values before the readings; `factors` are what its shapes add to
+    random effects.
     """
 
     where: str
     variable: str
     grid: Floats
     columns: Columns
+    width: float = math.inf
+    effect: Tabulated | None = None
     factors: Factors | None = None
-    unit: float = math.inf
 
 
 class _OnBelt(Protocol):
@@ -68,77 +70,111 @@ class _OnBelt(Protocol):
     def one_way(self) -> bool: ...
     @property
     def two_degree(self) -> bool: ...
+    def windows(self, terms: Sequence[Term] = ()) -> BeltWindows: ...
 
 
-def learned(bench: _OnBelt, fit: Fit, workers: Workers = ALONE) -> list[Learned]:
+def learned(bench: _OnBelt, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> list[Learned]:
     """Return every curve beside a hypothesis, best first; the workers score them."""
     motions = fit.windows.motions(fit.at, fit.own)
-    every = [_levelled(bench, motions, one) for one in _every(bench, fit, motions)]
-    return sorted(workers.map(partial(_scored, fit, bench.policy), every), key=lambda one: -one.gain)
+    every = workers.map(partial(_scored, bench, fit, terms, motions), _asked(bench))
+    return sorted((one for one in every if one is not None), key=lambda one: -one.gain)
 
 
-def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> tuple[_Shaped, Floats]:
-    """A curve, and which combinations of its shapes are its own."""
+def _asked(bench: _OnBelt) -> list[tuple[str, str]]:
+    """Where curves are, and what they are of."""
+    out = []
+    for variable in ("x1", "x2", "y1", "y2", "t") if bench.two_degree else ("x1", "x2", "t"):
+        # a slip goes one way: a factor of friction in x1 is a force on the block in x1, if it is no field
+        out += [("contact", "v_w" if variable == "x2" else variable)] if variable != "x1" else []
+        out += [("block", variable)]
+        out += [("angle_body", variable)] if bench.two_degree else []
+        out += [("belt", variable)] if variable == "t" else []
+        out += [(place, variable) for place in bench.sensors.places]
+    return out
+
+
+def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> Floats:
+    """Which combinations of a curve's shapes are its own."""
     # friction as a whole is the law's, and so is a constant force or reading while all slip one way; speeds that are
     # all off are the set-points'
     if one.where in ("contact", "belt") or bench.one_way:
-        return one, scipy.linalg.null_space(_mean(motions, one.variable, one.grid)[None])
-    return one, np.eye(bench.policy.curve_shapes)
+        return scipy.linalg.null_space(_mean(bench, motions, one.variable, one.grid)[None])
+    return np.eye(len(one.grid))
 
 
-def _scored(fit: Fit, policy: Policy, levelled: tuple[_Shaped, Floats]) -> Learned:
-    one, free = levelled
+def _scored(
+    bench: _OnBelt, fit: Fit, terms: Sequence[Term], motions: list[Motion | None], asked: tuple[str, str]
+) -> Learned | None:
+    """A curve; None where no window can be simulated with it."""
+    one = _shaped(bench, fit, terms, motions, *asked)
+    if all(each is None for each in one.columns):
+        return None
+    free = _levelled(bench, motions, one)
     reduced = [None if c is None else c @ free for c in one.columns]
     # a curve is as good as a spring: with a mass that is free to follow, all forces would shrink, scatter too
     # what is all but free beside the law's level, as a load is, is known as well as that level before the runs
-    found = score(fit, reduced, policy, tight=True, precision=(policy.law_spread * one.unit) ** -2)
+    found = score(fit, reduced, bench.policy, tight=True, precision=one.width**-2)
     std = np.sqrt(np.abs(np.einsum("ki,ij,kj->k", free, found.covariance, free)))
-    value, count = free @ found.size, free.shape[1]
-    events = None
-    if one.factors is not None:
-        events = [None if each is None else each @ value for each in one.factors]
+    value = free @ found.size
+    events = None if one.factors is None else [None if each is None else each @ value for each in one.factors]
+    effect = one.effect and one.effect.replace(
+        **{name: float(x) for name, x in zip(one.effect.parameters, value, strict=True)}
+    )
     return Learned(
-        one.where, one.variable, found.gain, one.grid, value, std, count, reduced, found.size, events
+        *(one.where, one.variable, found.gain, one.grid, value, std, free.shape[1], reduced, found.size),
+        step=found.step,
+        free=free,
+        effect=effect,
+        width=one.width,
+        events=events,
     )
 
 
-def _every(bench: _OnBelt, fit: Fit, motions: list[Motion | None]) -> Iterator[_Shaped]:
-    two, units = bench.two_degree, {"contact": 1.0, "block": max(bench.model.friction.static_limits)}
-    names = ("x1", "x2", "y1", "y2", "t") if two else ("x1", "x2", "t")
-    for variable in names:
-        grid = _grid(motions, variable, bench.policy.curve_shapes)
-        for where in ("contact", "block"):
-            if (where, variable) == ("contact", "x1"):
-                continue  # a slip goes one way: such a factor is a force on the block in x1, if it is no field
-            factors = _factors(bench, fit, motions, where, variable, grid)
-            shown = "v_w" if (where, variable) == ("contact", "x2") else variable
-            yield _Shaped(where, shown, grid, _of_events(fit, factors), factors, units[where])
-        if variable == "t":
-            factors = _speeds(fit, motions, grid)
-            yield _Shaped("belt", variable, grid, _of_events(fit, factors), factors, 1.0)
-        for channel, place in enumerate(bench.sensors.places):
-            yield _Shaped(place, variable, grid, _of_reading(bench, fit, motions, channel, variable, grid))
-        if two:
-            yield _Shaped("angle_body", variable, grid, _of_angle(bench, fit, motions, variable, grid))
+def _shaped(
+    bench: _OnBelt, fit: Fit, terms: Sequence[Term], motions: list[Motion | None], where: str, variable: str
+) -> _Shaped:
+    grid = _grid(bench, motions, variable, bench.policy.curve_shapes)
+    if where == "belt":
+        factors, width = _speeds(fit, motions, grid), bench.policy.law_spread
+        return _Shaped(where, variable, grid, _of_events(fit, factors), width, factors=factors)
+    if where in bench.sensors.places:
+        columns = _of_reading(bench, fit, motions, bench.sensors.places.index(where), variable, grid)
+        return _Shaped(where, variable, grid, columns)
+    units = {"contact": 1.0, "block": max(bench.model.friction.static_limits)}
+    width = bench.policy.law_spread * units.get(where, math.inf)
+    curve = tabulated(where, variable, grid, np.zeros(len(grid)))
+    windows = bench.windows((*terms, curve_term(curve, width)))
+    p, k = len(fit.at), len(grid)
+    columns = windows.columns(np.concatenate([fit.at, np.zeros(k)]), fit.own, range(p, p + k))
+    return _Shaped(where, variable, grid, columns, width, curve)
 
 
-def _at(motion: Motion, variable: str) -> Floats:
-    return motion.t if variable == "t" else motion.state[:, states.AT[variable]]
+def _at(bench: _OnBelt, run: int, motion: Motion, variable: str) -> Floats:
+    """What a curve is of, along a motion."""
+    if variable == "t":
+        return motion.t
+    if variable == "v_w":
+        return np.asarray(motion.state[:, states.X2] - bench.data[run].belt_speed)
+    return motion.state[:, states.AT[variable]]
 
 
-def _grid(motions: list[Motion | None], variable: str, count: int) -> Floats:
+def _slips(bench: _OnBelt, motions: list[Motion | None], variable: str) -> Floats:
+    """The same of all slips."""
+    every = zip(bench.stretches, motions, strict=True)
+    return np.concatenate([_at(bench, s.run, m, variable)[m.mode != 0] for s, m in every if m is not None])
+
+
+def _grid(bench: _OnBelt, motions: list[Motion | None], variable: str, count: int) -> Floats:
     """Places of a curve's knots: where slips pass often there are many, and none is far from the next."""
-    every = np.concatenate([_at(one, variable)[one.mode != 0] for one in motions if one is not None])
+    every = _slips(bench, motions, variable)
     low, high = np.quantile(every, [0.002, 0.998])
     often = np.quantile(every, np.linspace(0.002, 0.998, count))
     return np.asarray(0.5 * (often + np.linspace(low, high, count)))
 
 
-def _mean(motions: list[Motion | None], variable: str, grid: Floats) -> Floats:
+def _mean(bench: _OnBelt, motions: list[Motion | None], variable: str, grid: Floats) -> Floats:
     """Mean of each shape over all slips, (k,)."""
-    of = "x2" if variable == "v_w" else variable
-    slips = np.concatenate([_at(one, of)[one.mode != 0] for one in motions if one is not None])
-    return np.asarray(shapes(grid, slips).mean(axis=0))
+    return np.asarray(shapes(grid, _slips(bench, motions, variable)).mean(axis=0))
 
 
 def shapes(grid: Floats, x: Floats) -> Floats:
@@ -172,45 +208,6 @@ def _speeds(fit: Fit, motions: list[Motion | None], grid: Floats) -> Factors:
     return out
 
 
-def _factors(
-    bench: _OnBelt, fit: Fit, motions: list[Motion | None], where: str, variable: str, grid: Floats
-) -> Factors:
-    """What each shape adds to a window's random effects: friction at the places of its curve, over the law's."""
-    assert isinstance(fit.windows, BeltWindows)
-    law = bench.model.friction
-    out: list[Floats | None] = []
-    for s, motion in zip(bench.stretches, motions, strict=True):
-        if motion is None:
-            out.append(None)
-            continue
-        factor, belt_speed = np.zeros((fit.windows.effects, len(grid))), bench.data[s.run].belt_speed
-        out.append(factor)
-        at = _along_slip(motion, fit.windows.knots[s.run], variable, belt_speed)
-        if at is None:
-            continue
-        values, speed = at
-        slip = factor[fit.windows.kinetic]
-        slip[:] = shapes(grid, values)
-        if where == "block":
-            slip /= -(np.sign(speed) * np.maximum(law.magnitude(speed), 1e-6))[:, None]
-    return out
-
-
-def _along_slip(
-    motion: Motion, knots: Floats, variable: str, belt_speed: float
-) -> tuple[Floats, Floats] | None:
-    """What a variable and v_w are where the slip passes the places of the friction curve."""
-    slips = np.flatnonzero(motion.mode != 0)
-    if len(slips) < FEWEST:
-        return None
-    x, order = np.unique(motion.state[slips, 0], return_index=True)
-    if len(x) < FEWEST:
-        return None
-    values = np.interp(knots, x, _at(motion, variable)[slips][order])
-    speed = np.interp(knots, x, (motion.state[:, 1] - belt_speed)[slips][order])
-    return values, np.where(speed == 0, -np.sign(belt_speed) * 1e-9, speed)
-
-
 def _of_reading(
     bench: _OnBelt, fit: Fit, motions: list[Motion | None], channel: int, variable: str, grid: Floats
 ) -> Columns:
@@ -222,22 +219,6 @@ def _of_reading(
             continue
         made = np.zeros((*block.shape[:2], len(grid)))
         weight = bench.data[s.run].weight[s.start : s.stop, channel]
-        made[:, channel] = shapes(grid, _at(motion, variable)) * weight[:, None]
-        out.append(made)
-    return out
-
-
-def _of_angle(bench: _OnBelt, fit: Fit, motions: list[Motion | None], variable: str, grid: Floats) -> Columns:
-    """Columns of a force on the angle body, seen through that body alone."""
-    values = fit.values()
-    out: list[Floats | None] = []
-    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
-        if block is None or motion is None:
-            out.append(None)
-            continue
-        made = np.zeros((*block.shape[:2], len(grid)))
-        force = shapes(grid, _at(motion, variable))
-        weight = bench.data[s.run].weight[s.start : s.stop, 1]
-        made[:, 1] = belt_waves.pushed(force, float(np.median(np.diff(motion.t))), values) * weight[:, None]
+        made[:, channel] = shapes(grid, _at(bench, s.run, motion, variable)) * weight[:, None]
         out.append(made)
     return out

@@ -9,12 +9,13 @@ from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.screen import Screen, Shapes
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit
 
 
 def leading(
-    bench: Bench, fit: Fit, best: Fit, seed: int, workers: Workers = ALONE, least: float = 0.0
+    bench: Bench, beside: Trial, best: Fit, seed: int, workers: Workers = ALONE, least: float = 0.0
 ) -> list[Learned]:
     """
     Return the best curves beside a hypothesis, best first, with the gate that draws set for all curves.
@@ -24,13 +25,14 @@ def leading(
 
     Parameters
     ----------
-    bench, fit : the hypothesis
+    bench, beside : the hypothesis
     best : the fit whose scatter is drawn
     seed : of the draws
     workers : score them
     least : what a curve is worth at least; without one no gate is drawn
     """
-    every, count = bench.curves(fit, workers), len(bench.stretches)
+    fit, count = beside.fit, len(bench.stretches)
+    every = bench.curves(fit, beside.terms, workers)
     worthy = [one for one in every if one.worth(count) > least]
     if not worthy:
         return []

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.effect import Effect, FormulaEffect, effect
+from stickslip.declared.effect import Effect, FormulaEffect, Tabulated, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.learned import Learned
@@ -35,11 +35,11 @@ class Term:
 
     Parameters
     ----------
-    effect, phases : the effect; a phase a run
+    effect, phases : the effect, or a curve; a phase a run
     of : its facts, where it is none of the catalogue
     """
 
-    effect: Effect | FormulaEffect
+    effect: Effect | FormulaEffect | Tabulated
     phases: tuple[float, ...] = ()
     of: EffectKind | None = None
 
@@ -78,7 +78,7 @@ def label(kind: EffectKind) -> str:
 
 def place_of(kind: EffectKind) -> str:
     """Return where an effect acts, in the words of a report."""
-    if isinstance(kind, RivalKind):
+    if isinstance(kind, RivalKind) or kind.name not in KINDS:
         return kind.where
     reads = KINDS[kind.name].where.endswith(" channel") and not kind.where.endswith(" channel")
     return f"{kind.where} channel" if reads else kind.where
@@ -161,8 +161,8 @@ class Bench(ABC):
         """
 
     @abstractmethod
-    def curves(self, fit: Fit, workers: Workers = ALONE) -> Sequence[Learned]:
-        """Return every curve beside a hypothesis, best first; the workers score them."""
+    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> Sequence[Learned]:
+        """Return every curve beside a hypothesis of these terms, best first; the workers score them."""
 
 
 def of_term(one: Term, policy: Policy) -> list[Number]:
@@ -178,7 +178,8 @@ def of_term(one: Term, policy: Policy) -> list[Number]:
                 for r, phase in enumerate(one.phases)
             ]
         elif info.sought is None or info.spread is not None:
-            stride = max(STRIDE_SIZE * abs(value), LEAST * info.unit)
+            curve = isinstance(one.effect, Tabulated)
+            stride = math.inf if curve else max(STRIDE_SIZE * abs(value), LEAST * info.unit)
             out.append(
                 Number(
                     name,

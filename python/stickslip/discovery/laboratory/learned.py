@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import Tabulated
 from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
@@ -27,7 +28,11 @@ class Learned:
     x, value, std : (k,) the curve and its standard deviation
     count : shapes that it is made of
     columns, size : behind it, and their numbers
-    events : what it adds to each window's random effects, of a force or a factor of friction or of the belt's speed
+    step : of the shared numbers beside it, (p,)
+    free : (k, count) its shapes by the values at its knots: what is left of all but the law's own level
+    effect : a force, or a factor of friction, that a model has; None for one of the belt or of a reading
+    width : standard deviation of its values before the readings
+    events : what it adds to each window's random effects, of the belt's speed
     threshold : what the best of all curves gains, prices paid, where nothing is lacking
     period : of one that repeats, at a phase of its own in each run
     """
@@ -41,9 +46,19 @@ class Learned:
     count: int
     columns: Columns
     size: Floats
+    step: Floats = field(default_factory=lambda: np.zeros(0))
+    free: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    effect: Tabulated | None = None
+    width: float = math.inf
     events: Factors | None = None
     threshold: float = math.inf
     period: float | None = None
+
+    def fitted(self, values: Floats, covariance: Floats, gain: float) -> Learned:
+        """Return the curve as it was fitted, the law's own level left out of what is told."""
+        own = self.free @ self.free.T
+        std = np.sqrt(np.maximum(np.diag(own @ covariance @ own), 0.0))
+        return replace(self, value=own @ values, std=std, gain=gain)
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
@@ -231,7 +232,8 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
     term = terms[curve.where]
     words = f"a curve in {curve.variable} lowers -2 log marginal likelihood by {curve.gain:.4g}"
     words += f" (scatter alone, prices paid: {curve.threshold:.3g})"
-    standing = f"; in the model {' and '.join(told.names)} stand in for the rest" if told.terms else ""
+    names = [one.name for one in told.terms if not isinstance(one.effect, Tabulated)]
+    standing = f"; in the model {' and '.join(names)} stand in for the rest" if names else ""
     best = min((t for t in found.steps[0].trials), key=Trial.worth, default=None)
     fall = None if best is None else max(found.null.deviance - best.deviance, 0.0)
     label = "" if best is None else best.names[-1]

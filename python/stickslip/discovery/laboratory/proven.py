@@ -6,44 +6,126 @@ larger makes the same scatter a smaller share of it, and linear windows take tha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.hypothesis import Bench, Term
+from stickslip.discovery.laboratory.curve_term import curve_term
+from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.remembered import remembered
+from stickslip.likelihoods.single_windows import settled
 
 Floats = NDArray[np.float64]
+SHARES = (1.0, 0.4, 0.0)  # of a curve as it was scored, that a fit is tried from
+HELD = 1e-9  # what a number that stays where it is may move by
+GAUSSIAN = 1e6  # degrees of freedom of Student's t, so many that it has no tails
 
 
-def beside(bench: Bench, fit: Fit, terms: Sequence[Term], curve: Learned) -> Fit:
+def proven(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
     """
-    Return a hypothesis fitted with a curve in the model as it was scored.
+    Return a curve as it stands with all else fitted beside it, and the hypothesis with it.
 
-    One of friction or of the belt is there as what is known of each event. The fit begins with the motions that it had:
-    what the curve adds is taken out of the windows' own. Of another curve, what it adds is taken out of the readings.
+    What it explains is held against what events that remember explain without it.
 
     Parameters
     ----------
-    bench, fit, terms : the hypothesis that it stands beside
+    bench, base : the hypothesis that it stands beside
     curve : as scored
     """
+    after = beside(bench, base, curve)
+    gain = base.fit.deviance - base.remembered - after.fit.deviance + remembered(after.fit)
+    if curve.effect is None:
+        return replace(curve, gain=gain), after
+    assert after.fit.solution is not None
+    p, numbers = len(base.fit.at), after.fit.values()
+    names = [f"{curve.effect.name}.{name}" for name in curve.effect.parameters]
+    free = np.array([name in {n.name for n in after.fit.windows.numbers[p:]} for name in names])
+    covariance = np.zeros((len(names), len(names)))
+    covariance[np.ix_(free, free)] = after.fit.solution.covariance[p:, p:]
+    return curve.fitted(np.array([numbers[name] for name in names]), covariance, gain), after
+
+
+def beside(bench: Bench, base: Trial, curve: Learned) -> Trial:
+    """
+    Return a hypothesis with a curve, fitted.
+
+    One of the motion is a term of it whose values are fitted too. One of the belt is there as what is known of each
+    event, as it was scored; of one of a reading, what it adds is taken out of the readings.
+
+    Parameters
+    ----------
+    bench, base : the hypothesis that it stands beside
+    curve : as scored
+    """
+    if curve.effect is not None:
+        return _with_term(bench, base, curve)
+    fit, terms = base.fit, base.terms
     if curve.events is None:
         windows = replace(bench, data=_less(bench, curve)).windows(terms)
-        return fitted(replace(fit, windows=windows), bench.policy, bench.policy.candidate_steps, held=2)
-    windows, own = bench.windows(terms), fit.own.copy()
-    assert isinstance(windows, BeltWindows)
-    nothing = np.zeros(windows.effects)
-    windows.added = np.array([nothing if one is None else one for one in curve.events])
-    own[:, windows.begins :] -= windows.added
-    start = replace(fit, windows=windows, own=own)
-    return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
+        start = replace(fit, windows=windows)
+    else:  # it begins with the motions that there were
+        windows, own = bench.windows(terms), fit.own.copy()
+        assert isinstance(windows, BeltWindows)
+        nothing = np.zeros(windows.effects)
+        windows.added = np.array([nothing if one is None else one for one in curve.events])
+        own[:, windows.begins :] -= windows.added
+        start = replace(fit, windows=windows, own=own)
+    return replace(base, fit=fitted(start, bench.policy, bench.policy.candidate_steps, held=2))
+
+
+def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
+    """
+    The hypothesis with a curve of the motion, fitted from the best of several starts.
+
+    A curve does what a wrong constant does: beside it constants have no long tails.
+    """
+    policy = replace(bench.policy, tail=GAUSSIAN)
+    declared = bench.declared if base.freed is None else base.freed.declared
+    firm = replace(bench, policy=policy, declared=declared)
+    starts = (_settled(firm, base, curve, *one) for one in itertools.product(SHARES, (True, False)))
+    first, term, _ = min(starts, key=_cost)
+    fit = fitted(first, policy, policy.candidate_steps, held=2)
+    return replace(base, terms=terms_at((*base.terms, term), first.windows, fit.at), fit=fit)
+
+
+def _settled(
+    bench: Bench, base: Trial, curve: Learned, share: float, declared: bool
+) -> tuple[Fit, Term, float]:
+    """A start with a share of the curve, constants as declared or as they are, its windows settled; what it costs."""
+    assert curve.effect is not None
+    there = curve.effect.replace(**{name: share * x for name, x in curve.effect.parameters.items()})
+    levelled = curve.free.shape[1] < len(
+        curve.x
+    )  # what is the law's own level, or a set-point's, is not sought
+    term = curve_term(there, curve.width, f"value_{len(curve.x) // 2}" if levelled else None)
+    windows = bench.windows((*base.terms, term))
+    at = np.array([n.start for n in windows.numbers])
+    at[: len(base.fit.at)] = base.fit.at
+    # of what names explain the curve could take any part
+    windows.numbers = tuple(
+        replace(n, low=x - HELD, high=x + HELD) if n.name.rpartition(".")[0] in base.names else n
+        for n, x in zip(windows.numbers, at.tolist(), strict=True)
+    )
+    if declared:
+        group = windows.prior.group
+        at[group] = windows.prior.centre[group]
+    own = own_in(base.fit.own, base.fit.windows, windows)
+    first = replace(base.fit, windows=windows, at=windows.bounded(at), own=own)
+    own, _, each = settled(first)
+    return replace(first, own=own), term, float(each.sum()) + windows.prior.penalty(first.at)
+
+
+def _cost(start: tuple[Fit, Term, float]) -> float:
+    return start[2]
 
 
 def _less(bench: Bench, curve: Learned) -> list[Data]:

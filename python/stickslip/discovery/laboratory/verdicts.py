@@ -12,19 +12,18 @@ from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.left import Left
-from stickslip.discovery.laboratory.proven import beside as fitted_beside
+from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import closed, fitted, null
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.remembered import remembered
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.shared import Declared
 
 BenchT = TypeVar("BenchT", bound=Bench)
-_Told = tuple[Learned, Fit]  # a curve, and the fit with it
+_Told = tuple[Learned, Trial]  # a curve, and the hypothesis with it
 
 
 @dataclass(frozen=True)
@@ -36,20 +35,27 @@ class Verdicts(Generic[BenchT]):
     ----------
     bench, searched : the case, and all that was tried
     curve : what no name explains, None if there is nothing
-    fit : the model that explains the windows, the curve in it
+    after : the hypothesis that explains the windows, the curve in it
     beside : whether the curve is what the names found leave over: they only stand in for what acts
     """
 
     bench: BenchT
     searched: Searched
     curve: Learned | None
-    fit: Fit
+    after: Trial
     beside: bool = False
 
     @property
+    def fit(self) -> Fit:
+        """The fit that explains the windows."""
+        return self.after.fit
+
+    @property
     def told(self) -> Trial:
-        """What the model after has: names that stand, or stand in; nothing where a curve does better than all."""
+        """What the model after has: names that stand, or stand in, and a curve of the motion."""
         found = self.searched
+        if self.curve is not None and self.curve.effect is not None:
+            return self.after
         return found.null if self.curve is not None and not self.beside else found.chosen
 
     @property
@@ -75,7 +81,7 @@ class Verdicts(Generic[BenchT]):
     def silent(self) -> Verdicts[BenchT]:
         """Return the same with nothing told."""
         found = replace(self.searched, chosen=self.searched.null)
-        return replace(self, searched=found, curve=None, fit=found.null.fit, beside=False)
+        return replace(self, searched=found, curve=None, after=found.null, beside=False)
 
 
 def searched(
@@ -114,7 +120,7 @@ def searched(
         return Verdicts(bench, found, *alone)
     if left is not None:
         return Verdicts(bench, found, *left, beside=True)
-    return Verdicts(bench, found, None, chosen.fit)
+    return Verdicts(bench, found, None, chosen)
 
 
 def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
@@ -131,7 +137,7 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
     if hum is None or hum.worth(count) <= found.null.independent() - found.chosen.independent():
         return verdicts
     least = found.steps[0].gate.threshold
-    return replace(verdicts, curve=replace(hum, threshold=least), fit=found.null.fit, beside=False)
+    return replace(verdicts, curve=replace(hum, threshold=least), after=found.null, beside=False)
 
 
 def curve_alone(
@@ -144,7 +150,7 @@ def curve_alone(
     named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
     least = max(named + more, 0.0)
     promised = least if more else 0.0  # names that stand are not doubted where no curve promises more
-    return _proven(bench, alone, leading(bench, alone.fit, chosen.fit, seed, workers, promised), least)
+    return _proven(bench, alone, leading(bench, alone, chosen.fit, seed, workers, promised), least)
 
 
 def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
@@ -156,7 +162,7 @@ def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE
     chosen = found.chosen
     if not chosen.terms:
         return None
-    left = _proven(bench, chosen, leading(bench, chosen.fit, chosen.fit, seed, workers))
+    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers))
     if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
@@ -177,18 +183,16 @@ def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float 
     """
     The best curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
 
-    What it explains is held against what events that remember explain without it, and is worth `least` at least.
+    It is worth `least` at least.
     """
     count, found = len(bench.stretches), list[tuple[float, _Told]]()
     for one in every:
         if found and max(worth for worth, _ in found) > one.worth(count):
             break  # none of the others promises as much
         try:
-            there = fitted_beside(bench, beside.fit, beside.terms, one)
+            shown, there = proven(bench, beside, one)
         except FloatingPointError:
             continue
-        gain = beside.fit.deviance - beside.remembered - there.deviance + remembered(there)
-        shown = replace(one, gain=gain)
         if (worth := shown.worth(count)) > max(one.threshold, least):
             found.append((worth, (shown, there)))
     return max(found, key=lambda each: each[0])[1] if found else None
