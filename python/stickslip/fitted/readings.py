@@ -208,6 +208,19 @@ def through_formula(
     out.values[:, c], out.slopes[:, c] = one.read(of, t.shape), slopes
 
 
+def with_curve(
+    out: Chain,
+    one: Learned,
+    t: Floats,
+    state: Floats,
+    sensitivity: Slopes,
+    names: tuple[str, ...],
+    p: Mapping[str, float],
+) -> None:
+    """Add a curve to a channel of a chain."""
+    _add_curve(_Samples(t, state, sensitivity, p, names, out), one)
+
+
 def _read_x1(s: _Samples) -> None:
     """Crosstalk, the lag of what it makes, the curvature of that, drift."""
     c = s.p.get("sensor_crosstalk.c", 0.0)

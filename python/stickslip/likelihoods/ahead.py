@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
+from stickslip.fitted.readings import Added
 from stickslip.likelihoods.band import band
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
@@ -44,6 +45,7 @@ class Ahead:
     ----------
     start, stop : samples that it is for
     values : numbers of the run, by name
+    beside : what its channels have beside the effects of the catalogue
     flown : its members over these samples, the first `KEPT` with states: that whose events to come have no friction of
         their own, then others
     """
@@ -51,6 +53,7 @@ class Ahead:
     start: int
     stop: int
     values: dict[str, float]
+    beside: tuple[Added, ...]
     flown: Flown
 
     @property
@@ -112,7 +115,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
         good = np.array([bool(np.isfinite(one[part]).all()) for one in flown.readings])
         if good[:KEPT].all() and good.sum() > DRAWN // 2:
             kept = Flown(flown.readings[good][:, part], flown.state[:, part], flown.mode[:, part])
-            out.append(Ahead(start, stop, windows.values(at, 0), kept))
+            out.append(Ahead(start, stop, windows.values(at, 0), windows.beside, kept))
     return out
 
 

@@ -18,7 +18,7 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
-from stickslip.fitted.readings import Chain, Slopes, no_slopes, through_formula
+from stickslip.fitted.readings import Added, Chain, Slopes, curves_of, no_slopes, through_formula, with_curve
 from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, Past, acting, derived, lagged, simple
@@ -106,8 +106,9 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.curve = [self.slots[f"{PROFILE}.value_{i}"][0] for i in range(policy.knots)]
         self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
         self.limits = {sign: StaticLimit(model.friction, sign > 0) for sign in (1, -1)}
-        self.formulas = formulas_of(model)
+        self.formulas, self.curves = formulas_of(model), curves_of(model)
         read = {*sensors.kept(self.fixed, self.channels), *(k for one in self.formulas for k in one.states)}
+        read |= {AT[one.variable] for one in self.curves if one.variable != "t"}
         self.kept = np.array(sorted(read), dtype=np.int32)
 
     @cached_property
@@ -121,6 +122,11 @@ class BeltWindows(EventWindows[Data, Stretch]):
     def sampling(self) -> list[float]:
         """Time between the samples of each run, as usual."""
         return [float(np.median(np.diff(run.t))) for run in self.data]
+
+    @property
+    def beside(self) -> tuple[Added, ...]:
+        """What its channels have beside the effects of the catalogue."""
+        return (*self.curves, *self.formulas)
 
     def scatter(self) -> Population:
         """See `EventWindows.scatter`."""
@@ -276,6 +282,8 @@ class _Run:
         """What the sensors make of the states."""
         samples = Samples(self.data.t[self.samples], state, slopes, names, self.offset)
         chain = self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
+        for curve in self.of.curves:
+            with_curve(chain, curve, samples.t, state, slopes, names, self.values)
         for one in self.of.formulas:
             through_formula(chain, one, samples.t, state, slopes, names, self.values)
         return chain

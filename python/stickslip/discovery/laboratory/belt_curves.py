@@ -137,9 +137,6 @@ def _shaped(
     if where == "belt":
         factors, width = _speeds(fit, motions, grid), bench.policy.law_spread
         return _Shaped(where, variable, grid, _of_events(fit, factors), width, factors=factors)
-    if where in bench.sensors.places:
-        columns = _of_reading(bench, fit, motions, bench.sensors.places.index(where), variable, grid)
-        return _Shaped(where, variable, grid, columns)
     units = {"contact": 1.0, "block": max(bench.model.friction.static_limits)}
     width = bench.policy.law_spread * units.get(where, math.inf)
     curve = tabulated(where, variable, grid, np.zeros(len(grid)))
@@ -205,20 +202,4 @@ def _speeds(fit: Fit, motions: list[Motion | None], grid: Floats) -> Factors:
         factor[-1] = line.mean(axis=0)
         line -= factor[-1]
         out.append(factor)
-    return out
-
-
-def _of_reading(
-    bench: _OnBelt, fit: Fit, motions: list[Motion | None], channel: int, variable: str, grid: Floats
-) -> Columns:
-    """Columns of what is added to a reading."""
-    out: list[Floats | None] = []
-    for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
-        if block is None or motion is None:
-            out.append(None)
-            continue
-        made = np.zeros((*block.shape[:2], len(grid)))
-        weight = bench.data[s.run].weight[s.start : s.stop, channel]
-        made[:, channel] = shapes(grid, _at(bench, s.run, motion, variable)) * weight[:, None]
-        out.append(made)
     return out

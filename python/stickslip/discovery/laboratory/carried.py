@@ -175,7 +175,7 @@ def _member(every: Sequence[Ahead], run: Data, stops: Sequence[int], k: int) -> 
 def _part(one: Ahead, run: Data, stop: int, k: int) -> Prediction:
     n = stop - one.start
     t, state = run.t[one.start : stop], one.flown.state[k, :n]
-    rate = reading_rate(t, state, one.values)
+    rate = reading_rate(t, state, one.values, one.beside)
     return Prediction(t, one.flown.readings[k, :n], rate, state, one.flown.mode[k, :n])
 
 

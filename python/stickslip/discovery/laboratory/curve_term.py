@@ -1,4 +1,4 @@
-"""A curve of the motion as a term of a hypothesis: a force on a body, or a factor of friction, with free values."""
+"""A curve as a term of a hypothesis: a force, a factor of friction, or what is added to a reading, its values free."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def curve_term(curve: Tabulated, width: float = math.inf, held: str | None = Non
     numbers = tuple(ParameterInfo(name, "value at a knot", spread=width) for name in names)
     kind = EffectKind(
         curve.name,
-        curve.where,  # type: ignore[arg-type]  # of the motion: a place of effects
+        curve.where,  # type: ignore[arg-type]  # a place of effects
         f"g({curve.variable})",
         "a curve",
         numbers,

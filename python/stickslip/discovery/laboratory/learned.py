@@ -30,7 +30,7 @@ class Learned:
     columns, size : behind it, and their numbers
     step : of the shared numbers beside it, (p,)
     free : (k, count) its shapes by the values at its knots: what is left of all but the law's own level
-    effect : a force, or a factor of friction, that a model has; None for one of the belt or of a reading
+    effect : what it is in a model; None for one of the belt, or one that repeats
     width : standard deviation of its values before the readings
     events : what it adds to each window's random effects, of the belt's speed
     threshold : what the best of all curves gains, prices paid, where nothing is lacking

@@ -16,7 +16,6 @@ from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, terms_at
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import fitted
@@ -58,8 +57,8 @@ def beside(bench: Bench, base: Trial, curve: Learned) -> Trial:
     """
     Return a hypothesis with a curve, fitted.
 
-    One of the motion is a term of it whose values are fitted too. One of the belt is there as what is known of each
-    event, as it was scored; of one of a reading, what it adds is taken out of the readings.
+    It is a term of it whose values are fitted too; one of the belt is there as what is known of each event, as it was
+    scored.
 
     Parameters
     ----------
@@ -68,23 +67,19 @@ def beside(bench: Bench, base: Trial, curve: Learned) -> Trial:
     """
     if curve.effect is not None:
         return _with_term(bench, base, curve)
-    fit, terms = base.fit, base.terms
-    if curve.events is None:
-        windows = replace(bench, data=_less(bench, curve)).windows(terms)
-        start = replace(fit, windows=windows)
-    else:  # it begins with the motions that there were
-        windows, own = bench.windows(terms), fit.own.copy()
-        assert isinstance(windows, BeltWindows)
-        nothing = np.zeros(windows.effects)
-        windows.added = np.array([nothing if one is None else one for one in curve.events])
-        own[:, windows.begins :] -= windows.added
-        start = replace(fit, windows=windows, own=own)
+    fit, windows = base.fit, bench.windows(base.terms)
+    assert curve.events is not None
+    assert isinstance(windows, BeltWindows)
+    nothing, own = np.zeros(windows.effects), fit.own.copy()
+    windows.added = np.array([nothing if one is None else one for one in curve.events])
+    own[:, windows.begins :] -= windows.added  # it begins with the motions that there were
+    start = replace(fit, windows=windows, own=own)
     return replace(base, fit=fitted(start, bench.policy, bench.policy.candidate_steps, held=2))
 
 
 def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
     """
-    The hypothesis with a curve of the motion, fitted from the best of several starts.
+    The hypothesis with a curve as a term, fitted from the best of several starts.
 
     A curve does what a wrong constant does: beside it constants have no long tails.
     """
@@ -126,15 +121,3 @@ def _settled(
 
 def _cost(start: tuple[Fit, Term, float]) -> float:
     return start[2]
-
-
-def _less(bench: Bench, curve: Learned) -> list[Data]:
-    """The runs without what a curve adds to them."""
-    readings = [run.readings.copy() for run in bench.data]
-    for s, columns in zip(bench.stretches, curve.columns, strict=True):
-        if columns is not None:
-            run = bench.data[s.run]
-            weight = run.weight[s.start : s.stop]
-            added = np.divide(columns @ curve.size, weight, out=np.zeros_like(weight), where=weight > 0)
-            readings[s.run][s.start : s.stop] -= added
-    return [replace(run, readings=one) for run, one in zip(bench.data, readings, strict=True)]

@@ -52,7 +52,7 @@ class Verdicts(Generic[BenchT]):
 
     @property
     def told(self) -> Trial:
-        """What the model after has: names that stand, or stand in, and a curve of the motion."""
+        """What the model after has: names that stand, or stand in, and a curve, but for one of the belt."""
         found = self.searched
         if self.curve is not None and self.curve.effect is not None:
             return self.after
