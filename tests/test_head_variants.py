@@ -96,3 +96,22 @@ def test_a_comment_that_names_the_columns_in_another_order_is_refused(tmp_path: 
         read_columns(file, ["t", "F"])
     file.write_text("t,F\n# t,F\n" + rows)
     assert read_columns(file, ["t", "F"]).values["F"][1] == 2
+
+
+@pytest.mark.parametrize("head", ["t,F\n# F,t\n", "t [s],F [N]\n# F,t\n", "t,F\ns,N\n# F [N],t [s]\n"])
+def test_inspect_refuses_what_load_refuses(tmp_path: Path, head: str) -> None:
+    """The comment was taken for the names: time and force were swapped."""
+    file = tmp_path / "run.csv"
+    file.write_text(head + rows())
+    for look in (load, inspect):
+        with pytest.raises(ss.InputError, match="names the columns in another order than line 1"):
+            look(file)
+
+
+@pytest.mark.parametrize("head", ["t,F\n# t,F\n", "t [s],F [N]\n# t,F\n", "t,F\n# t [s],F [N]\n"])
+def test_a_comment_that_repeats_the_names_is_harmless(tmp_path: Path, head: str) -> None:
+    """One with the units left out was refused as another order."""
+    file = tmp_path / "run.csv"
+    file.write_text(head + rows())
+    np.testing.assert_array_equal(load(file).raw["spring_force"], F)
+    assert [one.head for one in inspect(file).columns] == ["t", "F"]

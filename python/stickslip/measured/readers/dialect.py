@@ -175,7 +175,8 @@ def _refuse_other_order(
         return
     for at, others, _ in found[:-1]:
         plain = not lines[at].lstrip().startswith(COMMENTS)
-        if plain and [one for one in others if one in wanted] != [one for one in names if one in wanted]:
+        shared = [one for one in wanted if _has(others, one)]
+        if plain and _ordered(shared, others) != _ordered(shared, names):
             words = f"names the columns in another order than line {at + 1}; delete one of the two"
             raise InputError(words, place=Place(str(file), last + 1))
 
@@ -193,6 +194,17 @@ def _names(line: str, delimiter: str) -> tuple[str, ...]:
     while names and not names[-1]:  # a separator may end the line
         names.pop()
     return tuple(names)
+
+
+def _bare_names(names: Sequence[str]) -> list[str]:
+    """Names without the units in them."""
+    return [parts[0] if (parts := head_parts(name)) else name for name in names]
+
+
+def _ordered(wanted: Sequence[str], names: Sequence[str]) -> list[str]:
+    """The wanted names in the order in which a line has them."""
+    told = _bare_names(names)
+    return sorted(wanted, key=lambda one: names.index(one) if one in names else told.index(one))
 
 
 def _has(names: Sequence[str], wanted: str) -> bool:
@@ -231,6 +243,9 @@ def _guessed(file: Path, lines: Sequence[str]) -> tuple[int, tuple[str, ...], st
     for one in (delimiter, *SEPARATORS):
         names = _names(lines[above[-1]], one) if above else ()
         if names and (len(names) == width or (one == delimiter != " " and len(names) > width)):
+            lists = [(i, _names(lines[i], one), one) for i in above]
+            as_wide = [other for other in lists if len(other[1]) == len(names)]
+            _refuse_other_order(file, lines, as_wide, _bare_names(names))
             return above[-1], names, delimiter
     if above and _names(lines[above[-1]], delimiter) and lines[above[-1]].strip()[:1] not in "#%/":
         return above[-1], _names(lines[above[-1]], delimiter), delimiter
