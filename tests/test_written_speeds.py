@@ -57,6 +57,24 @@ def test_what_measures_no_speed_is_refused(model: ss.Model, written: str, words:
         ss.simulate(model, belt_speed=written, t_end=1.0)
 
 
+@pytest.mark.parametrize("model", [BLOCK, BARE, BODIES])
+def test_text_without_a_unit_is_the_number(model: ss.Model) -> None:
+    """t_end="1" was taken, belt_speed="12" refused."""
+    start = {} if model is BODIES else {"initial": (0.1,) * (2 if model is BLOCK else 4)}
+    runs = [ss.simulate(model, belt_speed=v, t_end=t, **start).state for v, t in (("0.1", "2"), (0.1, 2.0))]
+    np.testing.assert_array_equal(*runs)
+
+
+def test_text_without_a_unit_is_in_that_of_the_channel() -> None:
+    t = np.arange(0, 2, 0.01)
+    channels = {"t": ss.Channel("t", "s"), "a": ss.Channel("a", "mm"), "belt": ss.Channel("b", "mm/s")}
+    columns = {"t": t, "a": np.sin(t), "b": 12 + 0 * t}
+    runs = [
+        ss.load_recording(columns, BODIES.rig, channels=channels, belt_speed=v) for v in ("12", 12, "12 mm/s")
+    ]
+    assert [run.belt_speed for run in runs] == pytest.approx([0.012] * 3, rel=1e-12)
+
+
 def test_a_formula_stays_one() -> None:
     run = ss.simulate(BLOCK, belt_speed="0.01 + 0.002*sin(3*t)", t_end=1.0)
     assert np.isfinite(run.state).all()
@@ -88,6 +106,25 @@ def test_a_speed_at_many_times_is_that_of_the_piece_of_each(speed: ss.Speed) -> 
 def test_a_time_may_have_its_unit(model: ss.Model, end: float) -> None:
     ends = [ss.simulate(model, belt_speed="12 mm/s", t_end=t).t[-1] for t in ("2 s", "2000 ms", end)]
     assert ends == pytest.approx([end] * 3, rel=1e-9)
+
+
+def test_a_sweep_takes_times_as_a_simulation_does() -> None:
+    over = {"initial.x1": [0.0, 0.001]}
+    made = [
+        ss.sweep(BLOCK, over, belt_speed=0.012, t_end=end, after=after)
+        for end, after in ((2.0, 1.0), ("2 s", "1000 ms"), ("2", "1"))
+    ]
+    for one in made[1:]:
+        np.testing.assert_array_equal(one.stick_fraction, made[0].stick_fraction)
+
+
+@pytest.mark.parametrize("window", [("0.1 s", None), (None, "1"), (1.0,), 3.0])
+def test_a_window_that_is_no_two_numbers_gets_one_line(window: object) -> None:
+    """It ended in numpy's own error."""
+    t = np.arange(0, 2, 0.01)
+    channels = {"t": ss.Channel("t", "s"), "x1": ss.Channel("x", "mm")}
+    with pytest.raises(InputError, match="window = "):
+        ss.load_recording({"t": t, "x": np.sin(t)}, BLOCK.rig, channels=channels, window=window)  # type: ignore[arg-type]
 
 
 def test_what_measures_no_time_is_refused() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import names
-from stickslip.declared.quantity import sized
+from stickslip.declared.quantity import quantity, sized
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 
@@ -28,7 +28,7 @@ def set_point(given: float | str | Speed, unit: str, per_unit: float, key: str) 
     Parameters
     ----------
     given
-        A number, in the unit of its channel; text with a unit of its own ("12 rpm"); a formula of t, in SI.
+        A number, in the unit of its channel, as text too; one with a unit of its own ("12 rpm"); a formula of t, in SI.
     unit
         SI unit of the speed.
     per_unit
@@ -46,4 +46,7 @@ def set_point(given: float | str | Speed, unit: str, per_unit: float, key: str) 
     if not isinstance(given, str):
         return Speed.of(sized(given, unit, key) * per_unit, key)
     formula = formula_of_time(given, key)
-    return Speed.of(sized(given, unit, key), key) if formula is None else formula
+    if formula is not None:
+        return formula
+    size = sized(given, unit, key)
+    return Speed.of(size if quantity(key, given)[1] else size * per_unit, key)

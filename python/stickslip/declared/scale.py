@@ -129,7 +129,9 @@ def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyR
 
 def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
     """
-    Return a speed in the model's numbers where it is written with a unit ("12 mm/s"); all else as it is.
+    Return a speed in the model's numbers where it is written as one number ("12 mm/s"); all else as it is.
+
+    Text without a unit is the model's number, as it is of every parameter.
 
     Raises
     ------
@@ -142,6 +144,8 @@ def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
         size, unit = with_unit(given)
     except ValueError:
         return given
+    if not unit:
+        return size
     if not unit[:1].isalpha():
         return given
     if not isinstance(rig, GeneralRig):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.units import Channel
-from stickslip.errors import InputError, Place
+from stickslip.errors import InputError, Place, number
 from stickslip.measured.readers.tables import Columns
 
 Floats = NDArray[np.float64]
@@ -49,7 +49,10 @@ def cut(
     window: tuple[float | None, float | None],
 ) -> dict[str, Floats]:
     """Keep the samples within the window, in the unit of t."""
-    start, end = window
+    given: object = window
+    if not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
+        raise InputError("must be two times, (start, end), None for an open one", key="window", value=window)
+    start, end = (None if one is None else number("window", one) for one in window)
     if start is None and end is None:
         return dict(raw)
     t = raw["t"] * channels["t"].scale

@@ -18,7 +18,8 @@ from stickslip.arguments import explained, whole_number
 from stickslip.arguments import path as as_path
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
-from stickslip.declared.scale import written_speed
+from stickslip.declared.rig import AnyRig
+from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
 from stickslip.progress import counts
@@ -44,14 +45,14 @@ def sweep(
     model: Model,
     over: Mapping[str, object],
     *,
-    t_end: float,
+    t_end: float | str,
     initial: ArrayLike | None = None,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
     rtol: float = 1e-8,
     atol: float = 1e-8,
     observe: str | Iterable[str] = DEFAULT,
-    after: float = 0.0,
+    after: float | str = 0.0,
     threads: int | None = None,
     progress: bool = False,
     client: Client | None = None,
@@ -73,7 +74,7 @@ def sweep(
         grid. A pair (dimension, array) puts the name on a shared dimension instead:
         ``{"alpha1": ("member", a), "alpha2": ("member", a / 2)}``.
     t_end
-        End of every run, in the rig's unit of time; runs start at 0.
+        End of every run, in the rig's unit of time or with a unit ("60 s"); runs start at 0.
     initial
         State at the start as for `simulate`; at rest at the origin if absent.
     belt_speed, drive_speed
@@ -223,23 +224,24 @@ def _raise_if_kept(why: str, done: str, sink: Sink, computed: int) -> None:
 class _Asked:
     """What a call asks of every member, as it was given; `speeds` are the belt's and the drive's."""
 
-    t_end: float
+    t_end: float | str
     initial: ArrayLike | None
     speeds: tuple[float | str | Speed | None, float | str | Speed | None]
     tolerances: tuple[float, float]
     observe: str | Iterable[str]
-    after: float
+    after: float | str
     points: int
     lanes: bool
     most: tuple[int, int]
 
-    def checked(self) -> dict[str, Any]:
+    def checked(self, rig: AnyRig) -> dict[str, Any]:
         """Return the settings of every sweep."""
-        end = number("t_end", self.t_end, above=0)
+        end = number("t_end", written_time(self.t_end, rig, "t_end"), above=0)
+        after = written_time(self.after, rig, "after")
         rtol, atol = checked_tolerances(*self.tolerances)
         return {
             "t_end": end,
-            "after": number("after", self.after, least=0, below=end, why="it must come before t_end"),
+            "after": number("after", after, least=0, below=end, why="it must come before t_end"),
             "rtol": rtol,
             "atol": atol,
             "observe": chosen(self.observe),
@@ -264,7 +266,7 @@ def _request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request
     grid = make_grid(over, model, lowered, TAKEN)
     _belt_speed_is_given_once(grid, belt_speed)
     start = tuple(float(x) for x in checked_initial(model, lowered, asked.initial))
-    return Request(model=model, grid=grid, belt_speed=speed, initial=start, **asked.checked())
+    return Request(model=model, grid=grid, belt_speed=speed, initial=start, **asked.checked(model.rig))
 
 
 def _bodies_request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
@@ -277,7 +279,7 @@ def _bodies_request(model: Model, over: Mapping[str, object], asked: _Asked) -> 
             raise InputError("varies in `over`; leave it out here", key=key, value=str(one))
     own = whole(model, *(0.0 if key in varied else one for key, one in speeds.items()))
     grid = make_grid(over, model, named(own, model.parameters), TAKEN)
-    settings = asked.checked()
+    settings = asked.checked(model.rig)
     check_observed(settings["observe"])
     belt, drive = (None if one is None else Speed.of(one, key) for key, one in speeds.items())
     start = checked_start(own, asked.initial)
