@@ -39,6 +39,10 @@ RIGHT = {
     "a note among white space": "note on t F here\nt F\n" + rows(" "),
     "rows of a preamble below a note": "t and F over time\nRange 10.0 -10.0 5\nChannel 1 2 3\nt F\n"
     + rows(" "),
+    "an empty row of units": "t;F\n;\n" + rows(";"),
+    "an empty row of units in quotes": 't,F\n"",""\n' + rows(),
+    "an empty row of units as wide as its names": "t,F,\n,,\n" + rows(),
+    "no-break spaces around names": "\u00a0t;F\u202f\n" + rows(";"),
     "a comment at the first row": "t [s],F [N],Comment\n" + rows(words=("begin",)),
 }
 
@@ -47,6 +51,7 @@ RIGHT = {
 def test_the_numbers_are_right(tmp_path: Path, text: str) -> None:
     (tmp_path / "run.csv").write_text(text)
     run = load(tmp_path / "run.csv")
+    assert [one.head for one in inspect(tmp_path / "run.csv").columns][:2] == ["t", "F"]
     np.testing.assert_array_equal(run.raw["t"], T)
     np.testing.assert_array_equal(run.raw["spring_force"], F)
 
@@ -115,3 +120,19 @@ def test_a_comment_that_repeats_the_names_is_harmless(tmp_path: Path, head: str)
     file.write_text(head + rows())
     np.testing.assert_array_equal(load(file).raw["spring_force"], F)
     assert [one.head for one in inspect(file).columns] == ["t", "F"]
+
+
+@pytest.mark.parametrize("blank", ["\u00a0", "\u202f"])
+@pytest.mark.parametrize("separator", [";", " "])
+@pytest.mark.parametrize("cell", ["{}1.5", "1.5{}", "1{}000.5"])
+def test_a_no_break_space_in_a_number_has_its_line(
+    tmp_path: Path, cell: str, separator: str, blank: str
+) -> None:
+    """The line was not named, or another number of cells was."""
+    file = tmp_path / "run.csv"
+    lines = rows(separator).splitlines()
+    lines[7] = f"0.0140{separator}{cell.format(blank)}"
+    file.write_text("\n".join([f"t{separator}F", *lines, ""]))
+    with pytest.raises(ss.InputError, match=f"line 9, column 'F': .* no-break space .U.{ord(blank):04X}"):
+        load(file)
+    assert any("no-break space" in one for one in inspect(file).doubts)

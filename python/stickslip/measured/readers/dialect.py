@@ -7,6 +7,8 @@ numbers. Above it a program may have written anything.
 from __future__ import annotations
 
 import csv
+import re
+import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +22,11 @@ from stickslip.measured.readers.encoding import encoding_of
 
 COMMENTS = ("#", "%", "//")
 SEPARATORS = ("\t", ";", ",", " ")  # " ": any white space
+BLANKS = " \t\r\n\v\f"  # a no-break space is none of them: no number is read with one
+EMPTY = "\t;, \"'\r\n"  # what a line of empty cells is made of
 HEAD = 5000  # lines in which the names must stand
 ALIKE = 3  # rows of numbers, one below the other, that are the table and no numbers of its preamble
+_APART = re.compile(f"[{BLANKS}]+")
 
 
 @dataclass(frozen=True)
@@ -90,18 +95,24 @@ def rows_from(layout: Layout) -> int:
 
 def bare(line: str, delimiter: str) -> str:
     """Return a row without comment and line end; separators stay, those at its ends too: cells that are empty."""
-    text = line.partition("#")[0].strip("\r\n " if delimiter == "\t" else None)
+    text = line.partition("#")[0].strip("\r\n " if delimiter == "\t" else BLANKS)
     return "" if text.lstrip().startswith(COMMENTS) else text
 
 
 def cells_of(text: str, delimiter: str) -> list[str]:
-    """Return the cells of a row."""
+    """Return the cells of a row, without the blanks around them."""
     if delimiter == " ":
-        return text.split()
+        return text.split() if text.isascii() else [cell for cell in _APART.split(text) if cell]
     try:
-        return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter))]
+        return [cell.strip(BLANKS) for cell in next(csv.reader([text], delimiter=delimiter))]
     except (csv.Error, StopIteration):  # a cell of more than 131,072 characters
-        return [cell.strip() for cell in text.split(delimiter)]
+        return [cell.strip(BLANKS) for cell in text.split(delimiter)]
+
+
+def odd_blank(text: str) -> str:
+    """Return the first blank of a text that is none of ASCII's, as "a no-break space (U+00A0)"; "" without one."""
+    found = next((one for one in text if one > "\x7f" and one.isspace()), "")
+    return found and f"a {unicodedata.name(found, 'blank').lower()} (U+{ord(found):04X})"
 
 
 def number_in(cell: str, decimal: str) -> float | None:
@@ -190,7 +201,7 @@ def _names(line: str, delimiter: str) -> tuple[str, ...]:
             break
     if not text or (delimiter != " " and delimiter not in text):
         return ()
-    names = [name.strip("\"' ") for name in cells_of(text, delimiter)]
+    names = [name.strip().strip("\"' ") for name in cells_of(text, delimiter)]
     while names and not names[-1]:  # a separator may end the line
         names.pop()
     return tuple(names)
@@ -228,7 +239,7 @@ def _is_row(line: str, delimiter: str, width: int = 0) -> bool:
 
 def _guessed(file: Path, lines: Sequence[str]) -> tuple[int, tuple[str, ...], str]:
     """The line of names where none are known: the one above the first rows, or the first line if there are none."""
-    used = [i for i, line in enumerate(lines) if line.strip()]
+    used = [i for i, line in enumerate(lines) if line.strip(EMPTY)]
     plain = [i for i in used if not lines[i].strip().startswith(COMMENTS)]
     start = _first_rows(lines, plain)
     if start is None:
@@ -289,7 +300,10 @@ def _time(unit: str | None) -> str | None:
 def _units_below(
     lines: Sequence[str], at: int, names: Sequence[str], delimiter: str
 ) -> tuple[tuple[str, ...], int]:
-    """The units in the row below the names, if there is one, and the first line that may be a row of numbers."""
+    """The units in the row below the names, if there is one, and the first line that may be a row of numbers.
+
+    A row of empty cells is one of units, of which there are none.
+    """
     below = next((i for i in range(at + 1, len(lines)) if bare(lines[i], delimiter)), None)
     if below is None:
         return (), at + 1
@@ -299,6 +313,6 @@ def _units_below(
     if len(cells) > len(names) or _is_row(lines[below], delimiter):
         return (), at + 1
     units = [unit_in(cell) if cell else "" for cell in cells]
-    if not any(units) or None in units:
+    if None in units:
         return (), at + 1
     return tuple(unit or "" for unit in units) + ("",) * (len(names) - len(units)), below + 1

@@ -13,7 +13,7 @@ from stickslip.errors import InputError, Place, quoted
 from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
 from stickslip.measured.readers.cut_off import last_number, told_count, unended
-from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, opened, rows_from
+from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, odd_blank, opened, rows_from
 from stickslip.measured.readers.memory import ratio
 from stickslip.measured.readers.part import Part, neighbours
 from stickslip.measured.readers.row_counts import count_rows, fits
@@ -196,6 +196,8 @@ def raise_first_fault(layout: Layout, names: Sequence[str]) -> None:
 def _cell_fault(cell: str, decimal: str) -> str | None:
     if not cell:
         return "empty cell; every sample needs a number (cut the run there or interpolate)"
+    if blank := odd_blank(cell):
+        return f"'{quoted(cell, 30)}' has {blank}; write numbers without blanks, thousands too"
     value = number_in(cell, decimal)
     if value is None:
         return f"'{quoted(cell, 30)}' is text; every sample needs a number"

@@ -46,7 +46,8 @@ class Text:
         at = layout.header.index(name)
         told = [cells[at] for _, cells in islice(layout.rows(), HEAD) if len(cells) > at and cells[at]]
         return not any(
-            is_time(cell) or any(number_in(cell, sign) is not None for sign in layout.decimals)
+            is_time(cell)
+            or any(number_in("".join(cell.split()), sign) is not None for sign in layout.decimals)
             for cell in told
         )
 
