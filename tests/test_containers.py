@@ -13,6 +13,7 @@ import pytest
 import scipy.io
 
 import stickslip as ss
+from stickslip.measured.inspection import inspect
 from stickslip.measured.readers import process
 from stickslip.measured.readers.tables import Source, open_table, read_columns
 
@@ -170,6 +171,25 @@ def test_tdms_dates_and_rates(tmp_path: Path) -> None:
     ):
         with pytest.raises(ss.InputError, match=words):
             source.read(names, units)
+
+
+def test_two_tdms_channels_of_one_name_are_refused(tmp_path: Path) -> None:
+    """Group a/b with c and group a with b/c: the second one was read for both."""
+    step = {"wf_increment": 0.002}
+    with nptdms.TdmsWriter(tmp_path / "run.tdms") as writer:
+        writer.write_segment(
+            [
+                nptdms.ChannelObject("a/b", "c", F, properties=step),
+                nptdms.ChannelObject("a", "b/c", -F, properties=step),
+                nptdms.ChannelObject("a/t", "d", F, properties=step),
+            ]
+        )
+    source = open_table(tmp_path / "run.tdms")
+    with pytest.raises(ss.InputError, match="column 'a/b/c': there 2 times; which one is meant"):
+        source.read(["a/b/c"], {})
+    assert sorted(source.contents.names) == ["a/b/c", "a/b/c", "a/b/t", "a/t", "a/t/d", "a/t/t"]
+    np.testing.assert_array_equal(numbers(source, ["a/t/d"])["a/t/d"], F)
+    assert any("a/b/c: there 2 times" in one for one in inspect(tmp_path / "run.tdms").doubts)
 
 
 def test_a_stale_index_of_tdms_is_not_read(tmp_path: Path) -> None:

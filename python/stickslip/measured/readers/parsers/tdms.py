@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
+from collections.abc import Container
 from typing import IO, Any
 
 import numpy as np
@@ -49,9 +50,10 @@ def answer(file: str, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray
 
 
 def _answer(tdms: TdmsFile, is_cut: bool, names: list[str]) -> tuple[dict[str, Any], list[np.ndarray]]:
-    channels = {f"{group.name}/{one.name}": one for group in tdms.groups() for one in group.channels()}
-    grids = _grids(channels)
-    known = [*grids, *channels]
+    every = [(group.name, one) for group in tdms.groups() for one in group.channels()]
+    channels = {f"{group}/{one.name}": one for group, one in every}
+    grids = _grids(every, channels)
+    known = [*grids, *(f"{group}/{one.name}" for group, one in every)]  # twice: no column has such a name
     head: dict[str, Any] = {
         "known": known,
         "units": {name: str(one.properties.get("unit_string", "")) for name, one in channels.items()}
@@ -95,21 +97,21 @@ def _is_cut(file: str) -> bool:
     return at != size
 
 
-def _grids(channels: dict[str, Any]) -> dict[str, tuple[float, float, int]]:
+def _grids(every: list[tuple[str, Any]], names: Container[str]) -> dict[str, tuple[float, float, int]]:
     """Start, step and number of the times of each group's waveforms; a further grid is named after its channel."""
     grids: dict[str, tuple[float, float, int]] = {}
-    for name, channel in channels.items():
+    of: dict[str, list[tuple[float, float, int]]] = {group: [] for group, _ in every}
+    for group, channel in every:
         said = channel.properties
         step = said.get("wf_increment")
         if not isinstance(step, float) or not step > 0 or said.get("wf_xunit_string", "s") not in ("", "s"):
             continue
         grid = (float(said.get("wf_start_offset", 0.0)), step, len(channel))
-        group = name.rpartition("/")[0]
-        mine = [key for key in grids if key.startswith(f"{group}/t")]
-        if grid in [grids[key] for key in mine]:
+        if grid in of[group]:
             continue
-        title = f"{group}/t" if not mine and f"{group}/t" not in channels else f"{group}/t of {channel.name}"
-        grids[title] = grid
+        alone = not of[group] and f"{group}/t" not in names
+        grids[f"{group}/t" if alone else f"{group}/t of {channel.name}"] = grid
+        of[group].append(grid)
     return grids
 
 
