@@ -1,13 +1,17 @@
 """What cycles, branches and simulated tables say of themselves where they are printed."""
 
+import io
 import re
 import time
 
 import pytest
 from click.testing import CliRunner
+from rich.console import Console
+from rich.table import Table
 
 import stickslip as ss
 from stickslip.cli.commands import main
+from stickslip.cli.printed import say_table
 from stickslip.progress import shares
 from test_continuation import leine  # noqa: F401
 
@@ -79,3 +83,19 @@ def test_a_log_hears_nothing_of_a_quick_fit(capfd: pytest.CaptureFixture[str]) -
     with shares("identify") as tell:
         tell("fitting windows", 0.25)
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_table_is_not_cut(terminal):
+    """That of `identify`, of a rig of bodies, was cut at 80 columns."""
+    cells = [f"{'word ' * 12}{i}" for i in range(3)]
+    table = Table(title="what is found")
+    for name in "abc":
+        table.add_column(name, no_wrap=True, overflow="fold")
+    table.add_column("status")
+    table.add_row(*cells, "of many words " * 9)
+    to = Console(file=io.StringIO(), force_terminal=terminal, width=80)
+    say_table(table, to)
+    printed = to.file.getvalue()
+    assert all(cell in printed for cell in cells)
+    assert (printed.count("of many words ") == 9) != terminal  # on a terminal these wrap

@@ -6,8 +6,28 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
 
 console = Console(highlight=False)
+WIDEST = 10_000  # columns of a table in a file
+
+
+def say_table(table: Table, to: Console = console) -> None:
+    """Print a table of which nothing is cut.
+
+    Into a file or a pipe it is printed as wide as it is. On a terminal columns that may wrap are made narrower; the
+    terminal itself wraps what is still too wide.
+    """
+    options = to.options.update(width=WIDEST, max_width=WIDEST)
+    wide = to.measure(table, options=options).maximum
+    for column in table.columns if to.is_terminal else ():
+        if not column.no_wrap:
+            sizes = [Measurement.get(to, options, cell) for cell in (column.header, *column.cells)]
+            wide -= max(one.maximum for one in sizes) - max(one.minimum for one in sizes)
+    if wide > to.width:
+        to = Console(file=to.file, highlight=False, width=wide, force_terminal=to.is_terminal)
+    to.print(table)
 
 
 def say_findings(findings: Iterable[str]) -> None:

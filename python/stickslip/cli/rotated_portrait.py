@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stickslip
+from stickslip.cli.printed import say_table
 from stickslip.cli.running.discover import say
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect import Effect, effect
@@ -101,7 +102,7 @@ def story(out: Path, console: Console, *, force: bool = False) -> Told:
         tell("drawing the report")
         fill(temporary, found, case)
     say(found, case, console)
-    console.print(truth_table(found))
+    say_table(truth_table(found), console)
     paths = [path, *written(place / "found")]
     console.print(
         f"See {paths[1]}: the phase trajectory before and after, over the measurement.\n", soft_wrap=True

@@ -8,7 +8,7 @@ from rich.box import SIMPLE
 from rich.markup import escape
 from rich.table import Table
 
-from stickslip.cli.printed import console, say_findings, say_lines
+from stickslip.cli.printed import console, say_findings, say_lines, say_table
 from stickslip.declared.scale import scales
 from stickslip.fitted.can_tell import Telling, can_tell
 from stickslip.measured.case import Case, load_case
@@ -19,7 +19,7 @@ def perform(case: Path, files_from: Path | None) -> None:
     loaded = load_case(case, files_from=files_from)
     say_findings(loaded.findings)
     told = can_tell(loaded)
-    console.print(runs_table(told, loaded))
+    say_table(runs_table(told, loaded))
     lacks = [*told.lacks, *ties(told)]
     if told.told:
         console.print("The runs can tell:")

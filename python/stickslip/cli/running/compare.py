@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE
 from rich.table import Table
 
-from stickslip.cli.printed import console, say_findings, say_written
+from stickslip.cli.printed import console, say_findings, say_table, say_written
 from stickslip.declared.model import load_model
 from stickslip.declared.toml_file import write_text
 from stickslip.errors import InputError
@@ -53,7 +53,7 @@ def perform(
         with shares("comparing") as tell:
             result = run(law, recording, belt_speed=belt, progress=tell)
         fill_comparison(result, temporary)
-    console.print(comparison_table(result))
+    say_table(comparison_table(result))
     say_verdict(result)
     say_written([out / name for name in WRITTEN])
 

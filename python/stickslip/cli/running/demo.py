@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stickslip.cli.paper_slider import run
-from stickslip.cli.printed import console, say_written
+from stickslip.cli.printed import console, say_table, say_written
 from stickslip.cli.running import compare, identify
 from stickslip.files import folder
 from stickslip.progress import shares
@@ -21,8 +21,8 @@ def perform(out: Path, first_half: bool, force: bool) -> None:
     written = [out / name for name in (*identify.WRITTEN, *compare.WRITTEN)]
     for paragraph in result.before:
         console.print(paragraph + "\n")
-    console.print(identify.estimates_table(result.found))
-    console.print(compare.comparison_table(result.comparison))
+    say_table(identify.estimates_table(result.found))
+    say_table(compare.comparison_table(result.comparison))
     compare.say_verdict(result.comparison)
     for paragraph in result.after:
         console.print(paragraph + "\n")

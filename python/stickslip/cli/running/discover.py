@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import stickslip
-from stickslip.cli.printed import console, say_written
+from stickslip.cli.printed import console, say_table, say_written
 from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.rig import Rig
 from stickslip.declared.si import scales_of
@@ -70,8 +70,8 @@ def say(found: Found, case: Case, to: Console) -> None:
     for line in (*words.sureness(found), words.clean_sentence(found)):
         to.print(f"- {line}", markup=False)
     if found.effects:
-        to.print(effects_table(found, case))
-    to.print(errors_table(found))
+        say_table(effects_table(found, case), to)
+    say_table(errors_table(found), to)
     for line in found.messages:
         to.print(f"- {line}", markup=False)
     if found.experiments:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE
 from rich.table import Table
 
-from stickslip.cli.printed import console, say_findings, say_written
+from stickslip.cli.printed import console, say_findings, say_table, say_written
 from stickslip.files import folder
 from stickslip.fitted.identified import Identified
 from stickslip.fitted.saved_result import IDENTIFIED
@@ -35,7 +35,7 @@ def perform(case: Path, out: Path, belt: BeltSpeed, files_from: Path | None, for
         console.print(
             f"chi2 per degree of freedom {found.reduced_chi2:.3g}, {found.windows} windows", highlight=False
         )
-    console.print(estimates_table(found))
+    say_table(estimates_table(found))
     for message in found.messages:
         console.print(f"- {message}", markup=False)
     say_written([out / name for name in WRITTEN])

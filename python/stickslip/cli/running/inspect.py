@@ -10,7 +10,7 @@ from rich.box import SIMPLE
 from rich.markup import escape
 from rich.table import Table
 
-from stickslip.cli.printed import console, say_lines, say_written
+from stickslip.cli.printed import console, say_lines, say_table, say_written
 from stickslip.declared.units import in_si, same_dimension
 from stickslip.errors import quoted
 from stickslip.files import chosen
@@ -31,7 +31,7 @@ def _inspect(file: Path, drawn: Sequence[Path]) -> None:
     console.print(
         f"{file}: {'; '.join([found.contents.kind, *found.contents.facts])}", markup=False, soft_wrap=True
     )
-    console.print(columns_table(found))
+    say_table(columns_table(found))
     for line in _of_time(found):
         console.print(line, markup=False, soft_wrap=True)
     if found.doubts:
