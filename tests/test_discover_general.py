@@ -176,6 +176,24 @@ def test_too_short_a_record_is_refused() -> None:
         ss.discover(runs, friction=case.model.friction)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("rows", "said"), [((50, 115), "is too short to be forecast"), ((0, 10), "has 10 samples; at least 60")]
+)
+def test_too_short_a_validate_run_is_refused_before_the_search(
+    tmp_path: Path, rows: tuple[int, int], said: str
+) -> None:
+    """The search was made first; of a few samples the run was not named."""
+    command = CliRunner().invoke
+    assert command(main, ["example", "bodies", "--out", str(tmp_path)]).exit_code == 0
+    file = tmp_path / "run_02.csv"
+    head, *lines = file.read_text().splitlines()
+    file.write_text("\n".join([head, *lines[slice(*rows)], ""]))
+    result = command(main, ["discover", str(tmp_path), "--out", str(tmp_path / "found")])
+    assert result.exit_code == 2
+    assert f"run 'run_02' {said}" in result.output
+    assert "scoring" not in result.output
+
+
 def test_a_channel_that_never_changes_is_refused() -> None:
     """Sizes of effects there overflowed."""
     case = CASES["pin"]()

@@ -126,11 +126,12 @@ def prepare_bodies(
     sensors = [*rig.state_names, *rig.equations.sensed]
     second = [name for name, one in runs[0].channels.items() if one.reads and name not in sensors]
     channels = tuple(n for n in (*sensors, *second, "belt") if all(n in r.coordinates for r in runs))
-    usual = np.median([[_noise(run.coordinates[name], run.t) for name in channels] for run in runs], axis=0)
-    out = []
     for run in runs:
         if len(run.t) < FEWEST:
             raise InputError(f"run '{run.name}' has {len(run.t)} samples; at least {FEWEST} are needed")
+    usual = np.median([[_noise(run.coordinates[name], run.t) for name in channels] for run in runs], axis=0)
+    out = []
+    for run in runs:
         noise = np.array([run.noise.get(name, size) for name, size in zip(channels, usual, strict=True)])
         out.append(_prepared(rig.equations, run, channels, noise, friction))
     return out

@@ -14,7 +14,7 @@ from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_ahead import Ahead, one_ahead
-from stickslip.likelihoods.bodies_cuts import cuts
+from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.own_phases import with_own_drive, with_own_phases
@@ -68,6 +68,22 @@ def error_block(
     return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows)), kept
 
 
+def two_windows(run: BodiesData) -> list[Cut]:
+    """
+    Return the windows of a run of which one can be forecast.
+
+    Raises
+    ------
+    InputError
+        The run is too short: no window ends where another begins.
+    """
+    cut = cuts([run])
+    if not any(a.stop == b.start for a, b in zip(cut[:-1], cut[1:], strict=True)):
+        words = "a window, from stick to stick or a natural period long, is forecast from the one before it"
+        raise InputError(f"run '{run.name}' is too short to be forecast; {words}")
+    return cut
+
+
 def ahead(told: Told, run: BodiesData) -> Ahead:
     """
     Return what is forecast of a run, one window ahead.
@@ -79,9 +95,7 @@ def ahead(told: Told, run: BodiesData) -> Ahead:
     InputError
         The run is too short.
     """
-    cut = cuts([run])
-    if not any(a.stop == b.start for a, b in zip(cut[:-1], cut[1:], strict=True)):
-        raise InputError(f"run '{run.name}' is too short to be forecast window by window")
+    cut = two_windows(run)
     gain, offset = 1 + told.of("gain", run), told.of("offset", run)
     true = (run.readings - offset) / gain
     run = replace(run, readings=true, weight=run.weight * gain, noise=run.noise / gain)

@@ -13,7 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
-from stickslip.discovery.general_rig.errors import Told, error_block
+from stickslip.discovery.general_rig.errors import Told, error_block, two_windows
 from stickslip.discovery.general_rig.result import GeneralFound, RigView
 from stickslip.discovery.laboratory import outcome as usual
 from stickslip.discovery.laboratory.search import Searched, search
@@ -57,6 +57,8 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         words = f"the train runs hold {len(bench.stretches)} windows, from stick to stick or a natural period long"
         raise InputError(f"{words}; {bench.policy.fewest_windows} are needed to see how friction scatters")
     validate = prepare_bodies(declared.rig, case.validate, declared.friction)  # type: ignore[arg-type]  # a general rig's
+    for run in validate:
+        two_windows(run)
     try:
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
