@@ -326,10 +326,10 @@ def load_recording(
 
 
 def _in_model(column: Floats, channel: Channel, per_unit: float) -> Floats:
-    """A column in the model's numbers."""
-    out = column * per_unit
+    """A column in the model's numbers; not copied where it has them."""
+    out = column if per_unit == 1 else column * per_unit
     if channel.offset:
-        out += channel.offset * per_unit / channel.scale
+        out = out + channel.offset * per_unit / channel.scale
     return out
 
 

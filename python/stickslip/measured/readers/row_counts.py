@@ -17,6 +17,8 @@ from stickslip.measured.readers.dialect import Layout, bare, cells_of, rows_from
 
 BLOCK = 1 << 22  # bytes that are counted together: their arrays take ten times as much
 _NEWLINE = 10
+# what may be in a bare cell; a blank, a comment mark or a quotation mark may not, nor what is no ASCII
+_OF_NUMBERS = bytes(set(range(0x80)) - set(b'\r\n "#%/'))
 _SPACES = b" \t\x0b\x0c\x1c\x1d\x1e\x1f"  # what separates words in ASCII, the ends of lines left out
 
 
@@ -28,13 +30,15 @@ def count_rows(layout: Layout) -> tuple[int, int, bool]:
     rows, plain = 0, layout.delimiter != " " and not layout.last
     left = layout.last - layout.first + 1 if layout.last else None
     for block in _blocks(layout):
-        if left is None:
-            count = _alike(block, layout)
-            if count:
-                rows, plain = rows + count, plain and b" " not in block
-                continue
+        if left is None and (count := _bare(block, layout)):
+            rows += count
+            continue
+        text = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        if left is None and (count := _alike(text, layout)):
+            rows, plain = rows + count, plain and b" " not in text
+            continue
         plain = False
-        lines = block.decode("utf-8").split("\n")[:-1]
+        lines = text.decode("utf-8").split("\n")[:-1]
         if left is not None:
             lines = list(islice(lines, left))
             left -= len(lines)
@@ -53,25 +57,35 @@ def fits(cells: Sequence[str], least: int, most: int) -> bool:
 
 
 def _blocks(layout: Layout) -> Iterator[bytes]:
-    """The rows in UTF-8, in blocks of whole lines that end in a newline each."""
+    """The rows in UTF-8, in blocks of whole lines."""
     decoder = None if layout.encoding == "utf-8" else codecs.getincrementaldecoder(layout.encoding)()
     with layout.path.open("rb") as stream:
         stream.seek(rows_from(layout))
         rest = b""
         while read := stream.read(BLOCK):
             text = read if decoder is None else decoder.decode(read).encode()
-            text = rest + text
-            held = text.endswith(b"\r")  # its newline may follow
-            if held:
-                text = text[:-1]
-            if b"\r" in text:
-                text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-            cut = text.rfind(b"\n") + 1
+            cut = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, -1) + 1  # a newline may follow the last \r
             if cut:
-                yield text[:cut]
-            rest = text[cut:] + (b"\r" if held else b"")
+                yield b"".join((rest, memoryview(text)[:cut]))
+                rest = b""
+            rest += text[cut:]
         if rest.rstrip(b"\r"):
             yield rest.rstrip(b"\r") + b"\n"
+
+
+def _bare(block: bytes, layout: Layout) -> int:
+    """The number of rows of a block of bare cells, all of one width; 0 where there is anything else."""
+    separator = layout.delimiter.encode()
+    if separator == b" ":  # several are one
+        return 0
+    left = block.translate(None, _OF_NUMBERS.replace(separator, b""))
+    first = left[: left.find(b"\n") + 1]
+    width = len(first.rstrip(b"\r\n")) + 1
+    if first not in (separator * (width - 1) + end for end in (b"\n", b"\r\n")):
+        return 0
+    most, least = len(layout.header), max(len(layout.header) - layout.spare, 2)
+    rows = len(left) // len(first)
+    return rows if least <= width <= most and left == first * rows else 0
 
 
 def _alike(block: bytes, layout: Layout) -> int:

@@ -142,24 +142,32 @@ def _pairs(x: Floats, threshold: Floats, apart: int) -> Floats:
     Of a jump they are off by less than the slopes around them differ (neighbours: by 0.3 of it, where those do by
     1/3), of a bend too (by 0.25 of the change of slope, where those differ by 0.5).
     """
-    near = np.lib.stride_tricks.sliding_window_view(x, apart + 5)
-    around, weights = near[:, [0, 1, -2, -1]].T, np.array(_PAIRS[apart])
-    first, second = near[:, 2] - weights @ around, near[:, 2 + apart] - weights[::-1] @ around
-    between = near[:, 3] - (around[1] + around[2]) / 2 if apart > 1 else np.zeros_like(first)
+    weights, places = np.array(_PAIRS[apart]), np.array([0, 1, apart + 3, apart + 4])
+    first, second = (_off(x, weights, places, 2), _off(x, weights[::-1], places, 2 + apart))
+    allowed = math.sqrt(1.0 + float(weights @ weights)) / _CUBIC_STD * threshold[2 : 2 + first.size]
+    at = np.flatnonzero(np.minimum(np.abs(first), np.abs(second)) > allowed)  # few: the rest is done for them
+    around = x[at + places[:, None]]
+    between = x[at + 3] - (around[1] + around[2]) / 2 if apart > 1 else np.zeros(at.size)
     before, across, after = (
         around[1] - around[0],
         (around[2] - around[1]) / (apart + 2),
         around[3] - around[2],
     )
     bend = np.maximum(np.abs(before - across), np.abs(after - across))
-    least = math.sqrt(1.0 + float(weights @ weights)) / _CUBIC_STD * threshold[2 : 2 + first.size] + bend
-    least = np.maximum(least, 2.0 * np.abs(between))  # a hump of three is motion
-    both = np.minimum(np.abs(first), np.abs(second)) > least
-    both[apart:] &= ~both[:-apart]
+    least = np.maximum(allowed[at] + bend, 2.0 * np.abs(between))  # a hump of three is motion
+    at = at[np.minimum(np.abs(first[at]), np.abs(second[at])) > least]
+    at = at[~np.isin(at - apart, at)]
     out = np.zeros_like(x)
-    out[2 : 2 + first.size] += np.where(both, first, 0.0)
-    out[2 + apart : 2 + apart + first.size] += np.where(both, second, 0.0)
+    out[at + 2] += first[at]
+    out[at + 2 + apart] += second[at]
     return out
+
+
+def _off(x: Floats, weights: Floats, places: NDArray[np.intp], at: int) -> Floats:
+    """What a sample of each window is off from the weighted ones in it, (n - width + 1,)."""
+    kernel = np.zeros(places[-1] + 1)
+    kernel[places], kernel[at] = -weights, 1.0
+    return np.correlate(x, kernel, mode="valid")
 
 
 def _threshold(x: Floats, deviation: Floats, false_alarms: float, noise: float | None) -> Floats:
