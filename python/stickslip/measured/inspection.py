@@ -14,6 +14,7 @@ from stickslip.measured.findings import channel_findings, time_findings
 from stickslip.measured.readers.columns import Contents, Floats, Source
 from stickslip.measured.readers.tables import open_table
 from stickslip.measured.readers.text import Text
+from stickslip.measured.readers.unchanged import ChangedError
 from stickslip.measured.signals import check_time_base
 
 TIMES = ("t", "time", "zeit", "x_value", "temps", "tiempo", "seconds", "timestamp", "datetime")
@@ -90,6 +91,8 @@ def _read(source: Source, names: list[str]) -> tuple[list[Column], list[str]]:
     contents, seconds = source.contents, dict.fromkeys(names, "s")
     try:
         read = source.read(names, seconds)
+    except ChangedError:
+        raise
     except InputError:
         parts = [_column(source, name) for name in names]
         return parts, []

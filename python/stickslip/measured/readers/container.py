@@ -16,6 +16,7 @@ from stickslip.measured.readers.columns import Columns, Contents, Floats, checke
 from stickslip.measured.readers.memory import ratio
 from stickslip.measured.readers.process import PROCESS, EndedError
 from stickslip.measured.readers.titles import titles_of, unnamed
+from stickslip.measured.readers.unchanged import State, state_of, unchanged
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,10 @@ class Container:
         )
 
     @cached_property
+    def _before(self) -> State:
+        return state_of(self.file)
+
+    @cached_property
     def _head(self) -> dict[str, Any]:
         return self._answer(())[0]
 
@@ -103,12 +108,19 @@ class Container:
     def _answer(self, names: Sequence[str]) -> tuple[dict[str, Any], list[Floats]]:
         """What the parser's process says of the file, and the columns."""
         name, place = self.format.name, Place(str(self.file))
-        if self.format.outline is not None and (wrong := self.format.outline(self.file)):
-            raise InputError(wrong, place=place)
-        try:
-            head, columns = PROCESS.ask(self.format.parser, name, self.file, names)
-        except EndedError as ended:
-            raise InputError(quoted(str(ended), 180), place=place) from None
+        with unchanged(self.file, self._before):
+            if self.format.outline is not None and (wrong := self.format.outline(self.file)):
+                raise InputError(wrong, place=place)
+            try:
+                head, columns = PROCESS.ask(self.format.parser, name, self.file, names)
+            except EndedError as ended:
+                raise InputError(quoted(str(ended), 180), place=place) from None
+            self._refuse(head)
+        return head, columns
+
+    def _refuse(self, head: Mapping[str, Any]) -> None:
+        """Say why the parser gave no columns, if it gave none."""
+        name, place = self.format.name, Place(str(self.file))
         if "lacking" in head:
             words = f"a {name} file needs {self.format.library}: pip install 'stickslip[files]'"
             raise InputError(words, place=place)
@@ -120,7 +132,6 @@ class Container:
             raise InputError(words, place=place)
         if "fault" in head:
             raise InputError(quoted(head["fault"], 180), place=Place(str(self.file), column=head["column"]))
-        return head, columns
 
 
 def _also(titles: Mapping[str, str]) -> dict[str, str]:

@@ -59,7 +59,10 @@ def kind_of(file: Path) -> Format | str:
         if first.startswith(magic):
             raise InputError(words, place=Place(str(file)))
     found = _by_content(first)
-    return _BY_NAME.get(file.suffix.lower(), TEXT) if found is None else found
+    kind = _BY_NAME.get(file.suffix.lower(), TEXT) if found is None else found
+    if not first and kind is not TEXT:
+        raise InputError("empty: it has 0 bytes; was it ever written to?", place=Place(str(file)))
+    return kind
 
 
 def _by_content(first: bytes) -> Format | str | None:

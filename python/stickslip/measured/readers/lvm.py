@@ -23,6 +23,7 @@ from stickslip.measured.readers.dialect import Layout, number_in, opened, signs
 from stickslip.measured.readers.encoding import encoding_of
 from stickslip.measured.readers.row_counts import count_rows
 from stickslip.measured.readers.rows import read_rows
+from stickslip.measured.readers.unchanged import State, state_of, unchanged
 
 MAGIC = "LabVIEW Measurement"
 END = "***End_of_Header***"
@@ -125,7 +126,12 @@ class Lvm:
     @cached_property
     def segments(self) -> list[LvmSegment]:
         """Its segments, in order."""
-        return _segments(self.file)
+        with unchanged(self.file, self._before):
+            return _segments(self.file)
+
+    @cached_property
+    def _before(self) -> State:
+        return state_of(self.file)
 
     @property
     def contents(self) -> Contents:
@@ -155,12 +161,13 @@ class Lvm:
             chosen = [chosen[of.pop() - 1]]
         bare = {name: name if name in chosen[0].layout.header else name.partition("/")[2] for name in names}
         own = {bare[name]: unit for name, unit in units.items() if name in bare}
-        parts = [one.read(list(bare.values()), own) for one in chosen]
-        self._check_order(parts)
-        values = {name: np.concatenate([part[inner] for part in parts]) for name, inner in bare.items()}
-        doubts = self._doubts(chosen, len(next(iter(values.values()), ())))
-        if chosen[-1] is self.segments[-1]:
-            doubts += last_number(chosen[-1].layout, list(bare.values()))
+        with unchanged(self.file, self._before):
+            parts = [one.read(list(bare.values()), own) for one in chosen]
+            self._check_order(parts)
+            values = {name: np.concatenate([part[inner] for part in parts]) for name, inner in bare.items()}
+            doubts = self._doubts(chosen, len(next(iter(values.values()), ())))
+            if chosen[-1] is self.segments[-1]:
+                doubts += last_number(chosen[-1].layout, list(bare.values()))
         return Columns(self.file, values, Joined(chosen), doubts)
 
     def _check_order(self, parts: Sequence[Mapping[str, Floats]]) -> None:

@@ -108,6 +108,8 @@ def _existing(path: str | os.PathLike[str]) -> Path:
     if file.is_dir():
         raise InputError("a folder, not a file", place=Place(str(file)))
     if not there:
+        if file.is_symlink():
+            raise InputError("a link that leads to no file", place=Place(str(file)))
         siblings = [one.name for one in file.parent.glob(f"*{file.suffix}")] if file.parent.is_dir() else []
         hint = f"; {did_you_mean(file.name, sorted(siblings)[:8])}" if siblings else ""
         raise InputError(f"no such file{hint}", place=Place(str(file)))

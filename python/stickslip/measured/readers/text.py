@@ -13,6 +13,7 @@ from stickslip.measured.readers.clock import is_time
 from stickslip.measured.readers.columns import Columns, Contents, require
 from stickslip.measured.readers.dialect import HEAD, Layout, find_layout, number_in
 from stickslip.measured.readers.rows import read_rows
+from stickslip.measured.readers.unchanged import State, state_of, unchanged
 
 _SEPARATOR = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "white space"}
 
@@ -27,7 +28,12 @@ class Text:
     @cached_property
     def layout(self) -> Layout:
         """How it is written."""
-        return find_layout(self.file, self.wanted)
+        with unchanged(self.file, self._before):
+            return find_layout(self.file, self.wanted)
+
+    @cached_property
+    def _before(self) -> State:
+        return state_of(self.file)
 
     @property
     def contents(self) -> Contents:
@@ -44,7 +50,8 @@ class Text:
         """Whether a column holds words, as that of comments does: none of its first cells is a number or a time."""
         layout = self.layout
         at = layout.header.index(name)
-        told = [cells[at] for _, cells in islice(layout.rows(), HEAD) if len(cells) > at and cells[at]]
+        with unchanged(self.file, self._before):
+            told = [cells[at] for _, cells in islice(layout.rows(), HEAD) if len(cells) > at and cells[at]]
         return not any(
             is_time(cell)
             or any(number_in("".join(cell.split()), sign) is not None for sign in layout.decimals)
@@ -56,4 +63,5 @@ class Text:
         layout = self.layout
         for name in names:
             require(name, layout.header, Place(str(self.file), layout.header_line, column=name))
-        return read_rows(layout, names, units)
+        with unchanged(self.file, self._before):
+            return read_rows(layout, names, units)
