@@ -57,6 +57,14 @@ def test_the_numbers_are_right(tmp_path: Path, text: str) -> None:
 
 
 REFUSED = {
+    "a note of as many words, among them the names": (
+        "t;x;F\nF over t\n" + rows(";").replace(";", ";0;"),
+        "line 2: 1 cell where the header names 3",
+    ),
+    "names twice, in two orders": (
+        "F,t\nt,F\n" + rows(),
+        "line 2: names the columns in another order than line 1",
+    ),
     "siemens": ("t [S],F [N]\n" + rows(), r"the file has 't \[S\]', but its channel is declared in 's'"),
     "a note below the names": (
         "t,F\nt and F over time\n" + rows(),
@@ -72,6 +80,14 @@ def test_what_is_doubtful_gets_one_line(tmp_path: Path, text: str, words: str) -
     with pytest.raises(ss.InputError, match=words) as caught:
         load(tmp_path / "run.csv")
     assert "\n" not in str(caught.value)
+
+
+def test_a_note_of_as_many_words_as_columns_is_not_their_names(tmp_path: Path) -> None:
+    """White space parted it into names: time was read as the force."""
+    file = tmp_path / "run.csv"
+    for note in ("F over t\nt;x;F\n", "t;x;F\nF over t\n"):
+        file.write_text(note + rows(";").replace(";", ";0;"))
+        assert [one.head for one in inspect(file).columns] == ["t", "x", "F"]
 
 
 @pytest.mark.parametrize("word", ["begin", "ok, 5 mm"])
@@ -136,3 +152,15 @@ def test_a_no_break_space_in_a_number_has_its_line(
     with pytest.raises(ss.InputError, match=f"line 9, column 'F': .* no-break space .U.{ord(blank):04X}"):
         load(file)
     assert any("no-break space" in one for one in inspect(file).doubts)
+
+
+def test_rows_above_the_names_are_said_to_be_left_out(tmp_path: Path) -> None:
+    """The names had been moved some rows down: the run was shorter, and nothing said so."""
+    file = tmp_path / "run.csv"
+    lines = rows().splitlines()
+    file.write_text("\n".join(["Range 10", *lines[:3], "t [s],F [N]", *lines[3:], ""]))
+    run = load(file)
+    assert len(run) == N - 3
+    words = "3 rows of numbers above the names, in line 5, left out"
+    assert any(words in str(one) for one in run.findings)
+    assert inspect(file).doubts  # where no names are declared, they are a fault among the numbers

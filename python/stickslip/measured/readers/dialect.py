@@ -47,6 +47,8 @@ class Layout:
         Names at the end that may have no cell.
     decimals
         The decimal signs that its numbers may have.
+    above
+        Rows of numbers right above the names.
     """
 
     path: Path
@@ -60,6 +62,7 @@ class Layout:
     units: tuple[str, ...] = ()
     spare: int = 0
     last: int = 0
+    above: int = 0
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number and the cells of each row of data."""
@@ -143,7 +146,20 @@ def find_layout(file: Path, wanted: Sequence[str] = ()) -> Layout:
         raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(str(file)))
     at, names, delimiter = (_declared(file, lines, wanted) if wanted else None) or _guessed(file, lines)
     units, first = _units_below(lines, at, names, delimiter)
-    return Layout(file, encoding, mark, names, at + 1, first + 1, delimiter, signs(delimiter), units)
+    above = _rows_above(lines[:at], names, delimiter)
+    where = (at + 1, first + 1)
+    return Layout(file, encoding, mark, names, *where, delimiter, signs(delimiter), units, above=above)
+
+
+def _rows_above(lines: Sequence[str], names: Sequence[str], delimiter: str) -> int:
+    """The number of rows of numbers that stand right above the names, at least as wide as these."""
+    count = 0
+    for line in reversed(lines):
+        if line.strip() and _names(line, delimiter) != names:
+            if not _is_row(line, delimiter) or len(cells_of(line, delimiter)) < len(names):
+                break
+            count += 1
+    return count
 
 
 def _declared(
@@ -157,7 +173,8 @@ def _declared(
     rows = 0
     for i, line in enumerate(lines):
         as_wide = [one for one in found if _is_row(line, one[2], len(one[1]))]
-        if as_wide:
+        if as_wide:  # white space parts the words of a note, too
+            as_wide = [one for one in as_wide if one[2] != " "] or as_wide
             _refuse_other_order(file, lines, as_wide, wanted)
             return as_wide[-1]
         if found and bare(
@@ -180,10 +197,8 @@ def _refuse_other_order(
     found: Sequence[tuple[int, tuple[str, ...], str]],
     wanted: Sequence[str],
 ) -> None:
-    """Refuse a comment right above the rows that has the names of a plain line above it in another order."""
+    """Refuse a line right above the rows that has the names of a plain line above it in another order."""
     last, names, _ = found[-1]
-    if not lines[last].lstrip().startswith(COMMENTS):
-        return
     for at, others, _ in found[:-1]:
         plain = not lines[at].lstrip().startswith(COMMENTS)
         shared = [one for one in wanted if _has(others, one)]
@@ -252,6 +267,9 @@ def _guessed(file: Path, lines: Sequence[str]) -> tuple[int, tuple[str, ...], st
         before = _names(lines[above[-2]], delimiter)
         above = above[:-1] if len(before) in (width, width + 1) else above
     for one in (delimiter, *SEPARATORS):
+        if one == " " != delimiter:  # white space parts the words of a note, too
+            above = _without_notes(lines, above, delimiter, width)
+            one = delimiter if above and delimiter in lines[above[-1]] else one
         names = _names(lines[above[-1]], one) if above else ()
         if names and (len(names) == width or (one == delimiter != " " and len(names) > width)):
             lists = [(i, _names(lines[i], one), one) for i in above]
@@ -262,6 +280,18 @@ def _guessed(file: Path, lines: Sequence[str]) -> tuple[int, tuple[str, ...], st
         return above[-1], _names(lines[above[-1]], delimiter), delimiter
     words = "numbers where the column names should be; the first line must name the columns"
     raise InputError(words, place=Place(str(file), row + 1))
+
+
+def _without_notes(lines: Sequence[str], above: list[int], delimiter: str, width: int) -> list[int]:
+    """Lines down to the last one of as many words as a row has cells, parted as rows are; all where there is none."""
+    for k in range(len(above), 0, -1):
+        names = _names(lines[above[k - 1]], delimiter)
+        told = [
+            name for name in names if name and not any(number_in(name, sign) is not None for sign in ".,")
+        ]
+        if len(names) == len(set(told)) == width:
+            return above[:k]
+    return above
 
 
 def _row_cells(line: str, delimiter: str) -> list[str]:

@@ -44,7 +44,10 @@ class Text:
         facts.append(f"columns between {_SEPARATOR[layout.delimiter]}, named in line {layout.header_line}")
         if layout.encoding == "latin-1":
             facts.append("the encoding is guessed: the bytes are not UTF-8")
-        return Contents("a table in text", layout.header, units, facts=tuple(facts))
+        rows = "a row" if layout.above == 1 else f"{layout.above} rows"
+        words = f"{rows} of numbers above the names, in line {layout.header_line}, left out"
+        doubts = [words] * (layout.above > 0)
+        return Contents("a table in text", layout.header, units, facts=tuple(facts), doubts=tuple(doubts))
 
     def is_words(self, name: str) -> bool:
         """Whether a column holds words, as that of comments does: none of its first cells is a number or a time."""
