@@ -13,6 +13,7 @@ from stickslip.measured.readers.tables import Columns
 
 Floats = NDArray[np.float64]
 
+LONGEST = 1e9  # usual steps that a gap may last
 FEWEST = 8  # samples below which no derivative, let alone a law, can be had
 
 
@@ -29,6 +30,7 @@ def check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[
     later, sooner = (t[1:], t[:-1]) if channels["t"].scale > 0 else (t[:-1], t[1:])
     wrong = np.flatnonzero(later <= sooner)
     if not wrong.size:
+        _refuse_endless_gap(columns, name, t)
         return
     at = int(wrong[0]) + 1
     place = columns.place(name, at)
@@ -40,6 +42,16 @@ def check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[
     what = f"{t[at]:g} twice in a row" if t[at] == t[at - 1] else f"{t[at]:g} after {t[at - 1]:g}"
     more = "" if wrong.size == 1 else f" ({wrong.size} such places)"
     raise InputError(f"{what}{more}; times must increase", place=place)
+
+
+def _refuse_endless_gap(columns: Columns, name: str, t: Floats) -> None:
+    """Refuse times of which one is damaged: no gap is that long."""
+    with np.errstate(over="ignore"):
+        steps = np.abs(np.diff(t))
+    at = int(np.argmax(steps)) + 1
+    if steps[at - 1] > LONGEST * np.median(steps[:: max(1, steps.size // 100_000)]):
+        words = f"{t[at]:g} after {t[at - 1]:g}, {LONGEST:.0e} steps or more; is the time damaged? cut the run there"
+        raise InputError(words, place=columns.place(name, at))
 
 
 def cut(

@@ -22,6 +22,7 @@ from stickslip.measured.signals.timebase import usual_step
 Floats = NDArray[np.float64]
 PRONOUNCED = 0.5  # width of the commonest fifth of the rates over their size, below which it is a stick
 PARTS = (25, 8, 4)  # parts of a period that the rate is taken over
+GAP = 10  # samples that stand for a longer gap
 FEWEST = 100  # samples of a record that shows its sticks
 CLEAR = 1.6  # a ratio to the set-point that neither creep nor a sensor's gain explains
 NEAR = 1.25  # the same for a run none of whose sticks was found, which are looked for within this
@@ -85,6 +86,9 @@ def commonest_rate(t: Floats, x: Floats, width: int) -> float | None:
 def _rates(t: Floats, x: Floats, width: int) -> Floats:
     """The slope of x over so many samples, at even times (n,)."""
     dt = usual_step(t)
+    steps = np.diff(t)
+    if steps.max() > GAP * dt:  # a gap says nothing of rates, and a day of it takes gigabytes
+        t = np.append(0.0, np.cumsum(np.minimum(steps, GAP * dt)))
     even = np.interp(np.arange(t[0], t[-1], dt), t, x)
     over = max(7, min(width, t.size // 8) | 1)
     return np.asarray(scipy.signal.savgol_filter(even, over, 2, deriv=1, delta=dt))

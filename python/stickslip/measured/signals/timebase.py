@@ -141,11 +141,18 @@ def check_time_base(t: ArrayLike, *, tolerance: float = 0.01) -> TimeBase:
         dt=dt,
         jitter=math.sqrt(spread) / dt,
         gaps=np.column_stack([times[gaps], times[gaps + 1]]),
-        missing=int(np.sum(np.maximum(np.rint((times[gaps + 1] - times[gaps]) / dt) - 1.0, 0.0))),
+        missing=_missing(times[gaps + 1] - times[gaps], dt),
         duplicates=duplicates + 1,
         backward=backward + 1,
         irregular=irregular + 1,
     )
+
+
+def _missing(widths: Floats, dt: float) -> int:
+    """How many samples are missing in gaps (n,); of a time that is next to infinite, no more than can be counted."""
+    with np.errstate(over="ignore"):
+        steps = np.minimum(np.rint(widths / dt), 2.0**53)
+    return int(np.sum(np.maximum(steps - 1.0, 0.0)))
 
 
 def usual_step(t: Floats) -> float:
