@@ -39,6 +39,14 @@ def test_nothing_slow_is_loaded(code: str) -> None:
     assert run.stderr.split() == []
 
 
+@pytest.mark.parametrize("start", ["import", "help"])
+def test_numpy_is_loaded_when_it_is_used(start: str) -> None:
+    """It took four fifths of the time of an import."""
+    asked = f"{STARTS[start]}\nimport sys\nprint('numpy' in sys.modules, file=sys.stderr)"
+    run = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert run.stderr.split() == ["False"]
+
+
 def test_dir_is_the_public_list() -> None:
     assert dir(stickslip) == sorted(stickslip.__all__)
     assert all(getattr(stickslip, name) is not None for name in stickslip.__all__)

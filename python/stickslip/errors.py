@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Self, SupportsFloat
 
-import numpy as np
-
 QUOTED = 200  # characters of the user's own text that a message shows at most
 SENTENCE = 600  # characters of what is said of it
 
@@ -138,6 +136,8 @@ def _rebuilt(
 
 def _short(value: object) -> str:
     """Show a value as the user wrote it, cut to a line."""
+    import numpy as np
+
     if isinstance(value, np.generic):
         value = value.item()
     try:
@@ -237,6 +237,8 @@ def number(
 
 
 def _is_real(value: object) -> bool:
+    import numpy as np  # when it is needed: `import stickslip` and `--help` do without it
+
     if isinstance(value, (bool, np.bool_, str, bytes, complex)) or value is None:
         return False
     if isinstance(value, np.ndarray):
