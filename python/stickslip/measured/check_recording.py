@@ -13,7 +13,7 @@ from stickslip.measured.readers.tables import Columns
 
 Floats = NDArray[np.float64]
 
-LONGEST = 1e9  # usual steps that a gap may last
+LONGEST = 1e8  # usual steps that a gap may last: fits take a number for each of them
 FEWEST = 8  # samples below which no derivative, let alone a law, can be had
 
 
@@ -30,7 +30,6 @@ def check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[
     later, sooner = (t[1:], t[:-1]) if channels["t"].scale > 0 else (t[:-1], t[1:])
     wrong = np.flatnonzero(later <= sooner)
     if not wrong.size:
-        _refuse_endless_gap(columns, name, t)
         return
     at = int(wrong[0]) + 1
     place = columns.place(name, at)
@@ -44,14 +43,16 @@ def check_times(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[
     raise InputError(f"{what}{more}; times must increase", place=place)
 
 
-def _refuse_endless_gap(columns: Columns, name: str, t: Floats) -> None:
-    """Refuse times of which one is damaged: no gap is that long."""
+def check_gaps(columns: Columns, channels: Mapping[str, Channel], raw: Mapping[str, Floats]) -> None:
+    """Refuse a gap so long that a time must be damaged, or the run two: in what the window left of it."""
+    t, name = raw["t"], channels["t"].column
     with np.errstate(over="ignore"):
         steps = np.abs(np.diff(t))
-    at = int(np.argmax(steps)) + 1
-    if steps[at - 1] > LONGEST * np.median(steps[:: max(1, steps.size // 100_000)]):
-        words = f"{t[at]:g} after {t[at - 1]:g}, {LONGEST:.0e} steps or more; is the time damaged? cut the run there"
-        raise InputError(words, place=columns.place(name, at))
+    at = int(np.argmax(steps))
+    if steps[at] > LONGEST * np.median(steps[:: max(1, steps.size // 100_000)]):
+        words = f"{t[at + 1]:g} after {t[at]:g}: a gap of {LONGEST:.0e} steps or more"
+        row = int(np.flatnonzero(columns.values[name] == t[at + 1])[0])
+        raise InputError(f"{words}; is the time damaged? cut the run there", place=columns.place(name, row))
 
 
 def cut(

@@ -30,7 +30,7 @@ from stickslip.measured.channels import (
     check_channels,
     noise_in_model,
 )
-from stickslip.measured.check_recording import check_belt, check_times, cut
+from stickslip.measured.check_recording import check_belt, check_gaps, check_times, cut
 from stickslip.measured.findings import (
     Finding,
     FindingKind,
@@ -293,6 +293,7 @@ def load_recording(
     raw = {one: columns.values[channel.column] for one, channel in declared.items()}
     check_times(columns, declared, raw)
     raw = cut(columns, declared, raw, window)
+    check_gaps(columns, declared, raw)
     speeds = prescribed(rig, declared, belt_speed, drive_speed) if isinstance(rig, GeneralRig) else {}
     belt = _constant(speeds) if isinstance(rig, GeneralRig) else _set_point(rig, declared, belt_speed)
     position = _position(rig, declared)
@@ -328,9 +329,7 @@ def load_recording(
 def _in_model(column: Floats, channel: Channel, per_unit: float) -> Floats:
     """A column in the model's numbers; not copied where it has them."""
     out = column if per_unit == 1 else column * per_unit
-    if channel.offset:
-        out = out + channel.offset * per_unit / channel.scale
-    return out
+    return out + channel.offset * per_unit / channel.scale if channel.offset else out
 
 
 def _channels(given: object) -> dict[str, Channel]:
