@@ -163,8 +163,7 @@ def moved(rng: Rng) -> bytes:
 
 def one_move(lines: Lines, at: int, head: int, rng: Rng) -> Lines:
     """Move one thing: a line of the head, a cell, a sign, a separator."""
-    lines = [list(row) for row in lines]
-    first = at + head
+    lines, first = [list(row) for row in lines], at + head
     row = int(rng.integers(first, len(lines)))
     column = int(rng.integers(max(len(lines[row]), 1)))
     match int(rng.integers(12)):
@@ -172,10 +171,8 @@ def one_move(lines: Lines, at: int, head: int, rng: Rng) -> Lines:
             lines.insert(min(first + int(rng.integers(1, 4)), len(lines) - 1), lines.pop(at))
         case 1:  # another line up
             lines.insert(int(rng.integers(at + 1)), lines.pop(first - 1))
-        case 2:
-            lines.insert(row, [])
-        case 3:
-            lines.insert(row, ["# a note among the rows"])
+        case 2 | 3 as which:
+            lines.insert(row, ["# a note among the rows"] * (which - 2))
         case 4:
             lines.insert(row, list(lines[at]))  # the names again
         case 5:
