@@ -32,3 +32,19 @@ def test_a_slip_that_comes_when_others_might_is_likelier_than_one_of_another_sha
     off = [float(((one - members.mean(0)) ** 2).sum()) for one in (late, slow)]
     assert off[0] > off[1]  # an error alone would have it the other way
     assert deviance(members, noise, late, all_read) < deviance(members, noise, slow, all_read) - 10
+
+
+def test_a_forecast_that_goes_astray_counts_by_its_logarithm() -> None:
+    """One of thirteen, 300,000 off, took back two names that made the others 2,000 likelier each."""
+    rng = np.random.default_rng(3)
+    members, noise = 0.1 * rng.standard_normal((20, 50, 1)), np.array([0.01])
+    all_read = np.ones((50, 1), dtype=bool)
+    near, far = members[0] + 0.01 * rng.standard_normal((50, 1)), np.full((50, 1), 20.0)
+    usual, whole = (deviance(members, noise, one, all_read) for one in (near, far))
+    assert deviance(members, noise, near, all_read, 4.0) == usual
+    soft = deviance(members, noise, far, all_read, 4.0)
+    knee = 4.0 * 50
+    # volume is the same: chi-squared beyond the knee turns into the knee's logarithm
+    chi = whole - usual
+    assert soft - usual < knee * (1 + np.log1p(chi / knee) + 1)
+    assert soft - usual < 0.01 * chi

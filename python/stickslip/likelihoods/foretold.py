@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.likelihoods.fit_state import soft
+
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def deviance(members: Floats, noise: Floats, readings: Floats, read: Mask) -> float:
+def deviance(members: Floats, noise: Floats, readings: Floats, read: Mask, knee: float = np.inf) -> float:
     """
     Return -2 log of the density of readings to come, a constant apart.
 
@@ -22,6 +24,8 @@ def deviance(members: Floats, noise: Floats, readings: Floats, read: Mask) -> fl
     noise : (channels,) standard deviations
     readings : (n, channels)
     read : (n, channels) where one was taken
+    knee : chi-squared per reading beyond which a forecast counts by its logarithm, as a window of a fit does: one that
+        goes astray says no more than that
     """
     variance = np.broadcast_to(noise**2, readings.shape)[read]
     mean = members.mean(axis=0)
@@ -31,6 +35,6 @@ def deviance(members: Floats, noise: Floats, readings: Floats, read: Mask) -> fl
         np.eye(len(members)) + apart @ apart.T
     )  # the matrix inversion lemma: members are few, readings many
     along = apart @ off
-    return float(off @ off - along @ np.linalg.solve(among, along)) + float(
-        np.linalg.slogdet(among)[1] + np.log(variance).sum()
-    )
+    chi = np.array([off @ off - along @ np.linalg.solve(among, along)])
+    volume = np.linalg.slogdet(among)[1] + np.log(variance).sum()
+    return float(soft(chi, np.array([knee * len(off)]))[0] + volume)

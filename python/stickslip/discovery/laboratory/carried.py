@@ -129,7 +129,10 @@ def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | N
     measured = replace(
         errors.compared(run, expected, samples, longer),
         band=(low, high),
-        deviance={a: _deviance(one, run, b, noise) for one, (a, b) in zip(short, firsts, strict=True)},
+        deviance={
+            a: _deviance(one, run, b, noise, fit.windows.policy.knee)
+            for one, (a, b) in zip(short, firsts, strict=True)
+        },
     )
     draws = [
         errors.compared(_as(run, _member(short, run, stops, k), samples), expected, samples, None)
@@ -153,11 +156,11 @@ def _first(one: Ahead, run: Data) -> tuple[int, int]:
     return one.start, min(max(stop, one.start + 1), one.stop)
 
 
-def _deviance(one: Ahead, run: Data, stop: int, noise: Floats) -> float:
+def _deviance(one: Ahead, run: Data, stop: int, noise: Floats, knee: float) -> float:
     """-2 log density of the readings it is of, to a sample."""
     part = slice(one.start, stop)
     members = one.flown.readings[1:, : stop - one.start, :2]
-    return deviance(members, noise, run.readings[part, :2], run.weight[part, :2] > 0)
+    return deviance(members, noise, run.readings[part, :2], run.weight[part, :2] > 0, knee)
 
 
 def _expected(every: Sequence[Ahead], run: Data, stops: Sequence[int]) -> Prediction:
