@@ -103,7 +103,7 @@ def search(
     out = Searched(base, base)
     screen: Screen | None = None
     while len(base.terms) < bench.policy.most_effects:
-        step, base = _forward(bench, base, tell, seed, workers, screen)
+        step, base = _forward(bench, base, tell, seed, workers, screen, out.steps)
         if not base.terms:
             out.null = base
         out.steps.append(step)
@@ -196,11 +196,12 @@ def _forward(
     seed: int,
     workers: Workers,
     scored: Screen | None = None,
+    before: Sequence[Step] = (),
 ) -> tuple[Step, Trial]:
     """
     Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second.
 
-    What is `scored` beside it already is not scored again.
+    What is `scored` beside it already is not scored again; `before` are the steps that led there.
     """
     trials: list[Trial] = []
     for turn in range(2):
@@ -208,7 +209,7 @@ def _forward(
         worthy = worth_fitting(bench, base, screen)
         tell(f"fitting {', '.join(one.term.name for one in worthy)}")
         fits, done = all_full(bench, base, worthy, workers)
-        if others := _of_another_kind(bench, [base, *fits], screen):
+        if others := _of_another_kind(bench, [base, *fits], screen, before):
             tell(f"fitting {', '.join(one.term.name for one in others)}")
             more, failed = all_full(bench, base, others, workers, fits)
             fits, done = [*fits, *more], (*done, *failed)
@@ -260,12 +261,19 @@ def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
     return ranked[: max(first, 1)]
 
 
-def _of_another_kind(bench: Bench, tried: Sequence[Trial], screen: Screen) -> list[Candidate]:
-    """Contacts that no score reaches: where nothing tried is a model of the windows they are fitted all the same."""
+def _of_another_kind(
+    bench: Bench, tried: Sequence[Trial], screen: Screen, before: Sequence[Step]
+) -> list[Candidate]:
+    """
+    Contacts that no score reaches: where nothing tried is a model of the windows they are fitted all the same.
+
+    What gained nothing so in a step before is not.
+    """
     if any(explained(one.fit) for one in tried):
         return []
+    idle = {t.names[-1] for step in before for t in step.trials if step.gained(t) <= 0}
     rest = screen.ranked[bench.policy.fullest :]
-    return [one for one in rest if one.term.kind.anywhere.bristle is not None]
+    return [c for c in rest if c.term.kind.anywhere.bristle is not None and c.term.name not in idle]
 
 
 def _every(trials: Sequence[Trial]) -> list[Trial]:
