@@ -12,7 +12,7 @@ namespace {
 
 using namespace stickslip_abi;
 
-py::dict as_dict(Record&& r) {
+py::dict record_as_dict(Record&& r) {
   const auto n = static_cast<py::ssize_t>(r.t.size()), k = static_cast<py::ssize_t>(r.event_t.size());
   const auto p = static_cast<py::ssize_t>(r.seeds), kinks = static_cast<py::ssize_t>(r.kink_t.size());
   constexpr py::ssize_t d = state_count;
@@ -60,7 +60,7 @@ py::dict simulate(const Structure& structure, const ConstVector& parameters, con
                         fixed_step};
   Record r = released([&] { return record(request, interrupted); });
   if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
-  return as_dict(std::move(r));
+  return record_as_dict(std::move(r));
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ bool all_within(const IndexVector& values, Eigen::Index below) {
   return (values.array() >= 0).all() && (values.array() < static_cast<std::int32_t>(below)).all();
 }
 
-void check(const ConstMatrix& parameters, const IndexVector& set, const ConstMatrix& initial,
-           const IndexVector& contact, const ConstVector& t, const Offsets& offset, const ConstMatrix& seeds,
-           const IndexVector& column, int columns, const IndexVector& kept) {
+void check_shapes(const ConstMatrix& parameters, const IndexVector& set, const ConstMatrix& initial,
+                  const IndexVector& contact, const ConstVector& t, const Offsets& offset, const ConstMatrix& seeds,
+                  const IndexVector& column, int columns, const IndexVector& kept) {
   const Eigen::Index windows = set.size();
   if (parameters.cols() != parameter_count || initial.cols() != state_count || initial.rows() != windows ||
       contact.size() != windows || offset.size() != windows + 1 || !all_within(set, parameters.rows()))
@@ -38,7 +38,7 @@ py::dict simulate_windows(const Structure& structure, const ConstMatrix& paramet
                           const Offsets& offset, double rtol, double atol, const ConstMatrix& seeds,
                           const IndexVector& column, int columns, const IndexVector& kept, long max_transitions,
                           long max_steps, int order, int threads) {
-  check(parameters, set, initial, contact, t, offset, seeds, column, columns, kept);
+  check_shapes(parameters, set, initial, contact, t, offset, seeds, column, columns, kept);
   const py::ssize_t n = t.size(), windows = set.size();
   py::array_t<double> state({n, static_cast<py::ssize_t>(state_count)});
   py::array_t<double> slopes({static_cast<py::ssize_t>(kept.size()), n, static_cast<py::ssize_t>(columns)});
