@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 import numpy as np
@@ -38,6 +39,15 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     """Of several processes (`-n 2`) each takes whole files, in the order above, unless a way to share is asked for."""
     if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
         config.option.dist, config.option.loadscopereorder = "loadfile", False
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """Cycles are looked for among what tests made, and seldom: among all the tests that took a tenth of the time."""
+    gc.collect()
+    gc.freeze()
+    young, middle, _ = gc.get_threshold()
+    gc.set_threshold(young, middle, 100)
 
 
 def pytest_configure() -> None:
