@@ -65,14 +65,14 @@ class Laboratory(Apart):
                 def event(
                     t: float, z: Floats, key: tuple[int, int] = key, m: Sequence[int] = tuple(modes)
                 ) -> float:
-                    return self.margins(t, z, m)[key]
+                    return self.margins_once(t, z, m)[key]
 
                 event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
                 events.append(event)
             here = times[(times > t)]
             sol = scipy.integrate.solve_ivp(
                 lambda t, z, m=tuple(modes): self.field(t, z, m), (t, times[-1]), z, "DOP853", events=events,
-                t_eval=here, rtol=1e-9, atol=1e-10, max_step=0.25,
+                t_eval=here, rtol=1e-8, atol=1e-9, max_step=0.25,
             )  # fmt: skip
             if len(sol.t):
                 out[np.searchsorted(times, sol.t)] = sol.y.T

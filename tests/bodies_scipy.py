@@ -60,6 +60,14 @@ class Apart:
                 out[j, 1], out[j, -1] = self.static[j] - T[j], self.static[j] + T[j]
         return out
 
+    def margins_once(self, t: float, z: Floats, modes: Sequence[int]) -> dict[tuple[int, int], float]:
+        """The same for all events of a step, which SciPy asks one by one with the same array."""
+        asked, modes_then, margins = self.__dict__.get("last", (None, (), {}))
+        if asked is not z or modes_then != modes:
+            margins = self.margins(t, z, modes)
+            self.__dict__["last"] = z, modes, margins
+        return margins
+
     def settled(self, t: float, z: Floats, modes: list[int]) -> list[int]:
         while True:
             margins = {k: m / (2 * self.static[k[0]]) for k, m in self.margins(t, z, modes).items() if k[1]}
@@ -83,7 +91,7 @@ class Apart:
                 def event(
                     t: float, z: Floats, key: tuple[int, int] = key, m: Sequence[int] = tuple(modes)
                 ) -> float:
-                    return self.margins(t, z, m)[key]
+                    return self.margins_once(t, z, m)[key]
 
                 event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
                 events.append(event)

@@ -11,7 +11,9 @@ import pytest
 
 import stickslip as ss
 from scattering import KINETIC, MASS, RIG, STATIC, STIFFNESS, block_case, case
+from stickslip.discovery.laboratory.block import bench_of
 from stickslip.likelihoods import correlated
+from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 
 BENCH = Path(__file__).parents[1] / "bench" / "discovery"
@@ -77,27 +79,29 @@ def test_where_nothing_scatters_the_law_alone_is_fitted(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def block(tmp_path_factory: pytest.TempPathFactory) -> tuple[ss.Identified, Fit]:
-    """A block whose friction differs from slip to slip, identified; and the fit that its covariance is of."""
-    fits: list[Fit] = []
-    case = ss.load_case(block_case(tmp_path_factory.mktemp("block"), few=True, seed=3, scatter=0.02))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            "stickslip.likelihoods.scatter_report.covariance",
-            lambda fit: fits.append(fit) or correlated.covariance(fit),
-        )
-        return ss.identify(case), fits[0]
+def block(tmp_path_factory: pytest.TempPathFactory) -> ss.Case:
+    """A block whose friction differs from slip to slip."""
+    return ss.load_case(block_case(tmp_path_factory.mktemp("block"), few=True, seed=3, scatter=0.02))
+
+
+@pytest.fixture(scope="module")
+def fit(block: ss.Case) -> Fit:
+    """Its windows under its law."""
+    made = bench_of(block)
+    assert made is not None
+    return null(made[0].windows(), made[0].policy)
 
 
 @pytest.mark.study
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_block_whose_friction_differs_from_slip_to_slip(
-    tmp_path: Path, block: tuple[ss.Identified, Fit], exact: bool
+    tmp_path: Path, block: ss.Case, exact: bool
 ) -> None:
-    found, _ = block
+    case = block
     if exact:
         said = "[uncertainty]\nm = 0\nk = 0\nspring_force = 0\n"
-        found = ss.identify(ss.load_case(block_case(tmp_path, few=True, seed=3, scatter=0.02, more=said)))
+        case = ss.load_case(block_case(tmp_path, few=True, seed=3, scatter=0.02, more=said))
+    found = ss.identify(case)
     assert isinstance(found.law, ss.CoulombFriction)
     for name, value in (("static", STATIC), ("kinetic", KINETIC)):
         assert abs(found.estimates[name].value - value) < 3 * found.estimates[name].std
@@ -117,12 +121,10 @@ def _saved(found: ss.Identified, folder: Path) -> Path:
     return next(path for path in found.save(folder / "out") if path.name == "model.toml")
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.parametrize("memories", [(0.0, 0.0), (0.9, 0.9), (0.95, 0.1)])
 def test_events_that_are_alike_make_a_covariance_and_a_wider_one(
-    block: tuple[ss.Identified, Fit], monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]
+    fit: Fit, monkeypatch: pytest.MonkeyPatch, memories: tuple[float, float]
 ) -> None:
-    _, fit = block
     alone = fit.solution.covariance
     monkeypatch.setattr(correlated, "memory", lambda _fit, which: (memories[which], 0.0))
     monkeypatch.setattr(correlated.np, "clip", lambda _found, _low, high: high)  # as alike as they can be

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import cache
 
 import numpy as np
+import pint
 import pytest
 
 import stickslip as ss
@@ -32,12 +34,15 @@ PINT = {"1": "", "N s/m": "N*s/m", "N s^2/m^2": "N*s^2/m^2", "kg m^2": "kg*m^2",
 UNITS = {"t": Channel("t", "s"), "x1": Channel("x1", "mm")}
 
 
+@cache
+def registry() -> pint.UnitRegistry:
+    return pint.UnitRegistry()
+
+
 @pytest.mark.parametrize("one", NAMED, ids=lambda one: one.unit)
 def test_the_unit_is_that_of_the_exponents(one: Dimension) -> None:
     """m^a (1/s)^b (N/m)^c is the unit said: by a library of units, not by us."""
-    import pint
-
-    units = pint.UnitRegistry()
+    units = registry()
     said = units.Quantity(1.0, PINT.get(one.unit, one.unit)).to_base_units()
     made_of = units.Quantity(1.0, "m") ** one.a * units.Quantity(1.0, "1/s") ** one.b
     made_of = (made_of * units.Quantity(1.0, "N/m") ** one.c).to_base_units()
