@@ -27,7 +27,7 @@ class Told:
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("declared", ["none", 'kind = "coulomb"\nstatic = 6.0\nkinetic = 4.2'])
 def test_a_likelier_law_is_said_where_much_is_left(tmp_path: Path, declared: str) -> None:
-    case = case_of(rig_of(0.01), tmp_path, friction=declared, law=FALLING, length=4.0, step=2e-3)
+    case = case_of(rig_of(0.01), tmp_path, friction=declared, law=FALLING, length=2.5, step=2e-3)
     assert law_to_declare(case, Told(Left(1.1)), lambda _: None) == ()  # type: ignore[arg-type]
     (said,) = law_to_declare(case, Told(Left(30.0)), lambda _: None)  # type: ignore[arg-type]
     assert "declare it (kind = 'hyperbolic'" in said
@@ -36,5 +36,5 @@ def test_a_likelier_law_is_said_where_much_is_left(tmp_path: Path, declared: str
 
 
 def test_nothing_is_said_where_no_law_is_likelier(tmp_path: Path) -> None:
-    case = case_of(rig_of(0.01), tmp_path, friction="none", law=LAW, length=4.0, step=2e-3)
+    case = case_of(rig_of(0.01), tmp_path, friction="none", law=LAW, length=2.5, step=2e-3)
     assert law_to_declare(case, Told(Left(30.0)), lambda _: None) == ()  # type: ignore[arg-type]

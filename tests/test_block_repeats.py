@@ -6,6 +6,7 @@ import pytest
 
 import stickslip as ss
 from scattering import KINETIC, STATIC, block_case
+from short_search import naming
 
 
 @pytest.mark.parametrize(
@@ -15,8 +16,11 @@ from scattering import KINETIC, STATIC, block_case
         (ss.effect("spring_cubic_k1", k=2.4e6), "k"),
     ],
 )
-def test_what_acts_where_every_event_repeats_is_named(tmp_path: Path, effect: ss.Effect, number: str) -> None:
+def test_what_acts_where_every_event_repeats_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, effect: ss.Effect, number: str
+) -> None:
     """Fewer numbers of each event, by which they were held against each other, had lost it."""
+    naming(monkeypatch, 1)
     found = ss.discover(ss.load_case(block_case(tmp_path, (effect,), few=True, seed=5, scatter=0.0)))
     assert [one.name for one in found.effects] == [effect.name]
     own = found.effects[0].parameters[number]

@@ -27,7 +27,7 @@ def clean():
 
 @pytest.fixture(scope="module")
 def crossed():
-    return discover(make_case(length=30.0, speeds=FEW, crosstalk=0.15, seed=2))
+    return discover(make_case(length=20.0, dt=0.1, speeds=FEW, crosstalk=0.15, seed=2))
 
 
 def test_nothing_is_found_where_nothing_is(clean):
@@ -41,7 +41,8 @@ def test_nothing_is_found_where_nothing_is(clean):
 
 
 @pytest.mark.study
-def test_a_sensor_effect_is_named_with_its_size(crossed):
+def test_a_sensor_effect_is_named_with_its_size():
+    crossed = discover(make_case(length=30.0, speeds=FEW, crosstalk=0.15, seed=2))
     assert crossed.verdict is Verdict.effect_found
     (found,) = crossed.effects
     assert (found.name, found.where) == ("sensor_crosstalk", "x1 channel")

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import loky
 import pytest
 
-from discover_cases import make_case
+from discover_cases import FEW, make_case
 from stickslip.discovery import workers
 from stickslip.discovery.discover import discover
 from stickslip.discovery.workers import IDLE, Workers
@@ -66,7 +66,7 @@ def test_an_interrupt_ends_the_workers(monkeypatch):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        discover(make_case(), progress=interrupt)
+        discover(make_case(length=24.0, speeds=FEW), progress=interrupt)
     assert len(stopped) == 1
 
 

@@ -11,6 +11,7 @@ import pytest
 import stickslip as ss
 from quick_figures import quickly
 from scattering import MASS, STIFFNESS, block_case
+from short_search import naming
 from stickslip.discovery.laboratory import block
 from stickslip.shown.report.write import write_report
 
@@ -31,13 +32,16 @@ def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
     assert found.error.after < 1.3 * found.error.floor
 
 
-def test_what_acts_in_the_train_runs_alone_is_not_claimed(tmp_path: Path) -> None:
+def test_what_acts_in_the_train_runs_alone_is_not_claimed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The damper was off when the run that nothing is fitted to was recorded."""
     damped, plain = (tmp_path / "damped", tmp_path / "plain")
     for folder, effects in ((damped, (ss.effect("block_viscous_damping", c=3.0),)), (plain, ())):
         folder.mkdir()
         block_case(folder, effects, few=True, seed=2, scatter=0.01)
     (plain / "run_3.csv").rename(damped / "run_3.csv")
+    naming(monkeypatch, 1)
     found = ss.discover(ss.load_case(damped / "rig.toml"))
     assert found.verdict is ss.discovery.result.Verdict.no_effect
     assert found.effects == ()
@@ -56,7 +60,8 @@ def test_few_slips_that_nothing_explains_are_a_verdict(
     """Where windows are of no model, and single slips are too few, nothing is named; what was read is not lost."""
     monkeypatch.setattr(block, "is_a_model", lambda _: False)
     monkeypatch.setattr(block, "FEWEST", 100)
-    path = block_case(tmp_path, (ss.effect("block_viscous_damping", c=3.0),), few=True, seed=2, scatter=0.01)
+    naming(monkeypatch, 1)
+    path = block_case(tmp_path, few=True, seed=2, scatter=0.01)
     found = ss.discover(ss.load_case(path))
     assert found.verdict is ss.discovery.result.Verdict.no_effect
     assert found.effects == ()
