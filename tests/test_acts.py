@@ -35,7 +35,7 @@ UNEVEN = {  # every number of every law; of one that is not here, its defaults
         scale_plus=0.8, decay_plus=2, constant_plus=0.2, quadratic_plus=0.05,
     ),
 }  # fmt: skip
-TIMES = np.linspace(0.0, 12.0, 241)
+TIMES = np.linspace(0.0, 8.0, 161)
 
 
 def watched(rig: str, law: ss.FrictionLaw, *effects: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -275,7 +275,7 @@ def test_real_files_that_packages_ship(real: Path, column: str, size: int) -> No
 
 # damaged files
 
-DRAWN = 100
+DRAWN = 40
 DRIVER = """
 import json, os, sys, numpy as np
 sys.path.insert(0, sys.argv[1])
@@ -324,7 +324,7 @@ print(json.dumps(report))
 
 @pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="the driver forks")
 def test_a_damaged_file_always_gets_an_answer(file: Path) -> None:
-    """The parser's process ends by itself or by a signal, never by a traceback; a hundred drawn for each format."""
+    """The parser's process ends by itself or by a signal, never by a traceback; forty drawn for each format."""
     parser = {".mat": "hdf5"}.get(file.suffix, {".h5": "hdf5"}.get(file.suffix, file.suffix[1:]))
     column = {"hdf5": "run/F", "tdms": "run/F", "wav": "channel 1"}.get(parser, "F")
     arguments = [

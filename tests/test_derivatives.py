@@ -11,7 +11,7 @@ import stickslip as ss
 
 TRANSITIONS = 20
 MEMBERS = 25  # of a seed, as bench/bench_exact.py draws them
-FEW = 10
+FEW = 6
 
 
 def draw(rng):

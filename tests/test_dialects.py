@@ -100,7 +100,7 @@ def load(content: bytes) -> ss.Recording:
         return ss.load_recording(file, RIG, channels=channels, belt_speed="5 mm/s")
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(dialect=dialects())
 def test_every_dialect_gives_the_same_numbers(dialect: Dialect) -> None:
     run = load(dialect.bytes())
@@ -108,7 +108,7 @@ def test_every_dialect_gives_the_same_numbers(dialect: Dialect) -> None:
     np.testing.assert_allclose(run.x1 * 500, F)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(dialect=dialects(), at=st.integers(0, N - 1), column=st.integers(0, 1), data=st.data())
 def test_a_fault_in_any_dialect_gets_one_line_and_shifts_nothing(
     dialect: Dialect, at: int, column: int, data: st.DataObject
@@ -133,7 +133,7 @@ def test_a_fault_in_any_dialect_gets_one_line_and_shifts_nothing(
     assert str(refused.value).isprintable()
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(dialect=dialects(), data=st.data())
 def test_damaged_text_gets_numbers_or_one_line(dialect: Dialect, data: st.DataObject) -> None:
     content = bytearray(dialect.bytes())

@@ -47,7 +47,7 @@ def test_turns_and_rests_follow_the_closed_form(seed: int) -> None:
 
 
 def test_the_error_shrinks_with_the_substep() -> None:
-    forces = 20 * np.sin(np.arange(1000) / 40)
+    forces = 20 * np.sin(np.arange(300) / 40)
     theirs = exact(forces, 0.0, 0.1, 1 / truth.RATE)[-1]
     errors = []
     for substeps in (4, 32):
@@ -176,7 +176,7 @@ LOOP = Loop(truth.GAIN, truth.KP, truth.KV, limit=1e9)
 
 
 def in_the_loop(*effects: ss.Effect) -> np.ndarray:
-    t = np.arange(500) / truth.RATE
+    t = np.arange(250) / truth.RATE
     return closed_loop(model(*effects), LOOP, t, truth.reference(t)).command
 
 

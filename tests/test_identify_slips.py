@@ -72,6 +72,7 @@ def test_a_swing_that_only_touches_the_speed_of_the_belt_is_no_slip(tmp_path):
         ss.identify(recording, rig=recording.rig)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_levels_on_a_slow_belt_are_not_drawn_up_by_noise(tmp_path, seed):
     """Noise of a twentieth of a slip is half a second of creep; the slip lasts a quarter of that."""

@@ -85,7 +85,7 @@ writers = st.builds(
 )
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(writer=writers, encoding=st.sampled_from(["utf-8", "utf-8-sig", "latin-1", "utf-16"]))
 def test_every_way_of_writing_gives_the_same_numbers(writer: Writer, encoding: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -179,7 +179,7 @@ def test_a_unit_of_labview_speaks_against_the_declared_one(tmp_path: Path) -> No
         )
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(writer=writers, data=st.data())
 def test_a_damaged_file_gives_numbers_or_one_line(writer: Writer, data: st.DataObject) -> None:
     content = bytearray(writer.text().encode())

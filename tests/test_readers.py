@@ -63,7 +63,7 @@ def tables(draw: st.DrawFn) -> tuple[str, bool]:
     return comments + end.join(lines) + end, kind != "none"
 
 
-@settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(table=tables())
 def test_a_table_gives_its_numbers_or_one_line(tmp_path: Path, table: tuple[str, bool]) -> None:
     text, faulty = table

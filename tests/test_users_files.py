@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import page_folder
+from quick_figures import quickly
 from stickslip.cli.commands import COMMANDS, main
 from stickslip.cli.options import Output
 from stickslip.cli.running import compare, identify
@@ -97,7 +98,10 @@ def test_a_file_that_is_there_stays(folder: Path, name: str, file: str) -> None:
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_a_former_result_is_replaced_one_that_was_changed_by_force(folder: Path, name: str) -> None:
+def test_a_former_result_is_replaced_one_that_was_changed_by_force(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    quickly(monkeypatch)
     files = [folder / one for one in LINES[name][1]]
     for one in files:
         one.unlink(missing_ok=True)
