@@ -87,6 +87,14 @@ def test_the_case_runs(tmp_path: Path) -> None:
     assert math.isclose(found.law.static, 2.0, rel_tol=0.01)  # type: ignore[attr-defined]
 
 
+def test_so_few_samples_a_slip_that_two_numbers_are_one_are_fitted(tmp_path: Path) -> None:
+    """It ended in `Singular matrix`."""
+    for name in ("a.csv", "b.csv"):
+        write(tmp_path / name, **{"t [s]": T[::8], "F [N]": 500 * X[::8]})
+    assert init(tmp_path / "a.csv", tmp_path / "b.csv", *CONSTANTS, "--belt-speed", "5 mm/s").exit_code == 0
+    assert math.isclose(ss.identify(ss.load_case(tmp_path)).law.static, 2.0, rel_tol=0.02)  # type: ignore[attr-defined]
+
+
 def test_the_rig_with_two_degrees(tmp_path: Path) -> None:
     t = np.arange(0.0, 30.0, 0.01)
     columns = {

@@ -21,6 +21,7 @@ from stickslip.errors import StickslipError
 from stickslip.measured.fit_window import Array, Window
 
 FARTHEST = 10.0
+TINY = 1e-12  # share added to a diagonal, where few samples tell two numbers of a window as one
 STEP = 1e-5  # relative step of the differences; the simulation's error is far below it
 
 
@@ -291,7 +292,7 @@ def _eliminate(
     follow: list[Array] = []
     for b in blocks:
         C = b.K.T @ b.K
-        C[np.diag_indices_from(C)] *= 1 + damping
+        C[np.diag_indices_from(C)] *= 1 + damping + TINY
         C[np.diag_indices_from(C)] += 1e-12
         E = b.J.T @ b.K
         X: Array = np.asarray(np.linalg.solve(C, np.column_stack([E.T, b.K.T @ b.r])), dtype=float)
