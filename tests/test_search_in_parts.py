@@ -313,7 +313,7 @@ def test_a_block_that_hardly_sticks_is_no_case_for_windows(
 ) -> None:
     """Where nothing lacked, friction scattered by 13 %, the belt by all it may, and a lag was named beside it."""
     chosen = Trial((), replace(fit, population=replace(fit.windows.scatter(), **more)))
-    assert block.is_a_model(verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen.fit)) == told
+    assert block.is_a_model(verdicts.Verdicts(bench, Searched(chosen, chosen), None, chosen)) == told
 
 
 def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(

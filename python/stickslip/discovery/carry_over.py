@@ -1,25 +1,34 @@
-"""What the train runs name is claimed only where runs that were not used are forecast no worse with it."""
+"""What the train runs say is claimed only where runs that were not used are forecast no worse with it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import TypeVar
 
-from stickslip.discovery.result import ErrorBlock, Found, Verdict
+from stickslip.declared.catalogue import KINDS
+from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Verdict
 
 FoundT = TypeVar("FoundT", bound=Found)
 
 
 def carries_over(found: Found) -> bool:
-    """Whether names are claimed: runs never used do not speak against them."""
-    return found.verdict is not Verdict.effect_found or found.error.carries
+    """Whether what was found is claimed: runs never used do not speak against it."""
+    return found.verdict is Verdict.no_effect or found.error.carries
 
 
 def instead(found: Found, silent: FoundT) -> FoundT:
     """Return the result without the names, and which they would have been."""
-    names = ", ".join(one.name for one in found.effects)
-    why = f"{names} would be named by the train runs, but {doubt(found.error)}: nothing is claimed"
+    names = ", ".join(map(_called, found.effects))
+    verb = "named" if all(_called(one) == one.name for one in found.effects) else "told"
+    why = f"{names} would be {verb} by the train runs, but {doubt(found.error)}: nothing is claimed"
     return replace(silent, unclaimed=found.effects, messages=(why, *silent.messages))
+
+
+def _called(one: FoundEffect) -> str:
+    """What was found, by its name or by its place."""
+    if one.curve is None or one.name in KINDS:
+        return one.name
+    return f"a curve in {one.curve.variable} of no name ({one.where})"
 
 
 def doubt(error: ErrorBlock) -> str:

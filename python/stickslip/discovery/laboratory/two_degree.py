@@ -184,11 +184,12 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
         asked.seed,
     )
     effects, gate = outcome.effects(bench, found), outcome.gate(found)
+    spare = gate.observed - gate.threshold
     if curve is not None:
         effects = (outcome.unlisted(found, curve, chosen),)
-    elif chosen.terms and error.likelihood is not None:
-        spare = max(gate.observed - gate.threshold, 0.0)
-        error = replace(error, likelihood=replace(error.likelihood, spare=spare))
+        spare = curve.worth(len(bench.stretches)) - curve.threshold
+    if chosen.terms and error.likelihood is not None:
+        error = replace(error, likelihood=replace(error.likelihood, spare=max(spare, 0.0)))
     looks = [rig_numbers.remark(case.rig, one.curve) for one in effects if one.curve is not None]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (left(bench, one.fit) for one in (base, chosen))
