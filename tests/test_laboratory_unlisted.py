@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 
 import stickslip as ss
 from scattering import case
@@ -135,6 +136,21 @@ def test_a_curve_that_only_a_score_believes_is_not_told(tmp_path: Path) -> None:
         offset = replace(other, effect=other.effect.replace(**dict.fromkeys(other.effect.parameters, size)))
         gain = null.fit.deviance - beside(bench, null, offset).fit.deviance
         assert -1.0 < gain < bench.policy.noticed
+
+
+@pytest.mark.parametrize("levelled", [False, True])
+def test_what_a_stuck_fit_was_short_of_is_no_curve(levelled: bool) -> None:
+    """A fit that got free beside a curve fell by thousands: that was told as a curve whose values were nothing."""
+    x = np.linspace(-1.0, 1.0, 5)
+    free = scipy.linalg.null_space(np.full((1, 5), 0.2)) if levelled else np.eye(5)
+    known = np.diag([1.0, 1.0, 0.0 if levelled else 1.0, 1.0, 1.0])  # one value is where the law has a level
+    scored = Learned("block", "x1", 2000.0, x, x, x, free.shape[1], [], x, free=free, threshold=10.0)
+    for size, told in ((0.01, False), (1.0, True)):
+        fitted_there = scored.fitted(size * x, 0.02**2 * known, 5955.0)
+        assert fitted_there.worth(30) > 5000.0
+        assert fitted_there.passes(30) == told
+    real = scored.fitted(x, 0.02**2 * known, 5955.0)
+    assert real.told == pytest.approx(x @ x / 0.02**2)
 
 
 @pytest.mark.study

@@ -35,6 +35,8 @@ class Learned:
     events : what it adds to each window's random effects, of the belt's speed
     threshold : what the best of all curves gains, prices paid, where nothing is lacking
     period : of one that repeats, at a phase of its own in each run
+    told : what its values are worth by their own errors, once it is fitted: a fall that they do not tell is what the
+        fit without it was short of
     """
 
     where: str
@@ -53,13 +55,20 @@ class Learned:
     events: Factors | None = None
     threshold: float = math.inf
     period: float | None = None
+    told: float = math.inf
 
     def fitted(self, values: Floats, covariance: Floats, gain: float) -> Learned:
         """Return the curve as it was fitted, the law's own level left out of what is told."""
         own = self.free @ self.free.T
         std = np.sqrt(np.maximum(np.diag(own @ covariance @ own), 0.0))
-        return replace(self, value=own @ values, std=std, gain=gain)
+        size, of = self.free.T @ values, self.free.T @ covariance @ self.free
+        told = float(size @ np.linalg.pinv(of, hermitian=True) @ size)
+        return replace(self, value=own @ values, std=std, gain=gain, told=told)
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""
         return self.gain - self.count * math.log(windows)
+
+    def passes(self, windows: int) -> bool:
+        """Return whether the curve is beyond what scatter alone gains, by the fall and by its values."""
+        return min(self.gain, self.told) - self.count * math.log(windows) > self.threshold

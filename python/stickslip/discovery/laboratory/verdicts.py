@@ -193,6 +193,6 @@ def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float 
             shown, there = proven(bench, beside, one)
         except FloatingPointError:
             continue
-        if (worth := shown.worth(count)) > max(one.threshold, least):
+        if (worth := shown.worth(count)) > least and shown.passes(count):
             found.append((worth, (shown, there)))
     return max(found, key=lambda each: each[0])[1] if found else None
