@@ -9,11 +9,11 @@ import pytest
 import scipy
 
 import stickslip as ss
-from scattering import case
+from scattering import RIG, case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
-from stickslip.discovery.laboratory.proven import beside
+from stickslip.discovery.laboratory.proven import beside, proven
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
@@ -161,6 +161,23 @@ def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(ben
     gain = bent.null.fit.deviance - told[1].fit.deviance
     assert verdicts.curve_alone(bent.bench, alone, 0, more=0.5 * gain) is not None
     assert verdicts.curve_alone(bent.bench, alone, 0, more=2.0 * gain) is None
+
+
+@pytest.mark.study
+def test_a_torque_has_a_level_of_its_own_while_all_slip_one_way(tmp_path: Path) -> None:
+    """Its mean was taken for the law's: what was fitted without it had beta3 half of what it is, and another curve."""
+    y1 = np.linspace(-0.9, 0.7, 17)
+    acts = ss.tabulated("angle_body", "y1", y1, 0.15 + 0.3 * np.sin(3 * y1) ** 2)
+    read = ss.load_case(case(tmp_path, (acts,), 0.015, 0.005, 7))
+    bench = bench_of(read, prepare([one for one in (*read.train, *read.validate) if one.belt_speed > 0]))
+    assert bench.one_way
+    null = Trial((), fit_null(bench.windows(), bench.policy, twice=True))
+    (curve,) = [one for one in bench.curves(null.fit) if (one.where, one.variable) == ("angle_body", "y1")]
+    found, after = proven(bench, null, curve)
+    numbers = after.fit.values()
+    assert numbers["beta3"] == pytest.approx(4.0, rel=0.2)
+    torque = found.value - (numbers["beta3"] - RIG["beta3"]) * found.x  # a spring that is a little off is a slope
+    np.testing.assert_allclose(torque, acts.curve(found.x), atol=0.15)
 
 
 def test_a_curve_of_the_belt_begins_with_the_motions_that_there_were(pulled: Left) -> None:

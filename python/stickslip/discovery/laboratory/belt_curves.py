@@ -95,9 +95,9 @@ def _asked(bench: _OnBelt) -> list[tuple[str, str]]:
 
 def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> Floats:
     """Which combinations of a curve's shapes are its own."""
-    # friction as a whole is the law's, and so is a constant force or reading while all slip one way; speeds that are
-    # all off are the set-points'
-    if one.where in ("contact", "belt") or bench.one_way:
+    # friction as a whole is the law's, and so is a constant force on the block while all slip one way, and what of a
+    # reading no angle body shows; speeds that are all off are the set-points'
+    if one.where in ("contact", "belt") or (bench.one_way and (one.where == "block" or not bench.two_degree)):
         return scipy.linalg.null_space(_mean(bench, motions, one.variable, one.grid)[None])
     return np.eye(len(one.grid))
 
