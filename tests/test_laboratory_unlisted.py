@@ -153,6 +153,23 @@ def test_what_a_stuck_fit_was_short_of_is_no_curve(levelled: bool) -> None:
     assert real.told == pytest.approx(x @ x / 0.02**2)
 
 
+def test_the_curve_that_is_told_is_the_model_s() -> None:
+    """What was left out for the law's level was no constant: the report drew a curve of another shape."""
+    x, mean = np.linspace(-1.0, 1.0, 5), np.array([0.5, 0.2, 0.1, 0.1, 0.1])
+    free = scipy.linalg.null_space(mean[None])
+    scored = Learned("contact", "v_w", 900.0, x, x, x, 4, [], x, free=free, threshold=10.0)
+    root = np.random.default_rng(0).standard_normal((5, 5))
+    root[2] = 0.0  # one value stays where it is
+    there = scored.fitted(x**2, root @ root.T, 900.0)
+    np.testing.assert_array_equal(there.value, x**2)
+    # errors and worth do not depend on where the law has its level: here on the mean
+    shift = np.eye(5) - mean
+    moved = scored.fitted(shift @ x**2, shift @ root @ root.T @ shift.T, 900.0)
+    np.testing.assert_allclose(there.std, moved.std, rtol=1e-9)
+    assert there.told == pytest.approx(moved.told)
+    assert scored.fitted(np.full(5, 3.0), root @ root.T, 900.0).told == pytest.approx(0.0, abs=1e-9)
+
+
 @pytest.mark.study
 def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(bent: Left) -> None:
     alone = Searched(bent.null, bent.null)

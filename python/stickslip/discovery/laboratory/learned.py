@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated
@@ -58,12 +59,20 @@ class Learned:
     told: float = math.inf
 
     def fitted(self, values: Floats, covariance: Floats, gain: float) -> Learned:
-        """Return the curve as it was fitted, the law's own level left out of what is told."""
-        own = self.free @ self.free.T
-        std = np.sqrt(np.maximum(np.diag(own @ covariance @ own), 0.0))
-        size, of = self.free.T @ values, self.free.T @ covariance @ self.free
+        """
+        Return the curve as it was fitted: the values of the model, whose law goes with their level.
+
+        Where the law has a level of its own, errors are those of what is beside it.
+        """
+        k = len(values)
+        own = apart = np.eye(k)
+        if self.count < k:
+            weights = scipy.linalg.null_space(self.free.T)[:, 0]  # of a mean over all slips
+            own, apart = own - weights / weights.sum(), own[1:] - own[0]
+        std = np.sqrt(np.maximum(np.diag(own @ covariance @ own.T), 0.0))
+        size, of = apart @ values, apart @ covariance @ apart.T
         told = float(size @ np.linalg.pinv(of, hermitian=True) @ size)
-        return replace(self, value=own @ values, std=std, gain=gain, told=told)
+        return replace(self, value=values, std=std, gain=gain, told=told)
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""

@@ -7,6 +7,7 @@ larger makes the same scatter a smaller share of it, and linear windows take tha
 from __future__ import annotations
 
 import itertools
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -89,6 +90,9 @@ def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
     starts = (_settled(firm, base, curve, *one) for one in itertools.product(SHARES, (True, False)))
     first, term, _ = min(starts, key=_cost)
     fit = fitted(first, policy, policy.candidate_steps, held=2)
+    if fit.steps >= policy.candidate_steps:  # what it gains is not yet what it could
+        with suppress(FloatingPointError):
+            fit = min(fit, fitted(fit, policy), key=lambda one: one.deviance)
     return replace(base, terms=terms_at((*base.terms, term), first.windows, fit.at), fit=fit)
 
 
