@@ -20,7 +20,7 @@ from stickslip.cli.running.discover import effects_table
 from stickslip.declared.catalogue import KINDS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.messages import unseen
-from stickslip.discovery.result import Alternative, Interval, Likelihood, Part, Verdict
+from stickslip.discovery.result import Alternative, Curve, Interval, Likelihood, Part, Verdict
 from stickslip.discovery.slider.remarks import absorbed
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
@@ -282,8 +282,16 @@ def test_names_that_runs_never_used_refuse_are_in_the_headline(tmp_path: Path) -
     assert words.headline(dataclasses.replace(silent, unclaimed=2 * silent.unclaimed)).endswith(
         "speak against them."
     )
-    # a curve that no name explains is no name
-    assert carries_over(dataclasses.replace(rose, verdict=Verdict.unlisted_effect))
+    x = np.linspace(0.0, 1.0, 5)
+    curve = Curve("block", "x1", "force on the block", x, x, x - 0.1, x + 0.1, x, None)
+    unnamed = dataclasses.replace(found.effects[0], name="unlisted", where="block", curve=curve)
+    told = dataclasses.replace(rose, verdict=Verdict.unlisted_effect, effects=(unnamed,))
+    assert not carries_over(told)
+    assert (
+        instead(told, silent)
+        .messages[0]
+        .startswith("a curve in x1 of no name (block) would be told by the train runs, but the error")
+    )
 
 
 def test_a_tie_among_two_effects_is_numbered(tmp_path: Path) -> None:
