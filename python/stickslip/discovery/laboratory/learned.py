@@ -15,6 +15,7 @@ from stickslip.likelihoods.score import Columns
 
 Floats = NDArray[np.float64]
 Factors = Sequence[Floats | None]
+DRAWN = 49  # places between the outer knots
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,14 @@ class Learned:
         size, of = apart @ values, apart @ covariance @ apart.T
         told = float(size @ np.linalg.pinv(of, hermitian=True) @ size)
         return replace(self, value=values, std=std, gain=gain, told=told)
+
+    def drawn(self) -> tuple[Floats, Floats, Floats]:
+        """Return the curve and its standard deviation at places near enough to each other to be drawn, (n,) each."""
+        if self.period is not None:
+            return self.x, self.value, self.std
+        x = np.union1d(self.x, np.linspace(self.x[0], self.x[-1], DRAWN))
+        spline = scipy.interpolate.CubicSpline(self.x, self.value, bc_type="natural")
+        return x, np.asarray(spline(x)), np.interp(x, self.x, self.std)
 
     def worth(self, windows: int) -> float:
         """Return the gain less the price of the curve's shapes."""

@@ -242,14 +242,15 @@ def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
     proof = Evidence(
         curve.gain, curve.worth(len(found.null.fit.own)), None, fall, label, curve.threshold, words
     )
+    x, value, std = curve.drawn()
     shape = Curve(
         curve.where,
         curve.variable,
         term,
-        curve.x,
-        curve.value,
-        curve.value - Z * curve.std,
-        curve.value + Z * curve.std,
+        x,
+        value,
+        value - Z * std,
+        value + Z * std,
         curve.x,
         None if curve.period else guess(curve.x, curve.value, Z * curve.std, curve.variable),
         curve.period,
