@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,11 @@ import stickslip as ss
 from quick_figures import quickly
 from scattering import MASS, STIFFNESS, block_case
 from short_search import naming
-from stickslip.discovery.laboratory import block
+from stickslip.discovery.laboratory import block, verdicts
+from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.proven import proven
+from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.shown.report.write import write_report
 
 SCATTER = 0.02
@@ -136,6 +141,26 @@ def test_a_hum_of_its_sensor_is_told_with_its_period(tmp_path: Path) -> None:
     assert (one.name, one.depends_on) == ("unlisted", ("t",))
     assert one.curve is not None
     assert one.curve.period == pytest.approx(2 * math.pi / w, rel=2e-3)
+
+
+@pytest.mark.study
+def test_a_curve_of_the_reading_in_the_speed_is_told_and_forecasts_do_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It cannot be undone where x1 alone is recorded: with it in the model after no run could be forecast."""
+
+    def best(bench: block.BeltBench, found: Searched, *_: object) -> tuple[Learned, Trial]:
+        every = bench.curves(found.null.fit)
+        (curve,) = [one for one in every if (one.where, one.variable) == ("x1 channel", "x2")]
+        return proven(bench, found.null, replace(curve, threshold=0.0))
+
+    monkeypatch.setattr(verdicts, "curve_alone", best)
+    found = ss.discover(ss.load_case(block_case(tmp_path, few=True, seed=6, scatter=0.01)))
+    (one,) = found.effects
+    assert (one.name, one.where, one.depends_on) == ("unlisted", "x1 channel", ("x2",))
+    assert not any(isinstance(each, ss.Tabulated) for each in found.model.effects)
+    assert block.NOT_AFTER in found.messages
+    assert found.error.after == pytest.approx(found.error.before)
 
 
 @pytest.mark.study

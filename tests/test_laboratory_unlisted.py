@@ -193,9 +193,8 @@ def test_a_torque_has_a_level_of_its_own_while_all_slip_one_way(tmp_path: Path) 
     found, after = proven(bench, null, curve)
     numbers = after.fit.values()
     assert numbers["beta3"] == pytest.approx(4.0, rel=0.2)
-    torque = (
-        found.value - (numbers["beta3"] - RIG["beta3"]) * found.x
-    )  # a spring that is a little off is a slope
+    # a spring that is a little off is a slope
+    torque = found.value - (numbers["beta3"] - RIG["beta3"]) * found.x
     np.testing.assert_allclose(torque, acts.curve(found.x), atol=0.15)
 
 

@@ -56,6 +56,11 @@ from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.stretches import cut, stretches
 from stickslip.measured.case import Case
 
+NOT_AFTER = (
+    "the curve found is not in the model after: one of the reading in x2 cannot be undone where x1 alone is recorded, "
+    "so that no forecast could begin"
+)
+
 
 @dataclass(frozen=True)
 class Search:
@@ -144,7 +149,24 @@ def _verdicts(
         verdicts = searched(bench, known, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
         return None
-    return beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
+    return _told_alone(beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit)))
+
+
+def _told_alone(verdicts: Verdicts[BeltBench]) -> Verdicts[BeltBench]:
+    """
+    Return the same, a curve of the reading in the block's speed told, and no effect of the model after.
+
+    The speed behind readings of x1 alone is not known without undoing such a curve, so that no forecast begins.
+    """
+    if not _hides_speed(verdicts):
+        return verdicts
+    assert verdicts.curve is not None
+    return replace(verdicts, curve=replace(verdicts.curve, effect=None))
+
+
+def _hides_speed(verdicts: Verdicts[BeltBench]) -> bool:
+    curve = verdicts.curve
+    return curve is not None and (curve.where, curve.variable) == ("x1 channel", "x2")
 
 
 def is_a_model(verdicts: Verdicts[BeltBench]) -> bool:
@@ -250,6 +272,7 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
             *idle(case.train, train),
             *doubtful_set_points(case, every, effects, after_all, error),
             *outcome.remarks(chosen, error),
+            *((NOT_AFTER,) if _hides_speed(search.verdicts) else ()),
             *((absorbed(run.belt_speed > 0 for run in bench.data),) if bench.one_way else ()),
             *words,
         ),
