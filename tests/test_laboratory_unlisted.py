@@ -12,9 +12,11 @@ import stickslip as ss
 from scattering import RIG, case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
+from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
 from stickslip.discovery.laboratory.proven import beside, proven
-from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.screen import Screen
+from stickslip.discovery.laboratory.search import Searched, Step
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
@@ -178,6 +180,18 @@ def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(ben
     gain = bent.null.fit.deviance - told[1].fit.deviance
     assert verdicts.curve_alone(bent.bench, alone, 0, more=0.5 * gain) is not None
     assert verdicts.curve_alone(bent.bench, alone, 0, more=2.0 * gain) is None
+
+
+@pytest.mark.study
+def test_a_curve_passes_no_gate_that_a_name_would_not(bent: Left) -> None:
+    """Where nothing acted a curve was worth 2 beyond its own gate, of 0, and names had to be worth 17."""
+    told = verdicts.curve_alone(bent.bench, Searched(bent.null, bent.null), 0)
+    assert told is not None
+    worth = told[0].worth(len(bent.bench.stretches))
+    for gate, passes in ((0.5 * worth, True), (2.0 * worth, False)):
+        step = Step(bent.null, Screen((), ()), [], Gate(np.zeros(1), gate))
+        found = verdicts.curve_alone(bent.bench, Searched(bent.null, bent.null, [step]), 0)
+        assert (found is not None) == passes
 
 
 @pytest.mark.study

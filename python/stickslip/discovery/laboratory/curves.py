@@ -15,13 +15,19 @@ from stickslip.likelihoods.fit_state import Fit
 
 
 def leading(
-    bench: Bench, beside: Trial, best: Fit, seed: int, workers: Workers = ALONE, least: float = 0.0
+    bench: Bench,
+    beside: Trial,
+    best: Fit,
+    seed: int,
+    workers: Workers = ALONE,
+    least: float = 0.0,
+    names: float = 0.0,
 ) -> list[Learned]:
     """
     Return the best curves beside a hypothesis, best first, with the gate that draws set for all curves.
 
     Events that remember each other make a curve in t, friction that differs along the belt one in x1: curves are many,
-    and none of the names that the other gate is drawn for is as free.
+    and none of the names that the other gate is drawn for is as free. What passes as a curve passes that gate, too.
 
     Parameters
     ----------
@@ -30,13 +36,14 @@ def leading(
     seed : of the draws
     workers : score them
     least : what a curve is worth at least; without one no gate is drawn
+    names : the gate of names beside the hypothesis
     """
     fit, count = beside.fit, len(bench.stretches)
     every = bench.curves(fit, beside.terms, workers)
     worthy = [one for one in every if one.worth(count) > least]
     if not worthy:
         return []
-    threshold = drawn(bench, fit, best, every, seed)
+    threshold = max(drawn(bench, fit, best, every, seed), names)
     told = [replace(one, threshold=threshold) for one in worthy if one.worth(count) > threshold]
     return sorted(told, key=lambda one: -one.worth(count))[: bench.policy.fullest]
 

@@ -13,7 +13,7 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.proven import proven
-from stickslip.discovery.laboratory.search import Searched, search
+from stickslip.discovery.laboratory.search import Searched, Step, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
@@ -150,7 +150,12 @@ def curve_alone(
     named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
     least = max(named + more, 0.0)
     promised = least if more else 0.0  # names that stand are not doubted where no curve promises more
-    return _proven(bench, alone, leading(bench, alone, chosen.fit, seed, workers, promised), least)
+    return _proven(
+        bench,
+        alone,
+        leading(bench, alone, chosen.fit, seed, workers, promised, gate_of(found.steps[:1])),
+        least,
+    )
 
 
 def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
@@ -162,10 +167,17 @@ def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE
     chosen = found.chosen
     if not chosen.terms:
         return None
-    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers))
+    left = _proven(
+        bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate_of(found.steps))
+    )
     if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
+
+
+def gate_of(steps: Sequence[Step]) -> float:
+    """Return the gate of names of the last of these steps."""
+    return steps[-1].gate.threshold if steps else 0.0
 
 
 def explained_by_names(bench: Bench, found: Searched) -> float:
