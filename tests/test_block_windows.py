@@ -8,9 +8,12 @@ from numpy.typing import NDArray
 
 import stickslip as ss
 from differences import held_against_differences
+from stickslip.declared.rig import Scales
+from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.block_windows import BlockSensors, drowned
+from stickslip.likelihoods.scaled import Scaled
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.stretches import stretches
@@ -156,3 +159,14 @@ def test_the_scale_of_forces_is_told_by_no_position(run: Data) -> None:
         assert a is not None
         assert b is not None
         assert np.abs(a[:, :, -1] - b[:, :, -1]).max() < 1e-3  # of the noise
+
+
+def test_a_curve_of_the_reading_is_the_model_s_whatever_the_gain_is_found_to_be() -> None:
+    """Windows scale with the gain what is added to a reading; a model adds it to what is scaled."""
+    rig, x = ss.BlockOnBelt(mass=0.9, stiffness=460.0), np.linspace(-0.3, 0.3, 13)
+    units = Scaled(rig, Scales(length=0.01, omega=float(np.sqrt(460.0 / 0.9)), k2=460.0 / 16, r=0.01))
+    curve = ss.tabulated("x1 channel", "x1", [-0.3, 0.0, 0.3], [0.02, 0.0, 0.03])
+    values = {"mass": 16.0, "stiffness": 16.0 * 1.03, "damping": 0.0, "gain.spring_force": 0.04}
+    made = units.model(ss.Model(BLOCK, friction=LAW, effects=[curve]), values, "gain.spring_force")
+    read = reading_of(made, force_channel=True).read(0.01 * x, None, 0.0 * x)
+    np.testing.assert_allclose(read / 0.01, (1.03 * x + curve.curve(x)) * 1.04, rtol=1e-12)

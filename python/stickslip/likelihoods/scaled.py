@@ -67,9 +67,10 @@ class Scaled:
         sizes = {k: self.size(f"{one.name}.{k}") for k in one.parameters}
         return one.replace(**{k: v * sizes[k] if back else v / sizes[k] for k, v in one.parameters.items()})
 
-    def curve(self, one: Tabulated) -> Tabulated:
-        """Return a curve of scaled numbers in the declared ones."""
+    def curve(self, one: Tabulated, gain: float = 0.0) -> Tabulated:
+        """Return a curve of scaled numbers in the declared ones; the gain of windows scales what is added to them."""
         along, size = (d.size(self.scales) for d in (OF_VARIABLES[one.variable], curve_dimension(one.where)))
+        size *= 1 + gain if one.of_reading else 1.0
         knots, values = np.array(one.knots) * along, np.array(one.values) * size
         return tabulated(one.where, one.variable, knots, values)
 
@@ -92,7 +93,7 @@ class Scaled:
         effects = [
             own[one.name].replace(**one.parameters)
             if isinstance(one, FormulaEffect)
-            else self.curve(one)
+            else self.curve(one, shares["sensor_gain"])
             if isinstance(one, Tabulated)
             else self.effect(one)
             for one in made.effects

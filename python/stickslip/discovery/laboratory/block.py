@@ -307,6 +307,9 @@ def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:
     """What was found, by weight: named effects and a constant, or a curve that no name explains."""
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     if curve is not None:
+        if curve.effect is not None and curve.effect.of_reading:  # a window's gain scales what is added to it
+            gain = 1 + chosen.fit.values().get(bench.sensors.gains[0], 0.0)
+            curve = replace(curve, value=gain * curve.value, std=gain * curve.std)
         return (in_declared(search.units, outcome.unlisted(found, curve, chosen)),)
     beside = Searched(found.null, replace(chosen, freed=None), found.steps, found.without)
     named = [in_declared(search.units, one) for one in outcome.effects(bench, beside)]
