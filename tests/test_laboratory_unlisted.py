@@ -23,6 +23,7 @@ from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit import null as fit_null
 from stickslip.likelihoods.fit_state import begin
+from stickslip.likelihoods.population import MOST
 from stickslip.likelihoods.repeating import lost
 
 X1 = np.linspace(-0.8, 0.8, 17)
@@ -96,6 +97,24 @@ def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> No
     for share, gone in ((0.1, False), (0.3, True)):
         weight[: int(share * len(weight))] = 0.01
         assert lost(replace(fit, linear=replace(fit.linear, weight=weight))) == gone
+
+
+def test_a_curve_beside_which_friction_scatters_without_bound_is_not_told(
+    pulled: Left, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Names were held to that, curves were not: one that was next to nothing was told beside a scatter of 78 %."""
+    assert pulled.curve is not None
+    every = curves.leading(pulled.bench, pulled.named, pulled.named.fit, 0)
+
+    def astray(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
+        found, after = proven(bench, base, curve)
+        return found, replace(
+            after, fit=replace(after.fit, population=replace(after.fit.population, level=MOST))
+        )
+
+    assert verdicts._proven(pulled.bench, pulled.named, every) is not None
+    monkeypatch.setattr(verdicts, "proven", astray)
+    assert verdicts._proven(pulled.bench, pulled.named, every) is None
 
 
 @pytest.mark.study

@@ -205,6 +205,8 @@ def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float 
             shown, there = proven(bench, beside, one)
         except FloatingPointError:
             continue
+        if lost(there.fit):  # as of names: beside what explains them windows are not lost
+            continue
         if (worth := shown.worth(count)) > least and shown.passes(count):
             found.append((worth, (shown, there)))
     return max(found, key=lambda each: each[0])[1] if found else None
