@@ -167,9 +167,9 @@ def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE
     chosen = found.chosen
     if not chosen.terms:
         return None
-    left = _proven(
-        bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate_of(found.steps))
-    )
+    # names that passed are not doubted for less
+    gate = gate_of(found.steps) + bench.policy.noticed
+    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate))
     if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
