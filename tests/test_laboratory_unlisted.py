@@ -165,7 +165,7 @@ def test_what_a_stuck_fit_was_short_of_is_no_curve(levelled: bool) -> None:
     x = np.linspace(-1.0, 1.0, 5)
     free = scipy.linalg.null_space(np.full((1, 5), 0.2)) if levelled else np.eye(5)
     known = np.diag([1.0, 1.0, 0.0 if levelled else 1.0, 1.0, 1.0])  # one value is where the law has a level
-    scored = Learned("block", "x1", 2000.0, x, x, x, free.shape[1], [], x, free=free, threshold=10.0)
+    scored = Learned("block", "x1", 2000.0, x, x, x, free.shape[1], [], free=free, threshold=10.0)
     for size, told in ((0.01, False), (1.0, True)):
         fitted_there = scored.fitted(size * x, 0.02**2 * known, 5955.0)
         assert fitted_there.worth(30) > 5000.0
@@ -178,7 +178,7 @@ def test_the_curve_that_is_told_is_the_model_s() -> None:
     """What was left out for the law's level was no constant: the report drew a curve of another shape."""
     x, mean = np.linspace(-1.0, 1.0, 5), np.array([0.5, 0.2, 0.1, 0.1, 0.1])
     free = scipy.linalg.null_space(mean[None])
-    scored = Learned("contact", "v_w", 900.0, x, x, x, 4, [], x, free=free, threshold=10.0)
+    scored = Learned("contact", "v_w", 900.0, x, x, x, 4, [], free=free, threshold=10.0)
     root = np.random.default_rng(0).standard_normal((5, 5))
     root[2] = 0.0  # one value stays where it is
     there = scored.fitted(x**2, root @ root.T, 900.0)

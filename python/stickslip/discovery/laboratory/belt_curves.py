@@ -121,8 +121,7 @@ def _scored(
         **{name: float(x) for name, x in zip(one.effect.parameters, value, strict=True)}
     )
     return Learned(
-        *(one.where, one.variable, found.gain, one.grid, value, std, free.shape[1], reduced, found.size),
-        step=found.step,
+        *(one.where, one.variable, found.gain, one.grid, value, std, free.shape[1], reduced),
         free=free,
         effect=effect,
         width=one.width,

@@ -65,9 +65,7 @@ def humming(left: Left) -> Learned | None:
     x = np.linspace(0.0, 2 * math.pi / line.w, KNOTS)
     numbers = 2 * len(left.engine.data) + 1
     value, spread = size * np.sin(line.w * x), np.full(KNOTS, std)
-    return Learned(
-        f"{channels[c]} channel", "t", gain, x, value, spread, numbers, (), np.zeros(0), period=float(x[-1])
-    )
+    return Learned(f"{channels[c]} channel", "t", gain, x, value, spread, numbers, (), period=float(x[-1]))
 
 
 def _line(left: Left, residuals: list[Floats], channel: int) -> Line:

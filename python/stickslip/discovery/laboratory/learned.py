@@ -29,8 +29,7 @@ class Learned:
     gain : fall of -2 log marginal likelihood
     x, value, std : (k,) the curve and its standard deviation
     count : shapes that it is made of
-    columns, size : behind it, and their numbers
-    step : of the shared numbers beside it, (p,)
+    columns : behind it
     free : (k, count) its shapes by the values at its knots: what is left of all but the law's own level
     effect : what it is in a model; None for one of the belt, or one that repeats
     width : standard deviation of its values before the readings
@@ -49,8 +48,6 @@ class Learned:
     std: Floats
     count: int
     columns: Columns
-    size: Floats
-    step: Floats = field(default_factory=lambda: np.zeros(0))
     free: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     effect: Tabulated | None = None
     width: float = math.inf
