@@ -38,7 +38,8 @@ py::dict simulate(const Structure& structure, const ConstVector& parameters, con
                   Locator locator, const ConstMatrix& seeds, long max_transitions, int order, double fixed_step,
                   long max_steps) {
   if (parameters.size() != parameter_count || initial.size() != state_count)
-    throw py::value_error("parameters must have the length of PARAMETERS plus TABLES times MAX_KNOTS, initial that of STATES");
+    throw py::value_error(
+        "parameters must have the length of PARAMETERS plus TABLES times MAX_KNOTS, initial that of STATES");
   if (seeds.rows() > 0 && seeds.cols() != parameter_count + state_count)
     throw py::value_error("seeds must have a column for every parameter, knot and state");
   const Request request{&structure,
