@@ -5,16 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
 from pivot import both_ways
-from stickslip.cli.commands import main
 from stickslip.errors import InputError
 from stickslip.simulated.reference.bodies import simulate as plain
 from test_bodies_reference import LAWS, OWN, RIG, bodies, chain, drill, matrices
-from test_general_rigs import DRILL
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-13}
 
@@ -292,50 +289,6 @@ def test_a_load_acts_where_the_belt_has_a_formula_too() -> None:
     np.testing.assert_allclose(moved.state[:, 0] - load / 2.0, plain.state[:, 0], atol=1e-9)
 
 
-def command(*words: str) -> str:
-    result = CliRunner().invoke(main, ["simulate", *words], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
-
-
-def test_the_command_simulates_a_rig_of_bodies_in_its_units(tmp_path: Path) -> None:
-    model, out = tmp_path / "drill.toml", tmp_path / "run.csv"
-    model.write_text(DRILL)
-    told = command(str(model), "--drive-speed", "30 rpm", "--t-end", "4 s", "--out", str(out), "--figure")
-    assert "stick fraction: bit" in told
-    head, *rows = out.read_text().splitlines()
-    assert head == "t [s],table [rad],bit [rad],v_table [rad/s],v_bit [rad/s],mode_bit"
-    last = [float(one) for one in rows[-1].split(",")]
-    run = ss.simulate(ss.load_model(model), drive_speed=np.pi, t_end=4, t_eval=[4.0])
-    np.testing.assert_allclose(last[1:5], run.state[0], rtol=1e-9)
-    assert (tmp_path / "run.svg").stat().st_size > 1000
-
-
-def test_the_command_takes_formulas_steps_and_measured_speeds(tmp_path: Path) -> None:
-    model, out = tmp_path / "model.toml", tmp_path / "run.csv"
-    model.write_text(
-        "[rig]\nkind='block_on_belt'\nm=1\nk=1\n[friction]\nkind='coulomb'\nstatic=0.6\nkinetic=0.3\n"
-    )
-    (tmp_path / "steps.toml").write_text(
-        "[[speed]]\nfrom = 0\nvalue = 0.1\n[[speed]]\nfrom = 2\nvalue = '0.02*t'\n"
-    )
-    t = np.linspace(0, 5, 51)
-    samples = "\n".join(f"{x!r},{y!r}" for x, y in zip(t.tolist(), (0.1 * np.cos(t)).tolist(), strict=True))
-    (tmp_path / "belt.csv").write_text(f"t,belt\n{samples}\n")
-    loaded = ss.load_model(model)
-    for given, speed in [
-        ("0.5*sin(1.7*t)", "0.5*sin(1.7*t)"),
-        (str(tmp_path / "steps.toml"), ss.Speed.steps([0, 2], [0.1, "0.02*t"])),
-        (str(tmp_path / "belt.csv"), ss.Speed.measured(t, 0.1 * np.cos(t))),
-    ]:
-        command(
-            str(model), "--belt-speed", given, "--t-end", "5 s", "--initial", "0.05, 0.2", "--out", str(out)
-        )
-        last = [float(one) for one in out.read_text().splitlines()[-1].split(",")]
-        run = ss.simulate(loaded, belt_speed=speed, initial=(0.05, 0.2), t_end=5, t_eval=[5.0])  # type: ignore[arg-type]
-        np.testing.assert_allclose(last[1:3], run.state[0], rtol=1e-9)
-
-
 def test_a_chain_grows_without_new_names(tmp_path: Path) -> None:
     """Eight blocks: names, file and motion."""
     model = chain(ss.CoulombFriction(static=1, kinetic=0.6), 8)
@@ -389,21 +342,3 @@ def test_the_derivative_by_a_bristle_in_steady_sliding_dies_out_as_in_closed_for
     forced = -sigma0 / (rate**2 + k)  # x'' + k x = -sigma0 exp(-rate t)
     want = forced * (np.exp(-rate * t) - np.cos(w * t) + rate / w * np.sin(w * t))
     np.testing.assert_allclose(run.sensitivity[:, 0, 0], want, rtol=1e-9, atol=1e-12)
-
-
-def test_a_measured_speed_of_a_drive_is_in_a_column_of_its_name(tmp_path: Path) -> None:
-    model, out = tmp_path / "model.toml", tmp_path / "run.csv"
-    model.write_text(
-        "[rig]\nkind='bodies'\nbody.a.mass=1\nlink=[{between=['a','drive'],stiffness=4}]\ncontact=[{body='a'}]\n"
-        "[friction]\nkind='coulomb'\nstatic=0.6\nkinetic=0.3\n"
-    )
-    given = tmp_path / "drive.csv"
-    given.write_text("t,drive\n0,0.1\n1,0.3\n5,0.3\n")
-    command(str(model), "--drive-speed", str(given), "--t-end", "5 s", "--out", str(out))
-    speed = ss.Speed.measured([0, 1, 5], [0.1, 0.3, 0.3])
-    run = ss.simulate(ss.load_model(model), drive_speed=speed, t_end=5, t_eval=[5.0])
-    last = [float(one) for one in out.read_text().splitlines()[-1].split(",")]
-    np.testing.assert_allclose(last[1:3], run.state[0], rtol=1e-9)
-    given.write_text("t,belt\n0,0.1\n1,0.3\n")
-    words = ["simulate", str(model), "--drive-speed", str(given), "--t-end", "5 s", "--out", str(out)]
-    assert "column 'drive': missing" in CliRunner().invoke(main, words).output

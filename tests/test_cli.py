@@ -1,13 +1,10 @@
 """The command line as a person meets it."""
 
 import dataclasses
-import errno
 import json
 import re
-import sys
 from pathlib import Path
 
-import click
 import numpy as np
 import pandas as pd
 import pytest
@@ -371,31 +368,3 @@ def test_identify_of_an_si_case_prints_newtons(tmp_path):
     assert float(low) < found.law.t2 * scales.velocity < float(high)
     assert "N" in found.summary()
     assert found.model.channels == channels
-
-
-def test_the_program_works_where_the_caller_closed_its_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stdout", None)
-    monkeypatch.setattr(sys, "stderr", None)
-    with pytest.raises(SystemExit) as ended:
-        main(["--version"])
-    assert ended.value.code == 0
-    for stream in (sys.stdout, sys.stderr):  # what libraries flush
-        stream.flush()
-    with pytest.raises(SystemExit) as ended:
-        main(["discover", "nowhere"])
-    assert ended.value.code == 2
-    for stream in (sys.stdout, sys.stderr):
-        stream.close()
-
-
-def test_a_full_disk_is_said_in_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def full(*_: object, **__: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(click.Group, "invoke", full)
-    with pytest.raises(SystemExit) as ended:
-        main(["discover", "nowhere"])
-    assert ended.value.code == 1
-    assert capsys.readouterr().err == "stickslip: no space left on device\n"

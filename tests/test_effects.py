@@ -5,13 +5,16 @@ import pickle
 import numpy as np
 import pytest
 
+from stickslip import _core
 from stickslip.declared.catalogue import CATALOGUE, CONSTANTS
+from stickslip.declared.check_model import MOST_CURVES
 from stickslip.declared.effect import Effect, effect, tabulated
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt, Rig
 from stickslip.errors import InputError
+from stickslip.simulated.lowering import TABLES
 from stickslip.simulated.simulate import simulate
 
 NAMES = [
@@ -136,6 +139,7 @@ def test_tabulated_curve_repeats_in_time() -> None:
 
 
 def test_a_motion_has_two_tabulated_terms_at_most() -> None:
+    assert len(TABLES) == _core.TABLES == MOST_CURVES
     places = ("contact", "block", "angle_body")
     curves = [tabulated(where, "x1", [0.0, 1.0, 2.0], [0.0, 0.1, 0.3]) for where in places]
     rig = Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)

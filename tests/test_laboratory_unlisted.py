@@ -12,6 +12,7 @@ import stickslip as ss
 from scattering import RIG, case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
+from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
 from stickslip.discovery.laboratory.proven import beside, proven
@@ -199,6 +200,40 @@ def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(ben
     gain = bent.null.fit.deviance - told[1].fit.deviance
     assert verdicts.curve_alone(bent.bench, alone, 0, more=0.5 * gain) is not None
     assert verdicts.curve_alone(bent.bench, alone, 0, more=2.0 * gain) is None
+
+
+@pytest.mark.parametrize(
+    ("where", "variable", "name", "share"),
+    [("block", "x2", "block_viscous_damping.c", -1.0), ("x1 channel", "t", "sensor_drift.r", 1.0)],
+)
+def test_a_straight_curve_has_the_columns_of_the_name_that_it_is(
+    bent: Left, where: str, variable: str, name: str, share: float
+) -> None:
+    """A force was a change of friction along x1: its columns and those of a damper had a correlation of 0.1 to 0.5."""
+    bench, fit, knots = bent.bench, bent.null.fit, np.array([-50.0, 0.0, 200.0])
+    p, owner = len(fit.at), name.partition(".")[0]
+    straight = bench.windows((curve_term(ss.tabulated(where, variable, knots, np.zeros(3))),))
+    named = bench.windows((Term(ss.effect(owner, **{name.rpartition(".")[2]: 1e-12})),))
+    at = np.concatenate([fit.at, np.zeros(3)])
+    curve = straight.columns(at, fit.own, range(p, p + 3))
+    effect = named.columns(np.concatenate([fit.at, [1e-12]]), fit.own, [p])
+    for one, other in zip(curve, effect, strict=True):
+        assert one is not None
+        assert other is not None
+        np.testing.assert_allclose(one @ (share * knots), other[:, :, 0], atol=1e-5 * np.abs(other).max())
+
+
+@pytest.mark.study
+def test_names_that_passed_fall_to_a_curve_beside_them_that_passes_by_more_than_is_noticed(
+    pulled: Left,
+) -> None:
+    """A right name fell to one that was worth 4 beyond the gate."""
+    assert pulled.curve is not None
+    worth = pulled.curve.worth(len(pulled.bench.stretches))
+    for beyond, told in ((30.0, True), (10.0, False)):
+        step = Step(pulled.null, Screen((), ()), [], Gate(np.zeros(1), worth - beyond))
+        found = Searched(pulled.null, pulled.named, [step])
+        assert (verdicts.left_over(pulled.bench, found, 0) is not None) == told
 
 
 @pytest.mark.study

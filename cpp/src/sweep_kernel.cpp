@@ -18,6 +18,12 @@ struct Alone {
   Piece<double> scratch;
 };
 
+bool repeats(const Structure& structure) {
+  for (const Table& one : structure.table)
+    if (one.period > 0) return true;
+  return false;
+}
+
 }  // namespace
 
 std::size_t sweep_workspace() {
@@ -31,8 +37,7 @@ void sweep(const SweepRequest& q, void* workspace) {
     ensemble->run();
     return;
   }
-  const auto& tables = q.structure->table;
-  if (q.lanes && tables[0].period == 0 && tables[1].period == 0) {  // cycles of a table in t would keep the lanes apart
+  if (q.lanes && !repeats(*q.structure)) {  // cycles of a table in t would keep the lanes apart
     auto* ensemble = new (workspace) EffectEnsemble<width>(q);
     ensemble->run();
     return;

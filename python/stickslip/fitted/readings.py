@@ -179,46 +179,38 @@ def read(
     if channels == 3:
         _read_belt(samples, belt_speed)
     for one in learned:
-        if isinstance(one, Learned):
-            _add_curve(samples, one)
-        else:
-            through_formula(out, one, t, state, sensitivity, names, p)
+        beside(out, one, t, state, sensitivity, names, p)
     return out
 
 
-def through_formula(
+def beside(
     out: Chain,
-    one: FormulaReading,
+    one: Added,
     t: Floats,
     state: Floats,
     sensitivity: Slopes,
     names: tuple[str, ...],
     p: Mapping[str, float],
 ) -> None:
-    """Put a channel of a chain through a formula."""
-    c = _CHANNEL[one.channel]
-    of = one.at(out.values[:, c].copy(), t, state, p)
-    slopes = out.slopes[:, c] * one.slope(READING, of, t.shape)[:, None]
+    """Let a channel of a chain have what it has beside the effects of the catalogue: a curve, or a formula."""
+    samples = _Samples(t, state, sensitivity, p, names, out)
+    if isinstance(one, Learned):
+        _add_curve(samples, one)
+    else:
+        _through_formula(samples, one)
+
+
+def _through_formula(s: _Samples, one: FormulaReading) -> None:
+    c, out = _CHANNEL[one.channel], s.out
+    of = one.at(out.values[:, c].copy(), s.t, s.state, s.p)
+    slopes = out.slopes[:, c] * one.slope(READING, of, s.t.shape)[:, None]
     for name in one.slopes:
-        along = one.slope(name, of, t.shape)
+        along = one.slope(name, of, s.t.shape)
         if name in AT:
-            slopes += along[:, None] * sensitivity[AT[name]]
-        elif (full := f"{one.effect.label}.{name}") in names:
-            slopes[:, names.index(full)] += along
-    out.values[:, c], out.slopes[:, c] = one.read(of, t.shape), slopes
-
-
-def with_curve(
-    out: Chain,
-    one: Learned,
-    t: Floats,
-    state: Floats,
-    sensitivity: Slopes,
-    names: tuple[str, ...],
-    p: Mapping[str, float],
-) -> None:
-    """Add a curve to a channel of a chain."""
-    _add_curve(_Samples(t, state, sensitivity, p, names, out), one)
+            slopes += along[:, None] * s.slopes[AT[name]]
+        elif (full := f"{one.effect.label}.{name}") in s.names:
+            slopes[:, s.names.index(full)] += along
+    out.values[:, c], out.slopes[:, c] = one.read(of, s.t.shape), slopes
 
 
 def _read_x1(s: _Samples) -> None:

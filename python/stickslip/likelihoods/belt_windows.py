@@ -18,7 +18,7 @@ from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
-from stickslip.fitted.readings import Added, Chain, Slopes, curves_of, no_slopes, through_formula, with_curve
+from stickslip.fitted.readings import Added, Chain, Slopes, beside, curves_of, no_slopes
 from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, Past, acting, derived, lagged, simple
@@ -282,10 +282,8 @@ class _Run:
         """What the sensors make of the states."""
         samples = Samples(self.data.t[self.samples], state, slopes, names, self.offset)
         chain = self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
-        for curve in self.of.curves:
-            with_curve(chain, curve, samples.t, state, slopes, names, self.values)
-        for one in self.of.formulas:
-            through_formula(chain, one, samples.t, state, slopes, names, self.values)
+        for one in self.of.beside:
+            beside(chain, one, samples.t, state, slopes, names, self.values)
         return chain
 
     def _derived(self, values: dict[str, float], own: Floats) -> Floats:

@@ -67,9 +67,13 @@ class Scaled:
         sizes = {k: self.size(f"{one.name}.{k}") for k in one.parameters}
         return one.replace(**{k: v * sizes[k] if back else v / sizes[k] for k, v in one.parameters.items()})
 
+    def of_curve(self, where: str, variable: str) -> tuple[float, float]:
+        """Return the declared unit's numbers for 1 of what a curve is of, and for 1 of its values."""
+        return OF_VARIABLES[variable].size(self.scales), curve_dimension(where).size(self.scales)
+
     def curve(self, one: Tabulated, gain: float = 0.0) -> Tabulated:
         """Return a curve of scaled numbers in the declared ones; the gain of windows scales what is added to them."""
-        along, size = (d.size(self.scales) for d in (OF_VARIABLES[one.variable], curve_dimension(one.where)))
+        along, size = self.of_curve(one.where, one.variable)
         size *= 1 + gain if one.of_reading else 1.0
         knots, values = np.array(one.knots) * along, np.array(one.values) * size
         return tabulated(one.where, one.variable, knots, values)

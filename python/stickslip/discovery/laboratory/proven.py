@@ -102,10 +102,9 @@ def _settled(
     """A start with a share of the curve, constants as declared or as they are, its windows settled; what it costs."""
     assert curve.effect is not None
     there = curve.effect.replace(**{name: share * x for name, x in curve.effect.parameters.items()})
-    levelled = curve.free.shape[1] < len(
-        curve.x
-    )  # what is the law's own level, or a set-point's, is not sought
-    term = curve_term(there, curve.width, f"value_{len(curve.x) // 2}" if levelled else None)
+    # what is the law's own level, or a set-point's, is not sought
+    held = f"value_{len(curve.x) // 2}" if curve.count < len(curve.x) else None
+    term = curve_term(there, curve.width, held)
     windows = bench.windows((*base.terms, term))
     at = np.array([n.start for n in windows.numbers])
     at[: len(base.fit.at)] = base.fit.at

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stickslip.declared.si import OF_VARIABLES, curve_dimension
 from stickslip.discovery.result import Curve, FoundEffect, Interval
 from stickslip.likelihoods.scaled import Scaled
 
@@ -28,7 +27,7 @@ def found(units: Scaled, one: FoundEffect) -> FoundEffect:
 
 
 def _curve(units: Scaled, one: Curve) -> Curve:
-    along, size = (d.size(units.scales) for d in (OF_VARIABLES[one.variable], curve_dimension(one.where)))
+    along, size = units.of_curve(one.where, one.variable)
     return replace(
         one,
         x=one.x * along,
