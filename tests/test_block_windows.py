@@ -124,7 +124,7 @@ def test_an_event_shows_its_levels(run: Data) -> None:
     shown = BlockSensors(("gain.x1",), None).levels(readings, True, 16.0)
     assert shown == pytest.approx((16.0 * (kinetic + swing), LAW.kinetic), rel=1e-3)
     assert BlockSensors(("gain.x1",), None).levels(-readings, False, 16.0) == pytest.approx(shown)
-    own = shown_levels(made(run, ()))
+    own = shown_levels(made(run, ()), start(made(run, ())))
     assert own is not None
     windows = made(run, ())
     level = own[:, windows.begins :][:, windows.kinetic]

@@ -11,7 +11,7 @@ import pytest
 
 import stickslip as ss
 from scattering import KINETIC, MASS, RIG, STATIC, STIFFNESS, block_case, case
-from stickslip.discovery.laboratory.block import bench_of
+from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.likelihoods import correlated
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit

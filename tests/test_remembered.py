@@ -11,7 +11,7 @@ from scipy.stats import multivariate_normal
 
 import stickslip as ss
 from scattering import block_case
-from stickslip.discovery.laboratory.block import bench_of
+from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.population import factor

@@ -10,8 +10,8 @@ import pytest
 
 import found_by_hand
 import stickslip as ss
+from stickslip.discovery.laboratory.block_errors import METRIC
 from stickslip.discovery.result import ErrorBlock, Found
-from stickslip.discovery.slider.outcome import METRIC
 from stickslip.shown.report import (
     figures,
     figures_friction,

@@ -10,7 +10,6 @@ import pytest
 import stickslip as ss
 from quick_figures import quickly
 from slider_cases import KINETIC, MASS, NOISE, STATIC, STIFFNESS, case_of, rig_of
-from stickslip.discovery.slider.loop import discover
 from stickslip.measured.findings import FindingKind
 from stickslip.measured.stick_speed import contradicted, ridden_speed, wrong_set_point
 from stickslip.shown.report.write import write_report
@@ -49,7 +48,7 @@ def test_one_run_in_a_wrong_unit_is_named_with_the_unit(
     (said,) = [one for one in found.messages if "b10" in one]
     assert said.startswith(f"b10: no slip is used: {IN_M}: check belt_speed")
     assert said.endswith("in 'mm/s' it would be right")
-    searched = discover(case, draws=5)
+    searched = ss.discover(case)
     assert said in searched.messages
     quickly(monkeypatch)
     write_report(searched, case, tmp_path / "out")  # without the run that has no slip
@@ -82,9 +81,9 @@ def test_all_runs_in_a_wrong_unit_name_run_and_ratio(tmp_path: Path) -> None:
     ):
         ss.identify(case)
     with pytest.raises(
-        ss.InputError, match=r"8 are needed.*b10: no slip is used: .*0\.001 times.*b20:.*'mm/s'"
+        ss.InputError, match=r"no slip between two sticks.*b10: no slip is used: .*0\.001 times.*b20:.*'mm/s'"
     ):
-        discover(case, draws=5)
+        ss.discover(case)
 
 
 def test_a_turned_belt_is_a_sign(tmp_path: Path) -> None:
@@ -98,7 +97,7 @@ def test_a_turned_belt_is_a_sign(tmp_path: Path) -> None:
 
 def test_a_validate_run_in_a_wrong_unit_is_named(tmp_path: Path) -> None:
     case = case_of(rig_of(0.01), tmp_path, said=("10 mm/s", "20 mm/s", "30 um/s"))
-    (said,) = [one for one in discover(case, draws=5).messages if one.startswith("b30")]
+    (said,) = [one for one in ss.discover(case).messages if one.startswith("b30")]
     assert "no error is measured on it" in said
     assert "1000 times that" in said
     assert "a power of ten is a unit's" in said

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from slider import coulomb_record
-from stickslip.declared.effect import effect
 from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction.hyperbolic import HyperbolicFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
-from stickslip.discovery.slider.held import constants_of, held
 from stickslip.fitted.block_events.cycle import (
     LOG_W2,
     RELEASE,
@@ -26,7 +24,7 @@ from stickslip.fitted.block_events.cycle import (
     slopes,
 )
 from stickslip.fitted.block_events.predict import BlockForecaster, scaled
-from stickslip.fitted.block_events.table import measure, natural_rate, prepare
+from stickslip.fitted.block_events.table import measure, prepare
 from stickslip.measured.case import Recording, load_recording
 from stickslip.simulated.simulate import simulate
 
@@ -106,26 +104,6 @@ def test_a_reversed_record_gives_the_same_events(tmp_path: Path) -> None:
     ahead = measure(prepare(run)).events
     back = measure(prepare(replace(run, x1=-run.x1, belt_speed=-run.belt_speed))).events
     np.testing.assert_allclose(back.p, ahead.p)
-
-
-def test_levels_of_their_own_leave_the_noise_and_wrong_constants_do_not(tmp_path: Path) -> None:
-    run, _, _ = recording(tmp_path, 4)
-    one = measure(prepare(run))
-    right = Model(BlockOnBelt(), friction=CoulombFriction())
-    wrong = right.with_effects([effect("rig_mass", e=0.5)])
-    rms = [
-        float(np.sqrt(np.nanmedian(held(one, constants_of(m, one)).residual ** 2))) for m in (right, wrong)
-    ]
-    assert rms[0] == pytest.approx(0.6745, abs=0.1)
-    assert rms[1] > 3 * rms[0]
-
-
-def test_another_spring_needs_no_new_model(tmp_path: Path) -> None:
-    run, _, _ = recording(tmp_path, 5)
-    other = measure(prepare(replace(run, rig=BlockOnBelt(stiffness=4.0))))
-    model = Model(BlockOnBelt(), friction=CoulombFriction(), effects=[effect("rig_mass", e=0.25)])
-    assert constants_of(model, other).log_w2 == pytest.approx(np.log(4.0 / 1.25))
-    assert natural_rate(other.run.rig) == 2.0
 
 
 def test_forecasts_start_at_the_level_of_the_last_events(tmp_path: Path) -> None:

@@ -17,7 +17,6 @@ from stickslip.discovery.driven_slider import loop as driven
 from stickslip.discovery.general_rig import loop as general_rig
 from stickslip.discovery.laboratory import block, block_law, two_degree
 from stickslip.discovery.result import Found, Verdict
-from stickslip.discovery.slider import loop as slider
 from stickslip.discovery.workers import Workers
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
@@ -164,9 +163,6 @@ def _searched(
             return general_rig.discover(case, tell, seed, workers)
         began = time.monotonic()
         found = block.discover(case, tell, seed, workers)
-        if found is None:
-            found = slider.carried(slider.discover(case, progress=tell, seed=seed))
-            found = replace(found, messages=(*found.messages, *block.beside_single_slips(case, found)))
         said = block_law.law_to_declare(case, found, tell)
         return replace(found, messages=(*found.messages, *said), seconds=time.monotonic() - began)
     except BaseException:

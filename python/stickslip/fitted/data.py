@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,11 +16,14 @@ from stickslip.measured import signals
 from stickslip.measured.case import Recording
 from stickslip.measured.fit_window import half_apart
 from stickslip.measured.repeats import held, held_sentence
+from stickslip.measured.sticks import velocity_noise
 
 Floats = NDArray[np.float64]
 CHANNELS = ("x1", "y1", "belt")
 COPIED = 50  # values in a row that two records share by no chance
 MOST_OUTLIERS = 0.05  # share of a channel in a run: more that stands out is motion
+SLIP = 0.5  # speed against a belt over the belt's, below which a block creeps
+SURE_SLIP = 6.0  # standard deviations of a velocity that no noise reaches in a million samples
 OUTLIER_SIGMAS = 5.5  # above what white noise does in a million samples
 
 
@@ -41,6 +44,7 @@ class Data:
     held : (n, c) readings that only repeat the one before.
     declared : (c,) whether a channel's noise is the declared one; else it is as the readings scatter.
     half : what readings that are means are simulated at on either side of their times; 0 of single readings.
+    constants : of the rig, in model units, that this run has for itself; taken as exact.
     """
 
     name: str
@@ -56,6 +60,7 @@ class Data:
     held: NDArray[np.bool_]
     declared: tuple[bool, ...] = ()
     half: float = 0.0
+    constants: Mapping[str, float] = field(default_factory=dict)
     _states: dict[tuple[int, bool], Floats] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -130,7 +135,7 @@ def _prepare(run: Recording, noise: Floats) -> Data:
     t = run.t - run.t[0]
     readings, weight, same = cleaned(t, readings, noise)
     v = _velocity(t, readings[:, 0], noise[0], run.belt_speed)
-    slips, cycle = _slips(t, v, run.belt_speed)
+    slips, cycle = _slips(t, v, run.belt_speed, noise)
     told = tuple(channel in run.noise for channel in CHANNELS[: len(noise)])
     half = half_apart(t, run.averaged)
     return Data(
@@ -252,17 +257,26 @@ def velocity_width(t: Floats, noise: float, belt_speed: float) -> int:
 def read_again(run: Data, readings: Floats) -> Data:
     """The run with other readings (n, c), and with what is taken from them."""
     v = _velocity(run.t, readings[:, 0], float(run.noise[0]), run.belt_speed)
-    slips, cycle = _slips(run.t, v, run.belt_speed)
+    slips, cycle = _slips(run.t, v, run.belt_speed, run.noise)
     return replace(run, readings=readings, v=v, slips=slips, cycle=cycle)
 
 
-def _slips(t: Floats, v: Floats, belt_speed: float) -> tuple[NDArray[np.int64], float]:
-    """Samples of fastest slip against the belt, and the cycle."""
-    speed = np.abs(v - belt_speed)
+def _slips(t: Floats, v: Floats, belt_speed: float, noise: Floats) -> tuple[NDArray[np.int64], float]:
+    """
+    Samples of fastest slip against the belt, and the cycle.
+
+    Of a block alone (one channel) every slip is a cycle of its own, small ones too; a leg's swing may make several of
+    one, and the largest tells. Noise makes no slip, however few samples of a slow run are in slips.
+    """
+    speed, dt = np.abs(v - belt_speed), float(np.median(np.diff(t)))
     top = float(np.quantile(speed, 0.98))
-    dt = float(np.median(np.diff(t)))
+    height, prominence = 0.5 * top, 0.3 * top
+    if len(noise) == 1:
+        width = velocity_width(t, float(noise[0]), belt_speed)
+        sure = SURE_SLIP * velocity_noise(width, dt, float(noise[0]))
+        height, prominence = (max(min(size, SLIP * abs(belt_speed)), sure) for size in (height, prominence))
     peaks, _ = scipy.signal.find_peaks(
-        speed, height=0.5 * top, prominence=0.3 * top, distance=max(3, int(2.0 / dt))
+        speed, height=height, prominence=prominence, distance=max(3, int(2.0 / dt))
     )
     inner = peaks[(peaks > 5) & (peaks < len(t) - 6)]
     if len(inner) < 3 or top < 0.3 * abs(belt_speed):

@@ -6,7 +6,8 @@ and their simulation at one point stay in one file: each is made of the other's 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.declared.effect import effect, tabulated
 from stickslip.declared.model import Model
+from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.fitted.data import Data
 from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
@@ -93,7 +95,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         self.lowered = [
             lower(
                 Model(
-                    model.rig,
+                    _own(model.rig, run.constants),
                     friction=model.friction,
                     effects=(*model.effects, *plain, tabulated("contact", "x1", k, np.zeros(policy.knots))),
                 ),
@@ -153,7 +155,7 @@ class BeltWindows(EventWindows[Data, Stretch]):
         for one, x in zip(self.numbers, at, strict=True):
             if one.run is None or one.run == run:
                 out[one.name] = one.value(float(x))
-        return out
+        return out | dict(self.data[run].constants)
 
     def blocks(
         self,
@@ -204,6 +206,14 @@ class BeltWindows(EventWindows[Data, Stretch]):
         return out
 
 
+def _own(rig: AnyRig, constants: Mapping[str, float]) -> AnyRig:
+    """A rig with constants that a run has for itself."""
+    if not constants:
+        return rig
+    assert isinstance(rig, BlockOnBelt)
+    return replace(rig, **constants)
+
+
 class _Run:
     """Windows of one run at one point; `whole`: what is left of the readings is asked for, too."""
 
@@ -235,7 +245,8 @@ class _Run:
 
     def active(self, j: int) -> bool:
         """Whether a shared number belongs to this run."""
-        return self.of.numbers[j].run in (None, self.run)
+        one = self.of.numbers[j]
+        return one.run in (None, self.run) and one.name not in self.data.constants
 
     def blocks(self) -> list[Floats | None]:
         """Simulate, read, weigh."""
@@ -281,7 +292,9 @@ class _Run:
     def _read(self, state: Floats, slopes: Slopes, names: tuple[str, ...]) -> Chain:
         """What the sensors make of the states."""
         samples = Samples(self.data.t[self.samples], state, slopes, names, self.offset)
-        chain = self.of.sensors.read(samples, self.values, self.data.belt_speed, self.of.channels)
+        chain = self.of.sensors.on(self.data.constants).read(
+            samples, self.values, self.data.belt_speed, self.of.channels
+        )
         for one in self.of.beside:
             beside(chain, one, samples.t, state, slopes, names, self.values)
         return chain

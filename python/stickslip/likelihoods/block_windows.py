@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +38,23 @@ class BlockSensors:
     begins: tuple[int, ...] = (X1,)
     places: tuple[str, ...] = ("x1 channel",)
 
+    def on(self, constants: Mapping[str, float]) -> Self:
+        """Return the sensors of a run with a spring of its own, by which its force is read."""
+        own = constants.get("stiffness")
+        return self if self.spring is None or own is None else replace(self, spring=own)
+
+    def scale(self, values: Mapping[str, float]) -> float:
+        """Return the gain, of a force times the true stiffness over the declared one."""
+        gain = 1.0 + values.get(self.gains[0], 0.0)
+        return gain if self.spring is None else gain * values["stiffness"] / self.spring
+
     def levels(self, readings: Floats, forward: bool, stiffness: float) -> tuple[float, float] | None:
         """Return static and kinetic friction by the two ends of a slip, whose middle is where the block would rest."""
         x = readings[:, 0] if forward else -readings[:, 0]
-        top = int(np.argmax(x))
-        bottom = float(np.min(x[top:]))
-        return stiffness * float(x[top]), 0.5 * stiffness * (float(x[top]) + bottom)
+        high = np.maximum.accumulate(x)
+        low = int(np.argmax(high - x))  # a stick may end higher than the slip before it began
+        top, bottom = float(high[low]), float(x[low])
+        return stiffness * top, 0.5 * stiffness * (top + bottom)
 
     def kept(self, known: Collection[str], _channels: int) -> list[int]:
         """Return the state whose slopes are read."""

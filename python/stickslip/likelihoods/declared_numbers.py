@@ -18,7 +18,7 @@ from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.measured.case import Case
 
-STRIDE_LAW, STRIDE_CONSTANT = 0.5, 0.3
+STRIDE_LAW, STRIDE_CONSTANT, STRIDE_GAIN = 0.5, 0.3, 0.1
 # Bounds of constants, in the logarithm, and of gains about 1: masses, springs and a gain that shrink together leave the
 # motion as it is, and what is further off than this is another rig.
 FAR, FAR_GAIN = math.log(2.0), 0.5
@@ -51,7 +51,7 @@ def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[Number]:
     out = []
     for name in declared.names:
         if name in sensors.gains:
-            out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
+            out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN, stride=STRIDE_GAIN))
         elif name not in model.parameters:
             far = FAR_GAIN * model.parameters["alpha1"]
             out.append(Number(name, 0.0, 0.0, math.inf, low=-far, high=far))
@@ -100,16 +100,22 @@ def sizes(model: Model, names: Sequence[str]) -> NDArray[np.float64]:
     return np.array([model.parameters["alpha1"] if beside and name == BESIDE else 1.0 for name in names])
 
 
+def inside(numbers: Mapping[str, float]) -> dict[str, float]:
+    """Return numbers of a law, those that fitted beyond its limits at them."""
+    out = dict(numbers)
+    for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
+        if low in out and limit in out:
+            out[low] = min(out[low], out[limit])
+    return out
+
+
 def fitted_model(model: Model, values: Mapping[str, float]) -> Model:
     """
     Return the model with the values of a fit, inside the limits that rigs and laws have.
 
     Springs of (2.1) that belong to another unit of time than the declared one are the effect `rig_stiffness`.
     """
-    numbers = {k: v for k, v in values.items() if k in model.parameters}
-    for low, limit in SLIPPING.items():  # a law that does not fall has its floor at its static limit
-        if low in numbers and limit in numbers:
-            numbers[low] = min(numbers[low], numbers[limit])
+    numbers = inside({k: v for k, v in values.items() if k in model.parameters})
     if "eta12" in numbers:  # two dampings, each known alone: their difference is one, too
         numbers["eta12"] = max(numbers["eta12"], numbers["eta1"])
     made = model.replace(numbers)

@@ -92,6 +92,11 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         ]
         self.sizes = np.array([w.stop - w.start for w in stretches])
 
+    @property
+    def start(self) -> Floats:
+        """Coordinates of the shared numbers where a fit starts, (p,)."""
+        return np.array([n.start for n in self.numbers])
+
     def bounded(self, at: Floats) -> Floats:
         """Return coordinates of the shared numbers within their bounds, (p,)."""
         low, high = self.steps(np.zeros(len(self.numbers)))

@@ -16,9 +16,9 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits, unexplained
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.population import Scatter, factor
 from stickslip.likelihoods.repeating import explained, lost, swollen
-from stickslip.likelihoods.shown_levels import shown_levels
+from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
 from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled
 from stickslip.likelihoods.variances import Estimate, estimate
 
@@ -36,9 +36,9 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     """
     Return the fit from the declared numbers.
 
-    Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Of a rig on a belt
-    one that leaves much is begun again with friction as each window shows it by itself, where its readings do, and
-    with scatter to take it. Where scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
+    Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Where the readings
+    of each window show its friction by themselves, a fit begins there, too, with as much scatter as they show. Where
+    scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
 
     Parameters
     ----------
@@ -53,22 +53,25 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
         return (
             fit
             if unexplained(fit) < policy.noise_left
-            else _best(fit, _from_wide(windows.first(), first, policy))
+            else _best(fit, _from(windows.first(), windows.scatter().wider(WIDE), first, policy))
         )
     if twice and doubtful(fit, policy):
         fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
-    if unexplained(fit) < policy.noise_left or (shown := shown_levels(windows)) is None:
-        return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
-    return _best(fit, _from_wide(shown, first, policy))
+    if (shown := shown_levels(windows, first.at)) is not None:
+        begun_there = _from(shown, shown_scatter(windows, shown), first, policy)
+        fit = min(fit, begun_there, key=lambda one: (lost(one), one.deviance))
+        if unexplained(fit) >= policy.noise_left:
+            return fit
+    return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
 
 
 def _best(*fits: Fit) -> Fit:
     return min(fits, key=lambda one: one.deviance)
 
 
-def _from_wide(own: Floats, first: Fit, policy: Policy) -> Fit:
+def _from(own: Floats, population: Scatter, first: Fit, policy: Policy) -> Fit:
     """The fit from windows that settle alone with as much scatter as it takes: where a law is far off, they say so."""
-    again = replace(first, population=first.windows.scatter().wider(WIDE), own=own)
+    again = replace(first, population=population, own=own)
     return fitted(replace(again, own=settled(again, ALONE)[0]), policy)
 
 
@@ -233,11 +236,13 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
         new, then = cost.total(blocks, own, at)
         worse = new > each + WORSE[0] + WORSE[1] * each
         if worse.any() and (worse.sum() < 0.5 * len(worse) or size == STEPS[-1]):
-            own[worse] = fit.own[worse]
-            own = polished(replace(fit, at=at), cost, own, worse, 3)
-            again = windows.blocks(at, own, worse, shared=(), local=False)
+            alone = np.where(worse[:, None], fit.own, own)
+            alone = polished(replace(fit, at=at), cost, alone, worse, 3)
+            again = windows.blocks(at, alone, worse, shared=(), local=False)
             blocks = [b if w else a for a, b, w in zip(blocks, again, worse, strict=True)]
-            new, then = cost.total(blocks, own, at)
+            other, _ = cost.total(blocks, alone, at)
+            own = np.where((other < new)[:, None], alone, own)
+            then += float(np.minimum(other - new, 0.0).sum())
         if then < now - 1e-3:
             return replace(fit, at=at, own=own, population=population, noise=noise), now - then
     return None, 0.0

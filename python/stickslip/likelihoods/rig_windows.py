@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,14 @@ class RigSensors:
     begins: tuple[int, ...] = (X1, Y1, Y2)
     gains: tuple[str, ...] = ("gain.x1", "gain.y1")
     places: tuple[str, ...] = ("x1 channel", "y1 channel")
+
+    def on(self, _constants: Mapping[str, float]) -> Self:
+        """Return the same: no run has constants of its own."""
+        return self
+
+    def scale(self, values: Mapping[str, float]) -> float:
+        """Return the gain of x1."""
+        return 1.0 + values.get(self.gains[0], 0.0)
 
     def levels(self, _readings: Floats, _forward: bool, _stiffness: float) -> tuple[float, float] | None:
         """Return None: the force of the leg is in them."""

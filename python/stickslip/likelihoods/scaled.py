@@ -118,6 +118,11 @@ class Scaled:
             run, t=run.t / omega, belt_speed=run.belt_speed * length * omega, half=run.half / omega
         )
 
+    def constants(self, rig: BlockOnBelt) -> dict[str, float]:
+        """Return the constants, scaled, that a rig has other than the declared one."""
+        names = ("mass", "stiffness", "damping")
+        return {n: getattr(rig, n) / self.size(n) for n in names if getattr(rig, n) != getattr(self.rig, n)}
+
     def run(self, recording: Recording) -> Recording:
         """Return a recording in scaled numbers."""
         length, omega = self.scales.length, self.scales.omega

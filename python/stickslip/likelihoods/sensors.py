@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,14 @@ class Sensors(Protocol):
     @property
     def places(self) -> tuple[str, ...]:
         """Names."""
+        ...
+
+    def on(self, constants: Mapping[str, float], /) -> Self:
+        """Return the sensors of a run whose rig has some constants of its own."""
+        ...
+
+    def scale(self, values: Mapping[str, float], /) -> float:
+        """Return what the first channel reads of 1 of x1 in a stick."""
         ...
 
     def levels(self, readings: Floats, forward: bool, stiffness: float, /) -> tuple[float, float] | None:

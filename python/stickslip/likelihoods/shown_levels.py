@@ -2,32 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.declared_numbers import inside
 from stickslip.likelihoods.fit_state import Windowed
+from stickslip.likelihoods.population import STATIC, Population
 
 Floats = NDArray[np.float64]
 
 
-def shown_levels(windows: Windowed) -> Floats | None:
+def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
     """
     Return the windows' own numbers with the friction that each shows by itself, (w, own).
 
     None where the readings of a rig do not show it.
+
+    Parameters
+    ----------
+    windows : and
+    at : (p,) coordinates of the shared numbers: friction is relative to that law, and readings have these gains
     """
     if not isinstance(windows, BeltWindows):
         return None
     own, q = windows.first(), windows.begins
-    stiffness = windows.fixed.get("stiffness", 0.0)
     for row, w in zip(own, windows.stretches, strict=True):
-        run = windows.data[w.run]
-        shown = windows.sensors.levels(run.readings[w.start : w.stop], run.belt_speed > 0, stiffness)
-        if shown is None:
+        run, values = windows.data[w.run], windows.values(at, w.run)
+        scale, stiffness = windows.sensors.on(run.constants).scale(values), values.get("stiffness", 0.0)
+        levels = windows.sensors.levels(run.readings[w.start : w.stop] / scale, run.belt_speed > 0, stiffness)
+        if levels is None:
             return None
-        static, kinetic = shown
-        level = kinetic / float(windows.model.friction.magnitude(-run.belt_speed)) - 1
+        static, kinetic = levels
+        law = windows.model.friction
+        law = law.with_numbers(inside({n: values[n] for n in law.numbers if n in values}))
+        level = kinetic / float(law.magnitude(-run.belt_speed)) - 1
+        row[:q] /= scale
         row[q:][windows.kinetic] = level
-        row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1].declared - 1 - level
+        row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1].at(values) - 1 - level
     return own
+
+
+def shown_scatter(windows: Windowed, own: Floats) -> Population:
+    """
+    Return how the friction that windows show differs from one to the next; along a slip as usual.
+
+    Parameters
+    ----------
+    windows, own : and their own numbers, as of `shown_levels`
+    """
+    usual = windows.scatter()
+    assert isinstance(usual, Population)
+    u = own[:, windows.begins :]
+    level, static = float(np.std(u[:, windows.kinetic].mean(axis=1))), float(np.std(u[:, STATIC]))
+    return replace(usual, level=max(level, usual.level), static=max(static, usual.static))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import BLANK, Cost, Fit, Windowed, misfits
 from stickslip.likelihoods.policy import Policy
+from stickslip.likelihoods.shown_levels import shown_levels
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -57,18 +58,23 @@ def rescued(fit: Fit) -> Fit:
     """The fit with its worst windows sought anew from several starts of their own."""
     assert fit.linear is not None
     windows = fit.windows
-    per = misfits(fit) / np.maximum(fit.windows.sizes * windows.channels, 1)
+    cost = Cost(fit, fit.population, fit.noise)
+    _, unlike = cost.of(fit.blocks, fit.own)  # one that fits by friction like no other's is lost, too
+    per = (misfits(fit) + unlike) / np.maximum(fit.windows.sizes * windows.channels, 1)
     lost = per > max(1.5 * float(np.median(per)), 1.3)
     if not lost.any():
         return fit
-    cost = Cost(fit, fit.population, fit.noise)
     best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
     fresh = windows.first()
+    shown = shown_levels(windows, fit.at)
     near, q = _neighbours(windows, lost), windows.begins
-    for number, shift in enumerate(SHIFTS):
+    starts = [*SHIFTS, 0.0] if shown is not None else SHIFTS
+    for number, shift in enumerate(starts):
         trial = fit.own.copy()
         trial[lost, :q] = fresh[lost, :q]
-        for i in np.flatnonzero(lost).tolist():
+        if shown is not None and number == len(SHIFTS):
+            trial[lost] = shown[lost]
+        for i in np.flatnonzero(lost).tolist() if number < len(SHIFTS) else ():
             trial[i, q:] = 0.0 if number == 0 or not near[i] else fit.own[near[i], q:].mean(0)
             trial[i, [q + one for one in windows.statics]] += shift
         trial = polished(fit, cost, trial, lost, 8)

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-from stickslip.fitted.data import Data
+from stickslip.fitted.data import Data, velocity_width
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.intervals import intervals
-from stickslip.measured.sticks import BROKEN, CREEP, passes_by, rides
+from stickslip.measured.sticks import BROKEN, CREEP, SURE, passes_by, rides, velocity_noise
 
 Floats = NDArray[np.float64]
+SEEN = 3  # filters of a velocity that a stick between two slips must hold
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
 
@@ -71,7 +73,8 @@ def cut(data: Sequence[Data], policy: Policy = POLICY) -> list[Data]:
 
 def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
     """The stretches of a run from stick to stick."""
-    cuts = [_middle(run, int(a), int(b), policy) for a, b in itertools.pairwise(run.slips)]
+    slips = run.slips.tolist()
+    cuts = [_middle(run, three, policy) for three in zip([0, *slips], slips, slips[1:], strict=False)]
     return [
         Stretch(number, one.at, other.at, one.dwell, one.rest)
         for one, other in itertools.pairwise(cuts)
@@ -88,18 +91,44 @@ def _cycles(number: int, run: Data, policy: Policy) -> list[Stretch]:
     ]
 
 
-def _middle(run: Data, first: int, last: int, policy: Policy) -> _Cut | None:
-    """Return the middle of the longest stick between two slips; noise may break it for a sample or two."""
-    sticks = intervals(rides(run.v[first:last], run.belt_speed), BROKEN)
+def _middle(run: Data, slips: tuple[int, int, int], policy: Policy) -> _Cut | None:
+    """
+    Return the middle of the longest stick between the last two of three slips; noise may break it for a sample or two.
+
+    A block alone may stick at a force that it has just slipped at, where friction differs much: the first of the two
+    events knows nothing of that, and ends before.
+    """
+    before, first, last = slips
+    sticks = intervals(rides(_velocity(run, first, last), run.belt_speed), BROKEN)
     if not len(sticks):
         return None
     a, b = (first + sticks[np.argmax(sticks[:, 1] - sticks[:, 0])]).tolist()
     t, x = run.t[a : b + 1], run.readings[a : b + 1, 0]
     few = len(t) < policy.fewest_stuck
-    if few or passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP):
+    # so long is a swing near the belt's speed that just touches it
+    touches = 0.5 * (t[-1] - t[0]) <= math.acos(1 - CREEP)
+    if few or touches or passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP):
         return None
-    middle = (a + b) // 2
+    end = b
+    if run.readings.shape[1] == 1:
+        rise = np.sign(run.belt_speed) * run.readings[:, 0]
+        beyond = np.flatnonzero(rise[a : b + 1] > rise[before : first + 1].max())
+        end = a + max(int(beyond[0]), policy.fewest_stuck) if len(beyond) else b
+    middle = (a + end) // 2
     return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
+
+
+def _velocity(run: Data, first: int, last: int) -> Floats:
+    """Velocity between two samples, over as many readings as show a slow belt's above their noise."""
+    dt = float(np.median(np.diff(run.t[first:last])))
+    width = velocity_width(run.t, float(run.noise[0]), run.belt_speed)
+    while SURE * velocity_noise(width, dt, float(run.noise[0])) > CREEP * abs(run.belt_speed):
+        width += 2
+        if width > (last - first) // SEEN:  # in so short a stick nothing is seen
+            return run.v[first:last]
+    if width == velocity_width(run.t, float(run.noise[0]), run.belt_speed):
+        return run.v[first:last]
+    return np.asarray(scipy.signal.savgol_filter(run.readings[first:last, 0], width, 1, deriv=1, delta=dt))
 
 
 def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[Stretch]:

@@ -113,7 +113,7 @@ def thinned(
     rig
         Its natural frequency says how far apart samples may be; a driven slider has none, and its readings no means.
     most
-        Samples of all runs together; of more each run keeps its beginning.
+        Samples of all runs together; of more the longest runs keep their beginnings, and the others all they have.
     """
     out: list[Recording] = []
     said: list[Thinned | None] = []
@@ -122,13 +122,25 @@ def thinned(
         got, what = _thinned(run, rig, plenty) if len(run) > plenty else (run, None)
         out.append(got)
         said.append(what)
-    total = sum(map(len, out))
-    if total > most:
-        for i, (whole, run) in enumerate(zip(runs, out, strict=True)):
-            kept = min(len(run), max(int(len(run) * most / total), FEWEST))
+    longest = max(_longest([len(run) for run in out], most), FEWEST)
+    for i, (whole, run) in enumerate(zip(runs, out, strict=True)):
+        if len(run) > longest:
             what = said[i] or Thinned(run.name, len(whole), len(run), 1, How.ALL)
-            out[i], said[i] = _rows(run, slice(kept)), replace(what, kept=kept, share=kept / len(run))
+            out[i], said[i] = (
+                _rows(run, slice(longest)),
+                replace(what, kept=longest, share=longest / len(run)),
+            )
     return out, tuple(one for one in said if one is not None)
+
+
+def _longest(lengths: Sequence[int], most: int) -> int:
+    """Return the samples beyond which runs are cut, so that together they have no more than `most`."""
+    left, runs = most, len(lengths)
+    for one in sorted(lengths):
+        if one * runs > left:
+            return left // runs
+        left, runs = left - one, runs - 1
+    return max(lengths, default=most)
 
 
 def natural_rate(rig: AnyRig) -> float | None:

@@ -11,18 +11,22 @@ import numpy as np
 from stickslip.declared.catalogue import CONSTANTS
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
-from stickslip.declared.rig import LONG, BlockOnBelt
-from stickslip.declared.uncertainty import GAINS, Uncertainty
+from stickslip.declared.rig import LONG
+from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.block_bench import bench_of
+from stickslip.discovery.laboratory.block_errors import error_block
+from stickslip.discovery.laboratory.block_views import Motion, validate_view, view
+from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, set_point
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.left import left
-from stickslip.discovery.laboratory.rival_kind import RivalKind, rival
+from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched
-from stickslip.discovery.laboratory.single_events import Single, single
+from stickslip.discovery.laboratory.single_events import NOWHERE, Single, single
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.unused import with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
@@ -37,24 +41,17 @@ from stickslip.discovery.result import (
     Verdict,
 )
 from stickslip.discovery.set_points import doubtful_set_points
-from stickslip.discovery.slider.choose import FEWEST
-from stickslip.discovery.slider.loop import experiments, idle
-from stickslip.discovery.slider.outcome import error_block
-from stickslip.discovery.slider.remarks import absorbed
-from stickslip.discovery.slider.ties import set_point
-from stickslip.discovery.slider.views import Motion, validate_view, view
 from stickslip.discovery.workers import ALONE, Workers
+from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
-from stickslip.fitted.data import Data, prepare
-from stickslip.likelihoods.block_windows import BlockSensors, drowned
-from stickslip.likelihoods.declared_numbers import known
-from stickslip.likelihoods.fit_state import unexplained
-from stickslip.likelihoods.policy import POLICY
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.repeating import lost, wild
-from stickslip.likelihoods.scaled import Scaled, scaled, start
-from stickslip.likelihoods.stretches import cut, stretches
+from stickslip.likelihoods.scaled import Scaled
 from stickslip.measured.case import Case
+from stickslip.measured.stick_speed import NEAR, wrong_set_point
 
 NOT_AFTER = (
     "the curve found is not in the model after: one of the reading in x2 cannot be undone where x1 alone is recorded, "
@@ -80,35 +77,9 @@ class Search:
     verdicts: Verdicts[BeltBench]
 
 
-def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data]] | None:
+def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> Found:
     """
-    Return the train runs that have windows, cut into these, the units, and the same runs with those not fitted.
-
-    None where runs have rigs of their own, or where a run shows no slip, or is so slow that noise passes for slips.
-    """
-    rig, runs = case.rig, (*case.train, *case.validate)
-    if not isinstance(rig, BlockOnBelt) or any(run.rig != rig or run.belt_speed == 0 for run in runs):
-        return None
-    units = scaled(rig, case.train)
-    data = prepare([units.run(one) for one in runs])
-    train = data[: len(case.train)]
-    seen = [len(prepare_events(run).track.slips) for run in case.train]
-    if not any(seen) or any(drowned(one) for one in train):
-        return None
-    declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
-    channel = case.train[0].channel("x1")
-    sensors = BlockSensors(
-        (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
-    )
-    rivals = tuple(rival(one, units.scales) for one in case.candidates)
-    used = cut(train)
-    bench = BeltBench(declared, used, stretches(used), known(case), POLICY, sensors, rivals)
-    return bench, units, [*used, *data[len(train) :]]
-
-
-def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Workers = ALONE) -> Found | None:
-    """
-    Return what the declared model lacks where friction scatters; None where nothing does, or where it cannot be told.
+    Return what the declared model lacks.
 
     Parameters
     ----------
@@ -116,22 +87,18 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     tell : told what is being done
     seed : of the gate's draws
     workers : do what does not wait for one another
+
+    Raises
+    ------
+    InputError
+        See `bench_of`; or no train run holds a stretch from stick to stick.
+    StickslipError
+        No law of the declared kind moves the block like the readings.
     """
     began = time.monotonic()
-    made = bench_of(case)
-    if made is None:
-        return None
-    bench, units, data = made
-    case, unused = with_windows(case, bench.data, bench.stretches)
-    verdicts = _verdicts(bench, case.uncertainty, tell, seed, workers)
-    if verdicts is None:
-        return None
-    said: tuple[str, ...] = ()
-    if not is_a_model(verdicts):
-        slips = sum(len(measure(prepare_events(run)).events) for run in case.train)
-        if slips >= FEWEST:
-            return None
-        verdicts, said = verdicts.silent(), (_neither(slips),)
+    bench, units, data, left_out = bench_of(case)
+    case, unused = with_windows(case, bench.data, bench.stretches, left_out)
+    verdicts, said = _verdicts(bench, case, tell, seed, workers)
     searched = Search(case, units, data, verdicts)
     found = _found(searched, tell, began)
     if not carries_over(found):
@@ -140,16 +107,32 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
 
 
 def _verdicts(
-    bench: BeltBench, known: Uncertainty, tell: Callable[[str], None], seed: int, workers: Workers
-) -> Verdicts[BeltBench] | None:
-    """What windows say; None where they are few, or where no law of this kind moves like them."""
-    if len(bench.stretches) < bench.policy.fewest_windows:
-        return None
+    bench: BeltBench, case: Case, tell: Callable[[str], None], seed: int, workers: Workers
+) -> tuple[Verdicts[BeltBench], tuple[str, ...]]:
+    """What windows say, and why they say nothing where they are few, or where no law of this kind moves like them."""
+    count, least = len(bench.stretches), bench.policy.fewest_windows
+    if not count:
+        raise InputError("no train run holds a stretch from one stick to the next; is belt_speed right?")
+    few = f"{count} stretches from stick to stick in the train runs; {least} are needed to see how friction scatters"
+    if count < least:
+        return _untried(bench), (f"nothing is tried: {few}",)
     try:
-        verdicts = searched(bench, known, tell, seed, workers=workers)
-    except (FloatingPointError, np.linalg.LinAlgError):  # no law of this kind moves like these windows
-        return None
-    return _told_alone(beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit)))
+        verdicts = searched(bench, case.uncertainty, tell, seed, workers=workers)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        verdicts = _untried(bench)
+    verdicts = _told_alone(beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit)))
+    return (verdicts, ()) if is_a_model(verdicts) else (verdicts.silent(), (_neither(verdicts.fit),))
+
+
+def _untried(bench: BeltBench) -> Verdicts[BeltBench]:
+    """The declared model alone, fitted."""
+    try:
+        alone = Trial((), null(bench.windows(), bench.policy, twice=True))
+    except (FloatingPointError, np.linalg.LinAlgError):
+        raise StickslipError(
+            "no stretch of the runs can be simulated with a law of this kind; are rig, units and speeds right?"
+        ) from None
+    return Verdicts(bench, Searched(alone, alone), None, alone)
 
 
 def _told_alone(verdicts: Verdicts[BeltBench]) -> Verdicts[BeltBench]:
@@ -179,54 +162,19 @@ def is_a_model(verdicts: Verdicts[BeltBench]) -> bool:
     return not (unlike or (wild(fit) and not rivals))
 
 
-def _neither(slips: int) -> str:
+def _neither(fit: Fit) -> str:
     """Why nothing is told."""
-    return (
-        "nothing is named: no effect, curve or scatter makes every stretch from stick to stick what was read, and "
-        f"{slips} slips between sticks are too few to be searched by themselves ({FEWEST} are needed)"
+    words = (
+        "nothing is named: no effect, curve or scatter makes every stretch from stick to stick what was read"
     )
-
-
-def beside_single_slips(case: Case, found: Found) -> tuple[str, ...]:
-    """
-    Return what is said where the search of single slips is told: of belt speeds, few windows, and a user's own effects.
-
-    Parameters
-    ----------
-    case, found : as declared, and what single slips say
-    """
-    made = bench_of(case)
-    if made is None:
-        return _untold(case, None)
-    bench, units, data = made
-    windows, out = len(bench.stretches), list[str]()
-    if windows < POLICY.fewest_windows:
-        out.append(
-            f"{windows} stretches from stick to stick are told in the train runs; from {POLICY.fewest_windows} on they "
-            "are searched reading by reading, which tells more than the four numbers of each slip do"
-        )
-    moved = [_displaced(units, run) for run in data]
-    doubts = doubtful_set_points(case, moved, found.effects, found.residual_after, found.error)
-    return (*doubts, *out, *_untold(case, windows))
+    return (
+        f"{words}; at best the middle one is left with {unexplained(fit):.2g} times the noise's chi-squared"
+    )
 
 
 def _displaced(units: Scaled, run: Data) -> Data:
     """A run in declared units, its displacement too, be it read as a force."""
     return replace(units.data(run), readings=run.readings * units.scales.length)
-
-
-def _untold(case: Case, windows: int | None) -> tuple[str, ...]:
-    """What became of a user's own effects, which the search of single slips does without."""
-    if not case.candidates:
-        return ()
-    names = ", ".join(one.name for one in case.candidates)
-    if windows is None or windows < POLICY.fewest_windows:
-        few = "no" if windows is None else f"{windows}"
-        words = f"not tried: {few} stretches from stick to stick are told in the train runs, and"
-        return (f"{names}: {words} {POLICY.fewest_windows} are needed",)
-    return (
-        f"{names}: not told, as single slips are searched: windows from stick to stick are no model of the runs",
-    )
 
 
 def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
@@ -237,9 +185,18 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
     before, after = (_model(search, one) for one in (base, chosen))
     train, validate = ([measure(prepare_events(one)) for one in runs] for runs in (case.train, case.validate))
     tell("fitting single events of the validate runs")
+    # in a run whose block rides at another speed than the belt's no window is what it seems
+    astray = {
+        one.run.name
+        for one in validate
+        if not len(one.events) and wrong_set_point(case.run(one.run.name), clear=NEAR)
+    }
     events = {
-        run.name: tuple(single(bench, one, run, chosen.fit.population) for one in (base, chosen))
-        for run in search.data[len(case.train) :]
+        run.name: tuple(
+            NOWHERE if run.name in astray else single(bench, one, run, chosen.fit.population)
+            for one in (base, chosen)
+        )
+        for run in search.data[len(bench.data) :]
     }
     tell("forecasting the validate runs")
     error, forecasts, words = error_block(case, before, after, validate, _errors(events, units))
@@ -251,7 +208,8 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         *(validate_view(one, before, after, forecasts[one.run.name]) for one in validate),
     ]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
-    every, after_all = [_displaced(units, run) for run in search.data], outcome.described(now)
+    every = [_displaced(units, run) for run in search.data if not run.constants]
+    after_all = outcome.described(now)
     return Found(
         title=case.title,
         verdict=verdict if effects else Verdict.no_effect,

@@ -91,7 +91,11 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
         left = float(joint[-1, -1] - along @ (inner @ (information @ along)))
         gain = 2 * (_evidence(covariance, information, pull) - none)
         free = replace(declared, covariance=covariance)
-        out.append(Freed(name, math.expm1(at), math.sqrt(max(left, 0.0)), own, gain, free))
+        sd = math.sqrt(max(left, 0.0))
+        if name in known.gains:  # a number of a fit as it is, not by its logarithm
+            out.append(Freed(name, at, sd / (1 + at), own, gain, free))
+        else:
+            out.append(Freed(name, math.expm1(at), sd, own, gain, free))
     return sorted(out, key=lambda one: -one.gain)
 
 

@@ -308,7 +308,9 @@ def per_reading(fit: Fit) -> float:
 
 
 def gate(found: Searched) -> Gate:
-    """Return the gate of the best of the first step, and what it gains by the same measure."""
+    """Return the gate of the best of the first step, and what it gains by it; endless if none is tried."""
+    if not found.steps:
+        return Gate(0.0, math.inf, 0.0, np.zeros(0))
     step = found.steps[0]
     best = max(step.trials, key=step.gained, default=None)
     if best is None:

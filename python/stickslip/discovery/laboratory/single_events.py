@@ -17,6 +17,7 @@ from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.population import Population
+from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.single_windows import settled
 from stickslip.likelihoods.stretches import stretches
 
@@ -42,6 +43,9 @@ class Single:
     spread: float
 
 
+NOWHERE = Single(math.nan, math.nan, math.nan)  # of a run without any
+
+
 def single(bench: BeltBench, trial: Trial, run: Data, population: Population) -> Single:
     """
     Return what a hypothesis leaves of a run's single events; NaN where there are none.
@@ -54,7 +58,7 @@ def single(bench: BeltBench, trial: Trial, run: Data, population: Population) ->
     """
     there = replace(bench, data=[run], stretches=stretches([run], bench.policy))
     if not there.stretches:
-        return Single(math.nan, math.nan, math.nan)
+        return NOWHERE
     phases = np.arange(PHASES) * 2 * math.pi / PHASES if any(one.phases for one in trial.terms) else [0.0]
     tried = [_settled(there, trial, population, float(phase)) for phase in phases]
     chi, _ = min(tried, key=lambda one: float(np.sum(one[1])))
@@ -73,9 +77,11 @@ def _settled(bench: BeltBench, trial: Trial, population: Population, phase: floa
     windows = bench.windows([replace(one, phases=(phase,) if one.phases else ()) for one in trial.terms])
     at, count = _numbers(windows, trial), len(bench.stretches)
     best = np.full(count, np.inf), np.full(count, np.inf)
-    for late in LATE:
-        own = windows.first()
+    starts = [windows.first() for _ in LATE]
+    for own, late in zip(starts, LATE, strict=True):
         own[:, windows.begins] = late
+    shown = shown_levels(windows, at)
+    for own in starts if shown is None else [*starts, shown]:
         start = Fit(windows, at, own, population, np.ones(windows.channels), np.full(count, np.inf))
         _, chi, cost = settled(start, TURNS)
         better = cost < best[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 
 import numpy as np
@@ -10,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
+from stickslip.discovery.laboratory.block_errors import METRIC
 from stickslip.discovery.result import Found, Part
-from stickslip.discovery.slider.outcome import METRIC
 from stickslip.shown.plot.curves import GREY
 from stickslip.shown.report.figures import AFTER, BEFORE, before_name, sheet, styled
 from stickslip.shown.report.units import Axes
@@ -202,6 +203,8 @@ def _key(found: Found, single: bool) -> list[Line2D]:
 
 def _kept(found: Found) -> str:
     """Why the declared law stands although another may lie lower."""
+    if math.isinf(found.gate.threshold):
+        return "Nothing is named: no effect was tried."
     what = "chi-squared" if single_events(found) else "-2 log evidence"
     return (
         f"Nothing is named: the best candidate lowers {what} by {short(found.gate.observed, 3)}, "

@@ -178,6 +178,8 @@ def sureness(found: Found) -> list[str]:
     """How sure: of there being something, then of each name."""
     g, count = found.gate, len(found.gate.draws)
     if found.verdict is Verdict.no_effect:
+        if math.isinf(g.threshold):
+            return ["No effect was tried."]
         chance = (
             f"; noise alone does that in {_share(found)} of {count} simulated records like these"
             if count

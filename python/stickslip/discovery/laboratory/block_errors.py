@@ -1,22 +1,19 @@
-"""Errors on runs never fitted, and what the models leave on those that were: the numbers of the report."""
+"""Errors of a block on a belt on runs never fitted: single events, and forecasts of a cycle from the past alone."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.residual import LIMIT, persistence
-from stickslip.discovery.result import WORSE, ErrorBlock, Part, Residual, RunError
-from stickslip.discovery.slider.held import Held, constants_of, held
+from stickslip.discovery.result import WORSE, ErrorBlock, RunError
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.predict import BlockForecaster, BlockPrediction, cycle_of, instants
 from stickslip.fitted.block_events.table import Measured
 from stickslip.measured.case import Case
-from stickslip.measured.findings import FINE
 from stickslip.measured.stick_speed import why_idle
 
 Floats = NDArray[np.float64]
@@ -77,27 +74,12 @@ def _release_error(one: BlockPrediction, measured: Measured, start: float, cycle
     return float(np.clip(one.t[slid[0]] - coming[0], -cycle, cycle))
 
 
-def nrmse(one: Held, measured: Measured) -> tuple[float, float, float]:
-    """Median over events of the error with their own levels over their spread; the noise's; the median spread."""
-    run = measured.run
-    rows = []
-    for i, (a, b) in enumerate(measured.events.window):
-        x, r = run.x[a:b], one.residual[i, : b - a]
-        good = np.isfinite(x) & np.isfinite(r)
-        spread = float(np.std(x[good]))
-        rows.append((float(np.sqrt(np.mean(r[good] ** 2))) * run.noise / spread, run.noise / spread, spread))
-    if not rows:
-        return NAN, NAN, NAN
-    error, floor, spread = (float(v) for v in np.median(np.array(rows), axis=0))
-    return error, floor, spread
-
-
 def error_block(
     case: Case,
     before: Model,
     after: Model,
     runs: Sequence[Measured],
-    single: Mapping[str, tuple[float, float, float, float]] | None = None,
+    single: Mapping[str, tuple[float, float, float, float]],
 ) -> tuple[ErrorBlock, dict[str, tuple[Ahead, Ahead]], tuple[str, ...]]:
     """
     `error` of the report on the validate runs, the forecasts, and a sentence on them for each run.
@@ -105,16 +87,11 @@ def error_block(
     Parameters
     ----------
     case, before, after, runs : two models, and the runs
-    single : by run the error of single events before and after, the noise's, and the median spread; in closed form
-        where it is not given
+    single : by run the error of single events before and after, the noise's, and the median spread
     """
     rows, kept, words = [], {}, []
     for one in runs:
-        if single is None:
-            ours = [held(one, constants_of(model, one)) for model in (before, after)]
-            (was, floor, spread), (now, *_) = (nrmse(h, one) for h in ours)
-        else:
-            was, now, floor, spread = single[one.run.name]
+        was, now, floor, spread = single[one.run.name]
         forecasts = (ahead(before, one), ahead(after, one))
         kept[one.run.name] = forecasts
         rows.append(_row(case, one, (was, now, floor), spread, forecasts))
@@ -169,73 +146,3 @@ def _row(
         rmse={"x1": each(*(spread * e for e in errors))},
         unit={"x1": recording.unit("x1")},
     )
-
-
-def residual(runs: Sequence[Measured], helds: Sequence[Held], numbers: int) -> Residual:
-    """What single events with their own levels leave, over the noise of the readings."""
-    r = np.concatenate([h.residual[np.isfinite(h.residual)] for h in helds]) if helds else np.zeros(0)
-    events = sum(len(h.p) for h in helds)
-    dof = max(len(r) - 3 * events - numbers, 1)
-    chi2, error = float(r @ r) / dof, float(np.sqrt(2 / dof))
-    parts = []
-    for one, h in zip(runs, helds, strict=True):
-        own = h.residual[np.isfinite(h.residual)]
-        if len(own) > 20:
-            speed = one.run.sign * one.run.belt_speed
-            parts.append(
-                Part(
-                    "speed",
-                    f"{speed:.4g}",
-                    float(own @ own) / len(own),
-                    float(np.sqrt(2 / len(own))),
-                    len(own),
-                )
-            )
-    parts += _by_mode(runs, helds)
-    parts.sort(key=lambda p: -(p.chi2 - 1) / p.error)
-    clean = chi2 < 1 + LIMIT * error
-    words = f"chi-squared is {chi2:.3g} per reading over single events with their own levels (noise: 1 +- {error:.2g})"
-    fine = all(one.run.step < FINE * one.run.noise for one in runs)
-    alike = fine and persistence(_series(helds)) > LIMIT
-    channel = "spring_force" if runs and runs[0].run.force_channel else "x1"
-    correlated = (channel,) if alike else ()
-    return Residual(chi2, error, _whiteness(helds), clean, tuple(parts), words, correlated)
-
-
-def _part(what: str, name: str, r: Floats) -> Part:
-    return Part(what, name, float(r @ r) / len(r), float(np.sqrt(2 / len(r))), len(r))
-
-
-def _by_mode(runs: Sequence[Measured], helds: Sequence[Held]) -> list[Part]:
-    stick, slip = [], []
-    for one, h in zip(runs, helds, strict=True):
-        for i, (a, b) in enumerate(one.events.window):
-            r, t = h.residual[i, : b - a], one.run.t[a:b]
-            sliding = (t > h.p[i, 2]) & (t < h.p[i, 2] + np.pi / np.exp(0.5 * h.p[i, 4]) * 1.5)
-            good = np.isfinite(r)
-            slip.append(r[good & sliding])
-            stick.append(r[good & ~sliding])
-    out = []
-    for name, parts in (("stick", stick), ("slip", slip)):
-        r = np.concatenate(parts) if parts else np.zeros(0)
-        if len(r) > 20:
-            out.append(_part("mode", name, r))
-    return out
-
-
-def _series(helds: Sequence[Held]) -> Iterator[Floats]:
-    """The residual of each event."""
-    for h in helds:
-        for row in h.residual:
-            yield np.nan_to_num(row[: np.count_nonzero(np.isfinite(row))])
-
-
-def _whiteness(helds: Sequence[Held]) -> float:
-    """Largest autocorrelation over lags 1 to 20, over the limit that white noise passes one time in twenty."""
-    top, norm, count = np.zeros(20), 0.0, 0
-    for r in _series(helds):
-        if len(r) > 40:
-            norm += float(r @ r)
-            count += len(r)
-            top += np.array([r[k:] @ r[:-k] for k in range(1, 21)])
-    return float(np.max(np.abs(top)) / max(norm, 1e-300) * np.sqrt(max(count, 1)) / 3.03)

@@ -1,17 +1,14 @@
-"""Runs as the report draws them, and the spectrum of what is left."""
+"""Runs of a block on a belt as the report draws them."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
+from stickslip.discovery.laboratory.block_errors import Ahead
 from stickslip.discovery.result import RunView
-from stickslip.discovery.slider.held import Held, motion
-from stickslip.discovery.slider.outcome import Ahead
 from stickslip.fitted.block_events.levels import damping, true_stiffness
 from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.block_events.table import Measured
@@ -21,13 +18,6 @@ Ints = NDArray[np.int8]
 Motion = tuple[Floats, Floats, Ints]
 MOST = 20_000  # samples of a run drawn
 THINNEST = 4
-BINS = 120
-
-
-def train_view(one: Measured, before: Model, after: Model, helds: tuple[Held, Held]) -> RunView:
-    """A run that was learned from: single events with their own levels under both models."""
-    was, now = (motion(one, h) for h in helds)
-    return view(one, before, after, was, now)
 
 
 def validate_view(one: Measured, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
@@ -98,26 +88,3 @@ def _force(one: Measured, model: Model, state: Floats, at: slice) -> Floats:
     acceleration = np.gradient(state[:, 1], one.run.t)
     drag = damping(model, 0.0) * state[:, 1]
     return np.asarray(-(one.run.rig.mass * acceleration + drag + stiffness * state[:, 0]))[at]
-
-
-def spectrum(runs: Sequence[Measured], before: Sequence[Held], after: Sequence[Held]) -> Mapping[str, Floats]:
-    """Mean power of the residuals of single events over angular frequency; 1 for white noise."""
-    dt = float(np.median(np.diff(runs[0].run.t)))
-    edges = np.linspace(0, np.pi / dt, BINS + 1)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    return {"frequency": middle, "before": _power(before, edges, dt), "after": _power(after, edges, dt)}
-
-
-def _power(helds: Sequence[Held], edges: Floats, dt: float) -> Floats:
-    total, count = np.zeros(BINS), np.zeros(BINS)
-    for h in helds:
-        for row in h.residual:
-            last = np.flatnonzero(np.isfinite(row))
-            if len(last) < 32:
-                continue
-            r = np.nan_to_num(row[: last[-1] + 1])
-            power = np.abs(np.fft.rfft(r)) ** 2 / len(last)
-            bins = np.clip(np.searchsorted(edges, 2 * np.pi * np.fft.rfftfreq(len(r), dt)) - 1, 0, BINS - 1)
-            np.add.at(total, bins, power)
-            np.add.at(count, bins, 1)
-    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), 1.0))
