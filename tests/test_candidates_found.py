@@ -12,7 +12,7 @@ import pytest
 import stickslip as ss
 from quick_figures import quickly
 from scattering import block_case, case
-from stickslip.discovery.laboratory import block
+from stickslip.discovery.laboratory import block_bench
 from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.screen import columns, screened
@@ -108,9 +108,7 @@ def test_one_that_is_an_effect_of_the_catalogue_is_tied_with_it(tmp_path: Path) 
 def test_the_columns_of_a_formula_are_those_of_the_effect_that_it_is(tmp_path: Path) -> None:
     """Scored alike: a force, a factor and a reading, declared in SI and in a block's scaled numbers."""
     path = block_case(tmp_path, few=True, seed=3, scatter=SCATTER, off=NEARLY)
-    made = block.bench_of(ss.load_case(path))
-    assert made is not None
-    bench, units, _ = made
+    bench, units, *_ = block_bench.bench_of(ss.load_case(path))
     fit = begin(bench.windows())
     same = ss.candidate("mine", where="block", force="-c*x2", ranges={"c": [0, 5]})
     pairs = [

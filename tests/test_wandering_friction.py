@@ -26,6 +26,7 @@ def test_friction_that_wanders_is_given_no_name() -> None:
     found = found_in(case_of(recording(1), recording(2)))
     assert found.verdict is Verdict.no_effect
     assert found.residual_after.clean
+    assert not any("in sticks" in one for one in found.messages)
     assert found.error.after == pytest.approx(found.error.floor, rel=0.1)
     # single events know nothing of how far friction wanders in the whole record
     assert 0.4 * WANDER < found.scatter["kinetic"].value < 1.6 * WANDER
@@ -88,10 +89,13 @@ def test_a_stick_beyond_the_force_of_its_own_breakaway_belongs_to_the_next() -> 
 
 
 def test_few_stretches_are_said_and_nothing_is_tried() -> None:
-    found = found_in(case_of(recording(1, 10), recording(2, 10)))
+    found = found_in(case_of(*(recording(seed, 10, gain=1.1) for seed in (1, 2))))
     assert found.verdict is Verdict.no_effect
     assert any("12 are needed to see how friction scatters" in one for one in found.messages)
     assert found.ranking[0].names == ()
+    # sticks show that something is off, whatever friction does
+    (said,) = [one for one in found.messages if one.startswith("in sticks x1 rises 1.1 +- ")]
+    assert "the gain of x1 or the speed of the pull is off" in said
     assert found.error.after == found.error.before
 
 

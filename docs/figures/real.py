@@ -16,18 +16,17 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.discovery.result import Found
-from stickslip.discovery.slider.held import constants_of, held
-from stickslip.discovery.slider.loop import discover
-from stickslip.fitted.block_events.cycle import LOG_W2, S, positions
-from stickslip.fitted.block_events.table import Measured, cut, measure, natural_rate, prepare
+import stickslip as ss
+from stickslip.discovery.result import Found, RunView
+from stickslip.fitted.block_events.cycle import LOG_W2, S
+from stickslip.fitted.block_events.table import Measured, measure, natural_rate, prepare
 from stickslip.measured.case import Case, load_case
 from stickslip.shown.plot.curves import LIMIT, MEASURED, SIMULATED, STYLE, save_figure
-from stickslip.shown.report.figures import after_name
 from stickslip.shown.report.write import write_report
 
 HERE = Path(__file__).resolve().parent
 SHARED = Path(os.environ.get("STICKSLIP_SHARED", "."))
+WIDE = 90  # samples
 COLOURS = (MEASURED, "#CC79A7", "#E69F00")
 
 
@@ -36,14 +35,14 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else SHARED / "data" / "paper_slider"
     with tempfile.TemporaryDirectory() as made:
         case = _case(folder, Path(made))
-        found = discover(case, progress=print)
+        found = ss.discover(case, progress=print, threads=1)
         if len(sys.argv) > 2:
             write_report(found, case, sys.argv[2])
     said(found)
     runs = [measure(prepare(one)) for one in case.runs]
     with mpl.rc_context(STYLE):
         save_figure(noise_of(runs), HERE / "real_events")
-        save_figure(single_events(runs, found), HERE / "real_slips")
+        save_figure(single_events(found), HERE / "real_slips")
 
 
 def _case(folder: Path, made: Path) -> Case:
@@ -96,12 +95,6 @@ def noise_of(runs: list[Measured]) -> Figure:
     return figure
 
 
-def _words(one: Measured) -> str:
-    """The run as docs/real.md calls it: its pull, and where its part of the record begins."""
-    _, _, start = one.run.name.partition("_from_")
-    return f"pull {1e6 * one.run.belt_speed:.0f} µm/s" + (f", from {start} s" if start else "")
-
-
 def _start(one: Measured) -> float:
     """Time of the run's first sample in its file; runs cut by time follow each other."""
     return float(one.run.name.rpartition("_from_")[2]) if "_from_" in one.run.name else _origin(one)
@@ -112,29 +105,33 @@ def _origin(one: Measured) -> float:
     return {42: 93.9095, 1100: 3.5895, 4300: 0.9395}[round(1e6 * one.run.belt_speed)]
 
 
-def single_events(runs: list[Measured], found: Found) -> Figure:
-    """Median slips of the validate runs, each with its own friction, declared and with what was found."""
-    models = ((SIMULATED, (0, (4, 2)), "declared model"), (LIMIT, "-", after_name(found)))
-    chosen = [one for one in runs if one.run.role == "validate"]
-    figure = Figure(figsize=(9.4, 3.4), layout="constrained")
-    for ax, one in zip(figure.subplots(1, len(chosen)), chosen, strict=True):
-        was, now = (held(one, constants_of(model, one)) for model in (found.before, found.after))
-        rms = np.sqrt(np.nanmean(now.residual**2, axis=1))
-        i = int(np.argsort(rms)[len(rms) // 2])
-        a, b = one.events.window[i]
-        t = 1e3 * (one.run.t[a:b] - one.run.t[a])
-        windows = cut(one.run, one.events.window)
-        ax.plot(t, 1e6 * one.run.x[a:b], ".", ms=3, color=MEASURED, label="measured")
-        for h, (colour, style, name) in zip((was, now), models, strict=True):
-            ax.plot(
-                t, 1e6 * positions(h.p, windows.t)[i, : b - a], color=colour, ls=style, lw=1.2, label=name
-            )
-        ax.set_title(_words(one), fontsize=9)
-        ax.set_xlabel("time [ms]")
+def single_events(found: Found) -> Figure:
+    """A middling stretch of each train run that was fitted, measured and as the declared model moves through it."""
+    runs = [run for run in found.runs if run.role == "train"]
+    figure = Figure(figsize=(9.4, 5.2), layout="constrained")
+    for column, run in zip(figure.subplots(2, len(runs), squeeze=False).T, runs, strict=True):
+        a, b = _stretch(run)
+        t, x, fit = 1e3 * (run.t[a:b] - run.t[a]), run.measured["x1"][a:b], run.after["x1"][a:b]
+        column[0].plot(t, 1e6 * x, ".", ms=3, color=MEASURED, label="measured")
+        column[0].plot(t, 1e6 * fit, color=LIMIT, lw=1.2, label="with friction of its own")
+        column[0].set_title(f"pull {1e6 * run.belt_speed:.0f} µm/s", fontsize=9)
+        column[1].plot(t, (x - fit) / run.noise["x1"], ".", ms=3, color=SIMULATED)
+        column[1].axhline(0.0, color="black", lw=1.0, ls=(0, (4, 2)))
+        column[1].set_xlabel("time [ms]")
     figure.axes[0].set_ylabel("deflection read [µm]")
+    figure.axes[1].set_ylabel("left, over the noise")
     handles, names = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=3)
+    figure.legend(handles, names, loc="outside upper center", ncols=2)
     return figure
+
+
+def _stretch(run: RunView) -> tuple[int, int]:
+    """The slip that is fitted half as well as the others, with the sticks around it."""
+    slips = np.flatnonzero((run.mode_after[:-1] == 0) & (run.mode_after[1:] != 0))
+    spans = [(max(i - WIDE, 0), min(i + 2 * WIDE, len(run.t))) for i in slips.tolist()]
+    spans = [(a, b) for a, b in spans if np.isfinite(run.after["x1"][a:b]).all()]
+    left = [float(np.mean((run.measured["x1"][a:b] - run.after["x1"][a:b]) ** 2)) for a, b in spans]
+    return spans[int(np.argsort(left)[len(left) // 2])]
 
 
 if __name__ == "__main__":

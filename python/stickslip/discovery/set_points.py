@@ -20,7 +20,12 @@ FAR = 1.5  # error of a run's forecast over its floor, from which its set-point 
 
 
 def doubtful_set_points(
-    case: Case, data: Sequence[Data], effects: Sequence[FoundEffect], after: Residual, error: ErrorBlock
+    case: Case,
+    data: Sequence[Data],
+    effects: Sequence[FoundEffect],
+    after: Residual,
+    error: ErrorBlock,
+    wild: bool = False,
 ) -> tuple[str, ...]:
     """What to say of runs whose block rides at another speed than belt_speed, unlike the others'.
 
@@ -29,10 +34,11 @@ def doubtful_set_points(
     Parameters
     ----------
     data : all runs.
+    wild : whether what is left is small only as scatter takes it.
     """
     unnamed = any(one.name == "unlisted" and one.where in ("belt", "contact") for one in effects)
     missed = [run.run for run in error.runs if run.one_cycle["after"] > FAR * run.one_cycle["floor"]]
-    trained = not after.clean or unnamed
+    trained = wild or not after.clean or unnamed
     if not (trained or missed):
         return ()
     ridden = [ridden_speed(run.t, run.readings[:, 0], period_of(run.t, run.readings[:, 0])) for run in data]

@@ -12,6 +12,7 @@ from stickslip.declared.catalogue import CONSTANTS
 from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG
+from stickslip.declared.scale import percent
 from stickslip.declared.uncertainty import GAINS
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.laboratory import outcome
@@ -19,7 +20,7 @@ from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.discovery.laboratory.block_errors import error_block
 from stickslip.discovery.laboratory.block_views import Motion, validate_view, view
-from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, set_point
+from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, ridden, set_point
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import RivalKind
@@ -48,7 +49,7 @@ from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
-from stickslip.likelihoods.repeating import lost, wild
+from stickslip.likelihoods.repeating import ENOUGH, lost, repeats, wild
 from stickslip.likelihoods.scaled import Scaled
 from stickslip.measured.case import Case
 from stickslip.measured.stick_speed import NEAR, wrong_set_point
@@ -113,15 +114,21 @@ def _verdicts(
     count, least = len(bench.stretches), bench.policy.fewest_windows
     if not count:
         raise InputError("no train run holds a stretch from one stick to the next; is belt_speed right?")
-    few = f"{count} stretches from stick to stick in the train runs; {least} are needed to see how friction scatters"
-    if count < least:
-        return _untried(bench), (f"nothing is tried: {few}",)
+    if count < least and not _alike(alone := _untried(bench)):
+        few = f"{count} stretches from stick to stick in the train runs"
+        return alone, (f"nothing is tried: {few}; {least} are needed to see how friction scatters",)
     try:
         verdicts = searched(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         verdicts = _untried(bench)
     verdicts = _told_alone(beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit)))
     return (verdicts, ()) if is_a_model(verdicts) else (verdicts.silent(), (_neither(verdicts.fit),))
+
+
+def _alike(verdicts: Verdicts[BeltBench]) -> bool:
+    """Whether every event is seen to be like every other, so that a few tell as much as many."""
+    fit = verdicts.fit
+    return repeats(fit) and max(len(one) for one in fit.windows.by_run) >= ENOUGH
 
 
 def _untried(bench: BeltBench) -> Verdicts[BeltBench]:
@@ -167,9 +174,11 @@ def _neither(fit: Fit) -> str:
     words = (
         "nothing is named: no effect, curve or scatter makes every stretch from stick to stick what was read"
     )
-    return (
-        f"{words}; at best the middle one is left with {unexplained(fit):.2g} times the noise's chi-squared"
-    )
+    if (left := unexplained(fit)) > fit.windows.policy.noise_left:
+        return f"{words}; at best the middle one is left with {left:.2g} times the noise's chi-squared"
+    friction, belt = max(fit.population.friction), fit.population.belt
+    usual = f"friction that differs by {percent(friction)} and a belt's speed by {percent(belt)}"
+    return f"{words}, but with {usual} from event to event, which is more than scatter"
 
 
 def _displaced(units: Scaled, run: Data) -> Data:
@@ -227,8 +236,9 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
         runs=tuple(views),
         spectrum=spectrum(was, now),
         messages=(
+            *ridden(case, train, effects),
             *idle(case.train, train),
-            *doubtful_set_points(case, every, effects, after_all, error),
+            *doubtful_set_points(case, every, effects, after_all, error, wild(chosen.fit)),
             *outcome.remarks(chosen, error),
             *((NOT_AFTER,) if _hides_speed(search.verdicts) else ()),
             *((absorbed(run.belt_speed > 0 for run in bench.data),) if bench.one_way else ()),

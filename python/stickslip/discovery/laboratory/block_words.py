@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from stickslip.declared.effect import CONSTANTS
-from stickslip.discovery.result import Alternative, Experiment, FoundEffect
+from stickslip.discovery.result import Alternative, Experiment, FoundEffect, Z
+from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.fitted.block_events.table import Measured
+from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
 from stickslip.measured.stick_speed import why_idle
+
+STICKS = 5  # whose median has an error
+MEDIAN = 1.25  # standard error of a median over that of a mean
 
 
 def idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:
@@ -17,6 +25,34 @@ def idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str
         f"{recording.name}: no slip is used: {why_idle(recording, len(one.run.track.sticks))}"
         for recording, one in zip(recordings, runs, strict=True)
         if not len(one.events)
+    )
+
+
+def ridden(case: Case, runs: Sequence[Measured], effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+    """
+    Return what is said where nothing is named, and sticks all the same rise at another rate than the belt's.
+
+    A stick shows that whatever friction does; what makes it so the readings do not tell.
+    """
+    rates = np.concatenate([one.sticks.rate for one in runs])
+    if effects or len(rates) < STICKS:
+        return ()
+    ratio = float(np.median(rates))
+    error = float(np.subtract(*np.quantile(rates, [0.75, 0.25]))) / 1.35 / math.sqrt(len(rates)) * MEDIAN
+    channel = case.train[0].channel("x1")
+    force = channel == "spring_force"
+    known = math.hypot(
+        case.uncertainty.relative(channel), case.uncertainty.relative("stiffness") if force else 0.0
+    )
+    if ratio <= 0 or abs(math.log(ratio)) < BEYOND * math.hypot(error / ratio, known):
+        return ()
+    who = f"the gain of {channel}, the spring's stiffness" if force else f"the gain of {channel}"
+    size = f"{ratio:.3g} +- {Z * error:.1g} times"
+    load = "weight" if force else "length"
+    return (
+        f"in sticks {channel} rises {size} as fast as declared ({len(rates)} sticks): {who} or the speed of the pull "
+        "is off by that, which these runs do not tell: load the sensor with a known "
+        f"{load}, and measure the speed",
     )
 
 
