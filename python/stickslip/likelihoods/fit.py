@@ -16,10 +16,10 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits, unexplained
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import Scatter, factor
+from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.repeating import explained, lost, swollen
 from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
-from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled
+from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled, stand
 from stickslip.likelihoods.variances import Estimate, estimate
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
 
     Windows of a rig of bodies settle alone first: what is not read of where they begin is a guess. Where the readings
     of each window show its friction by themselves, a fit begins there, too, with as much scatter as they show. Where
-    scatter takes all, so that nothing is left to see what lacks by, it is held as usual.
+    scatter takes all, so that nothing is left to see what lacks by, it is held at what they show, or as usual.
 
     Parameters
     ----------
@@ -50,16 +50,16 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     first = begun(windows)
     fit = fitted(first, policy)
     if isinstance(windows, BodiesWindows):
-        return (
-            fit
-            if unexplained(fit) < policy.noise_left
-            else _best(fit, _from(windows.first(), windows.scatter().wider(WIDE), first, policy))
-        )
+        return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
     if twice and doubtful(fit, policy):
         fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
     if (shown := shown_levels(windows, first.at)) is not None:
-        begun_there = _from(shown, shown_scatter(windows, shown), first, policy)
-        fit = min(fit, begun_there, key=lambda one: (lost(one), one.deviance))
+        begun_there = replace(first, population=shown_scatter(windows, shown), own=shown)
+        fits = [fit, _alone_first(begun_there, policy)]
+        if not explained(fits[-1]) or swollen(fits[-1]):  # a scatter that is free may take what a fit is short of
+            held = policy.most_steps
+            fits += [_alone_first(begun_there, policy, held), fitted(begun_there, policy, held=held)]
+        fit = min(fits, key=lambda one: (lost(one), one.deviance))
         if unexplained(fit) >= policy.noise_left:
             return fit
     return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
@@ -69,10 +69,14 @@ def _best(*fits: Fit) -> Fit:
     return min(fits, key=lambda one: one.deviance)
 
 
-def _from(own: Floats, population: Scatter, first: Fit, policy: Policy) -> Fit:
-    """The fit from windows that settle alone with as much scatter as it takes: where a law is far off, they say so."""
-    again = replace(first, population=population, own=own)
-    return fitted(replace(again, own=settled(again, ALONE)[0]), policy)
+def _wide(first: Fit) -> Fit:
+    """Windows of bodies as their readings show them, with scatter to take what a law that is far off leaves."""
+    return replace(first, population=first.windows.scatter().wider(WIDE), own=first.windows.first())
+
+
+def _alone_first(fit: Fit, policy: Policy, held: int | None = None) -> Fit:
+    """The fit from windows that settle alone first: where a law is far off, they say so."""
+    return fitted(replace(fit, own=settled(fit, ALONE)[0]), policy, held=held)
 
 
 def doubtful(fit: Fit, policy: Policy) -> bool:
@@ -234,7 +238,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
         own[:, windows.begins :] += size * share * np.clip(solution.effects - fit.random, -1, 1)
         blocks = windows.blocks(at, own, shared=(), local=False)
         new, then = cost.total(blocks, own, at)
-        worse = new > each + WORSE[0] + WORSE[1] * each
+        worse = (new > each + WORSE[0] + WORSE[1] * each) | ~stand(fit.blocks, blocks)
         if worse.any() and (worse.sum() < 0.5 * len(worse) or size == STEPS[-1]):
             alone = np.where(worse[:, None], fit.own, own)
             alone = polished(replace(fit, at=at), cost, alone, worse, 3)

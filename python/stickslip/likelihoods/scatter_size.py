@@ -11,6 +11,8 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.correlated import likeness
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, MOST, memory
+from stickslip.likelihoods.population import STATIC
+from stickslip.likelihoods.shown_levels import shown_levels
 
 Z = 1.959963985
 
@@ -33,8 +35,7 @@ def scatter(fit: Fit, length: float) -> Scatter:
     worth = max(len(fit.own) * (1 - found**2) / (1 + found**2), 2.0)
 
     def spread(value: float) -> Spread:
-        factor = math.exp(Z / math.sqrt(2 * worth))
-        return Spread(value, value / factor, value * factor)
+        return _spread(value, worth)
 
     alike = Spread(found, max(found - Z * error, 0.0), min(found + Z * error, MOST))
     way = None
@@ -49,3 +50,23 @@ def scatter(fit: Fit, length: float) -> Scatter:
         way = -float(np.mean(steps)) * length / math.log(found)
     static = math.sqrt(kinetic**2 + p.static**2 + 2 * likeness(fit) * kinetic * p.static)
     return Scatter(spread(static), spread(kinetic), spread(p.belt), alike, way)
+
+
+def shown(fit: Fit) -> dict[str, Spread]:
+    """
+    Return the scatter that windows show by themselves, as if independent; none where the readings do not show it.
+
+    It holds where no model does: a fit that is lost passes off as scatter what it lacks.
+    """
+    if (own := shown_levels(fit.windows, fit.at)) is None:
+        return {}
+    u = own[:, fit.windows.begins :]
+    kinetic = u[:, fit.windows.kinetic].mean(axis=1)
+    sizes = {"static": kinetic + u[:, STATIC], "kinetic": kinetic}
+    return {name: _spread(float(np.std(one, ddof=1)), len(one)) for name, one in sizes.items()}
+
+
+def _spread(value: float, worth: float) -> Spread:
+    """A standard deviation of so many independent numbers."""
+    factor = math.exp(Z / math.sqrt(2 * worth))
+    return Spread(value, value / factor, value * factor)

@@ -26,9 +26,7 @@ def scatter_messages(
     out = [
         f"fitted on {len(fit.own)} events, each with friction of its own: simulation and readings differ by "
         f"{plainly(np.sqrt(chi2), 3)} times the noise (chi-squared {plainly(chi2, 3)} per degree of freedom)",
-        f"friction differs from event to event: static by {percent(sizes.static.value)}, kinetic by "
-        f"{percent(sizes.kinetic.value)}, the belt's speed by {percent(sizes.belt.value)} (standard deviations); the "
-        "law is that of the mean event",
+        differing({"static": sizes.static.value, "kinetic": sizes.kinetic.value, "belt": sizes.belt.value}),
     ]
     if sizes.length is not None:
         way = scales(material.rig, material.recordings[0].channels)["x1"].of(sizes.length, 2)
@@ -48,6 +46,19 @@ def scatter_messages(
             "scatter has; `stickslip discover` looks for what is missing"
         )
     return tuple(out)
+
+
+def differing(sizes: Mapping[str, float]) -> str:
+    """
+    Return the sentence on how events differ.
+
+    Parameters
+    ----------
+    sizes : relative standard deviations of "static" and "kinetic" friction, and of the "belt", what is known of them
+    """
+    names = {"static": "static", "kinetic": "kinetic", "belt": "the belt's speed"}
+    said = ", ".join(f"{name} by {percent(sizes[k])}" for k, name in names.items() if k in sizes)
+    return f"friction differs from event to event: {said} (standard deviations); the law is that of the mean event"
 
 
 def _far(one: Constant) -> bool:

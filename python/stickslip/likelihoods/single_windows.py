@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +31,7 @@ def polished(fit: Fit, cost: Cost, own: Floats, select: Mask, turns: int) -> Flo
                 trial[i] += _local_step(block, own[i], cost.inverse[i], cost.noise, damping[i])
         new = windows.blocks(fit.at, trial, select, shared=())
         then = np.add(*cost.of(new, trial))
-        better = select & (then < now)
+        better = select & (then < now) & stand(blocks, new)
         done = better & (now - then < 0.3)
         own[better], damping[better] = trial[better], np.maximum(damping[better] / 10, 1e-6)
         now = np.where(better, then, now)
@@ -40,6 +41,11 @@ def polished(fit: Fit, cost: Cost, own: Floats, select: Mask, turns: int) -> Flo
         if not select.any():
             break
     return own
+
+
+def stand(was: Sequence[Floats | None], now: Sequence[Floats | None]) -> Mask:
+    """Whether each window still can be simulated, (w,): one that moves far off the readings beats one that cannot."""
+    return np.array([a is None or b is not None for a, b in zip(was, now, strict=True)])
 
 
 def _local_step(block: Floats, own: Floats, inverse: Floats, noise: Floats, damping: float) -> Floats:
@@ -78,8 +84,9 @@ def rescued(fit: Fit) -> Fit:
             trial[i, q:] = 0.0 if number == 0 or not near[i] else fit.own[near[i], q:].mean(0)
             trial[i, [q + one for one in windows.statics]] += shift
         trial = polished(fit, cost, trial, lost, 8)
-        found = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
-        better = lost & (found < least)
+        made = windows.blocks(fit.at, trial, lost, shared=(), local=False)
+        found = np.add(*cost.of(made, trial))
+        better = lost & (found < least) & stand(fit.blocks, made)
         best[better], least[better] = trial[better], found[better]
     return replace(fit, own=best)
 

@@ -16,6 +16,7 @@ from stickslip.measured.intervals import intervals
 from stickslip.measured.sticks import BROKEN, CREEP, SURE, passes_by, rides, velocity_noise
 
 Floats = NDArray[np.float64]
+LONG = 15.0  # radians of a stick's either end that a stretch holds
 SEEN = 3  # filters of a velocity that a stick between two slips must hold
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
@@ -43,7 +44,10 @@ class Stretch:
 
 @dataclass(frozen=True)
 class _Cut:
-    at: int
+    """Where a stretch ends in a stick, and where the next begins."""
+
+    end: int
+    begin: int
     dwell: float
     rest: float
 
@@ -76,7 +80,7 @@ def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
     slips = run.slips.tolist()
     cuts = [_middle(run, three, policy) for three in zip([0, *slips], slips, slips[1:], strict=False)]
     return [
-        Stretch(number, one.at, other.at, one.dwell, one.rest)
+        Stretch(number, one.begin, other.end, one.dwell, one.rest)
         for one, other in itertools.pairwise(cuts)
         if one is not None and other is not None
     ]
@@ -99,15 +103,11 @@ def _middle(run: Data, slips: tuple[int, int, int], policy: Policy) -> _Cut | No
     events knows nothing of that, and ends before.
     """
     before, first, last = slips
-    sticks = intervals(rides(_velocity(run, first, last), run.belt_speed), BROKEN)
+    sticks = first + intervals(rides(_velocity(run, first, last), run.belt_speed), BROKEN)
     if not len(sticks):
         return None
-    a, b = (first + sticks[np.argmax(sticks[:, 1] - sticks[:, 0])]).tolist()
-    t, x = run.t[a : b + 1], run.readings[a : b + 1, 0]
-    few = len(t) < policy.fewest_stuck
-    # so long is a swing near the belt's speed that just touches it
-    touches = 0.5 * (t[-1] - t[0]) <= math.acos(1 - CREEP)
-    if few or touches or passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP):
+    a, b = sticks[np.argmax(sticks[:, 1] - sticks[:, 0])].tolist()
+    if not _clear(run, a, b, policy):
         return None
     end = b
     if run.readings.shape[1] == 1:
@@ -115,7 +115,24 @@ def _middle(run: Data, slips: tuple[int, int, int], policy: Policy) -> _Cut | No
         beyond = np.flatnonzero(rise[a : b + 1] > rise[before : first + 1].max())
         end = a + max(int(beyond[0]), policy.fewest_stuck) if len(beyond) else b
     middle = (a + end) // 2
-    return _Cut(middle, float(run.t[middle] - run.t[a]), float(run.t[b] - run.t[a]))
+    # of a long stick the middle says no more: it is left out; noise breaks such a one
+    clear = [(c, d) for c, d in sticks.tolist() if (c, d) == (a, b) or _clear(run, c, d, policy)]
+    inside = np.concatenate([np.arange(c, d + 1) for c, d in clear])
+    begun, over = float(run.t[inside[0]]), float(run.t[inside[-1]])
+    stop = int(inside[run.t[inside] <= begun + LONG][-1])
+    begin = int(inside[run.t[inside] >= over - LONG][0])
+    rest, dwell = float(run.t[b] - run.t[a]), float(run.t[middle] - run.t[a])
+    if stop < middle or begin > middle:
+        rest, dwell = over - begun, float(run.t[max(begin, middle)]) - begun
+    return _Cut(min(stop, middle), max(begin, middle), dwell, rest)
+
+
+def _clear(run: Data, a: int, b: int, policy: Policy) -> bool:
+    """Whether samples at the belt's speed are a stick, and no swing that comes near that speed."""
+    t, x = run.t[a : b + 1], run.readings[a : b + 1, 0]
+    if len(t) < policy.fewest_stuck or 0.5 * (t[-1] - t[0]) <= math.acos(1 - CREEP):  # it just touches it
+        return False
+    return not passes_by(t, x, run.belt_speed, float(run.noise[0]), 2 * math.pi, CREEP)
 
 
 def _velocity(run: Data, first: int, last: int) -> Floats:

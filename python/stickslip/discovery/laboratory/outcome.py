@@ -41,8 +41,10 @@ from stickslip.discovery.rig_numbers import PLACES
 from stickslip.likelihoods.declared_numbers import BESIDE, fitted_model
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.held_out import held_out
-from stickslip.likelihoods.repeating import repeats
+from stickslip.likelihoods.repeating import lost, repeats
 from stickslip.likelihoods.scatter_size import scatter as scatter_size
+from stickslip.likelihoods.scatter_size import shown
+from stickslip.likelihoods.scatter_words import differing
 
 Floats = NDArray[np.float64]
 REPEATS = "every event of a run is like every other: friction does not scatter"
@@ -325,11 +327,17 @@ def gate(found: Searched) -> Gate:
 
 
 def scatter(fit: Fit) -> Mapping[str, Interval]:
-    """Return the relative standard deviations of what differs from event to event, as `identify` has them."""
+    """
+    Return the relative standard deviations of what differs from event to event, as `identify` has them.
+
+    Of a fit that is lost they are those that the events show by themselves, where they do.
+    """
     if repeats(fit):
         return {}
-    found = scatter_size(fit, 1.0)
-    sizes = {"static": found.static, "kinetic": found.kinetic, "belt": found.belt}
+    sizes = shown(fit) if lost(fit) else {}
+    if not sizes:
+        found = scatter_size(fit, 1.0)
+        sizes = {"static": found.static, "kinetic": found.kinetic, "belt": found.belt}
     return {k: Interval(one.value, one.low, one.high) for k, one in sizes.items()}
 
 
@@ -374,15 +382,7 @@ def _springs(bench: Bench, fit: Fit, found: Mapping[str, Interval]) -> dict[str,
 def remarks(trial: Trial, error: ErrorBlock) -> tuple[str, ...]:
     """Return what a person should read beside the verdict."""
     sizes = scatter(trial.fit)
-    out = (
-        [REPEATS]
-        if not sizes
-        else [
-            f"friction differs from event to event: static by {100 * sizes['static'].value:.2g} %, kinetic by "
-            f"{100 * sizes['kinetic'].value:.2g} %, the belt's speed by {100 * sizes['belt'].value:.2g} % (standard "
-            "deviations); the law is that of the mean event"
-        ]
-    )
+    out = [differing({k: one.value for k, one in sizes.items()}) if sizes else REPEATS]
     if error.covered is not None:
         out.append(
             f"the 95 % band of forecasts of one cycle holds {100 * error.covered:.0f} % of the readings of runs "
