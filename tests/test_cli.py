@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -368,3 +370,9 @@ def test_identify_of_an_si_case_prints_newtons(tmp_path):
     assert float(low) < found.law.t2 * scales.velocity < float(high)
     assert "N" in found.summary()
     assert found.model.channels == channels
+
+
+def test_the_package_runs_as_the_command() -> None:
+    asked = [sys.executable, "-m", "stickslip", "--version"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=True)
+    assert done.stdout == f"stickslip, version {ss.__version__}\n"

@@ -194,6 +194,12 @@ def test_a_candidate_below_the_threshold_is_not_called_sure(tmp_path: Path, verd
         assert words.sureness(below)[0] == (
             "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
         )
+        far = "13.7 standard uncertainties from what is declared"
+        evidence = dataclasses.replace(found.effects[0].evidence, sentence=far)
+        mass = dataclasses.replace(found.effects[0], name="rig_mass", evidence=evidence)
+        assert words.sureness(dataclasses.replace(below, effects=(mass,)))[0] == (
+            f"A number of the rig is not as declared: rig_mass is {far}."
+        )
     # three simulated records of a hundred reach as much as the readings show
     draws = np.array([0.1, 0.2] * 48 + [0.3, 1.1, 1.2, 1.3])
     reached = dataclasses.replace(found.gate, observed=1.05, threshold=1.0, draws=draws)

@@ -109,7 +109,8 @@ def single_events(found: Found) -> Figure:
     """A middling stretch of each train run that was fitted, measured and as the declared model moves through it."""
     runs = [run for run in found.runs if run.role == "train"]
     figure = Figure(figsize=(9.4, 5.2), layout="constrained")
-    for column, run in zip(figure.subplots(2, len(runs), squeeze=False).T, runs, strict=True):
+    rows = figure.subplots(2, len(runs), squeeze=False)
+    for column, run in zip(rows.T, runs, strict=True):
         a, b = _stretch(run)
         t, x, fit = 1e3 * (run.t[a:b] - run.t[a]), run.measured["x1"][a:b], run.after["x1"][a:b]
         column[0].plot(t, 1e6 * x, ".", ms=3, color=MEASURED, label="measured")
@@ -118,9 +119,9 @@ def single_events(found: Found) -> Figure:
         column[1].plot(t, (x - fit) / run.noise["x1"], ".", ms=3, color=SIMULATED)
         column[1].axhline(0.0, color="black", lw=1.0, ls=(0, (4, 2)))
         column[1].set_xlabel("time [ms]")
-    figure.axes[0].set_ylabel("deflection read [µm]")
-    figure.axes[1].set_ylabel("left, over the noise")
-    handles, names = figure.axes[0].get_legend_handles_labels()
+    rows[0, 0].set_ylabel("deflection read [µm]")
+    rows[1, 0].set_ylabel("left, over the noise")
+    handles, names = rows[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=2)
     return figure
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from stickslip.declared.catalogue import KINDS
+from stickslip.declared.catalogue import CONSTANTS, KINDS
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
 from stickslip.discovery.errors import DRAWS
@@ -206,6 +206,9 @@ def _something(found: Found) -> str:
     """Whether there is something at all: sure only where no simulated record reaches what the readings show."""
     g = found.gate
     if g.observed <= g.threshold:
+        for one in found.effects:
+            if one.name in CONSTANTS:
+                return f"A number of the rig is not as declared: {one.name} is {one.evidence.sentence}."
         return "Something is missing, though no effect of the list lowers chi-squared by more than noise may."
     best = f"the best single candidate lowers chi-squared by {short(g.observed, 3)}"
     if any(one >= g.observed for one in g.draws):
