@@ -56,7 +56,9 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     if (shown := shown_levels(windows, first.at)) is not None:
         begun_there = replace(first, population=shown_scatter(windows, shown), own=shown)
         fits = [fit, _alone_first(begun_there, policy)]
-        if not explained(fits[-1]) or swollen(fits[-1]):  # a scatter that is free may take what a fit is short of
+        if not explained(fits[-1]) or swollen(
+            fits[-1]
+        ):  # a scatter that is free may take what a fit is short of
             held = policy.most_steps
             fits += [_alone_first(begun_there, policy, held), fitted(begun_there, policy, held=held)]
         fit = min(fits, key=lambda one: (lost(one), one.deviance))
