@@ -16,7 +16,14 @@ from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
-from stickslip.discovery.laboratory.trials import Trial, all_full, anew, from_near, leader_anew
+from stickslip.discovery.laboratory.trials import (
+    Trial,
+    all_full,
+    anew,
+    from_near,
+    leader_anew,
+    trial_beside,
+)
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
@@ -219,7 +226,8 @@ def _forward(
         fell = base.fit.deviance - again.fit.deviance
         least = min((t.fit.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.fit.deviance - least)
-        base = again if fell > 0 else base
+        if fell > 0:  # what of a wave's gain is no finding is of what it gains over the better base
+            base, trials = again, [trial_beside(bench, again, one.fit, one.terms[-1]) for one in trials]
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
