@@ -156,6 +156,26 @@ def test_what_scatter_has_of_a_wave_is_no_promise(
     assert bool(anew) == bool(again)
 
 
+def test_a_wave_is_held_against_the_null_as_it_stands_best(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it gains beyond its amplitude's worth is no finding, of any null: of one that was left behind it is more."""
+    (kind,) = [one for one in bench.kinds() if one.name == "harmonic_forcing"]
+    wave = term(kind, {"a": 0.1, "w": W, "phi": 0.0})
+    windows = bench.windows((wave,))
+    at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
+    found = replace(fit, windows=windows, at=at, deviance=fit.deviance - 2000.0)
+    left, best = (Trial((), replace(fit, deviance=fit.deviance + more)) for more in (5000.0, 0.0))
+    monkeypatch.setattr(trials, "remembered", lambda _: 0.0)
+    first = trials.trial_beside(bench, left, found, wave)
+    (again,) = trials.held_against(bench, best, [first])
+    told = 7000.0 - first.known
+    assert 0 < told < 2000
+    assert again.known == pytest.approx(2000.0 - told)
+    price = again.numbers() * np.log(len(fit.own))
+    assert again.over(best) == pytest.approx(told - price) == first.over(left)
+
+
 @pytest.mark.parametrize(("times", "held"), [(2.5, False), (4.0, True)])
 def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_far_off(
     bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, times: float, held: bool

@@ -21,8 +21,8 @@ from stickslip.discovery.laboratory.trials import (
     all_full,
     anew,
     from_near,
+    held_against,
     leader_anew,
-    trial_beside,
 )
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
@@ -226,8 +226,8 @@ def _forward(
         fell = base.fit.deviance - again.fit.deviance
         least = min((t.fit.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.fit.deviance - least)
-        if fell > 0:  # what of a wave's gain is no finding is of what it gains over the better base
-            base, trials = again, [trial_beside(bench, again, one.fit, one.terms[-1]) for one in trials]
+        if fell > 0:
+            base, trials = again, held_against(bench, again, trials)
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")

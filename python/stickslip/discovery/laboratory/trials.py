@@ -176,6 +176,15 @@ def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     return Trial(found, fit, base.known + known)
 
 
+def held_against(bench: Bench, base: Trial, trials: Sequence[Trial]) -> list[Trial]:
+    """
+    Return the same trials beside another fit of the hypothesis.
+
+    What of a wave's gain is no finding is of what it gains over that one.
+    """
+    return [trial_beside(bench, base, one.fit, one.terms[-1]) for one in trials]
+
+
 def leader_anew(
     bench: Bench, base: Trial, trials: list[Trial], workers: Workers = ALONE, done: Sequence[str] = ()
 ) -> list[Trial]:
