@@ -83,3 +83,46 @@ def test_a_run_without_sticks_is_left_out_where_others_are_enough() -> None:
     assert cut([few, swings]) == [few, swings]
     still = replace(swings, slips=np.zeros(0, dtype=np.int64))
     assert cut([still]) == [still]  # that there is nothing to cut is for others to say
+
+
+def uneven(tops: list[float]) -> np.ndarray:
+    """Events as of `stick_slip` about a kinetic friction of 0.3, each with a breakaway of its own."""
+    out = [np.array([0.3])]
+    for top in tops:
+        low = out[-1][-1]
+        angle = math.atan2(BELT, top - 0.3)
+        slip = math.hypot(BELT, top - 0.3) * np.cos(np.arange(-angle, math.pi + angle, DT))
+        out += [low + BELT * np.arange(0, (top - low) / BELT, DT), 0.3 + slip]
+    return np.concatenate(out)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("broken", [False, True])
+def test_a_window_ends_before_the_next_event_rides_higher_than_its_own_broke_away(
+    sign: int, broken: bool
+) -> None:
+    """Its own static friction would have let go there; where a stick is broken, its longest part may be beyond."""
+    x = uneven([1.2, 0.45] * 10)
+    lows = [i for i in range(50, len(x) - 50) if x[i] == max(x[i - 50 : i + 50]) < 0.55]
+    for i in lows if broken else ():
+        there = i + 50 + int(np.argmax(x[i + 50 :] > 0.5))
+        x[there:] -= 0.5 * DT * BELT * np.minimum(np.arange(len(x) - there), 6)  # it creeps for a while
+    data = run(sign * x, belt_speed=sign * BELT)
+    seen = 0
+    for one in stretches([data]):
+        inside = [i for i in lows if one.start <= i < one.stop]
+        if inside:
+            seen += 1
+            assert sign * data.readings[one.stop - 1, 0] < x[inside[0]]
+    assert seen > 5
+
+
+def test_of_a_long_stick_the_middle_is_in_no_window() -> None:
+    data = run(stick_slip(1.0, 60.0, cycles=14))
+    every = stretches([data])
+    assert len(every) >= POLICY.fewest_windows
+    for one, other in zip(every, every[1:], strict=False):
+        assert data.t[one.stop] - data.t[one.start] < 2 * 15 + 2 * math.pi
+        assert data.t[other.start] - data.t[one.stop] > 60 - 2 * 15 - 2
+        assert 60 - 15 - 2 < other.dwell < 60 - 15 + 2
+        assert 58 < other.rest < 62

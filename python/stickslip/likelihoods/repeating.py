@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.population import MOST
+from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
 
 ENOUGH = 3  # windows of a run that may differ
 
@@ -34,8 +35,22 @@ def swollen(fit: Fit) -> bool:
 
 
 def wild(fit: Fit) -> bool:
-    """Return whether friction on a belt scatters by more than the prior's width, or the belt's speed by all it may."""
-    return swollen(fit) or bool(fit.population.belt >= 0.99 * fit.windows.policy.wildest_belt)
+    """
+    Return whether a belt's speed scatters by all it may, or friction by more than the prior's width.
+
+    Friction may differ as much as the events show by themselves: that needs no model.
+    """
+    if fit.population.belt >= 0.99 * fit.windows.policy.wildest_belt:
+        return True
+    return swollen(fit) and not _as_shown(fit)
+
+
+def _as_shown(fit: Fit) -> bool:
+    """Whether events show by themselves as much scatter as a fit has, but for what chance makes of so many of them."""
+    if (own := shown_levels(fit.windows, fit.at)) is None:
+        return False
+    shown, chance = shown_scatter(fit.windows, own), 1 + 2 / math.sqrt(2 * len(own))
+    return bool(max(fit.population.friction) <= chance * max(shown.friction))
 
 
 def repeats(fit: Fit) -> bool:

@@ -17,6 +17,7 @@ from stickslip.measured.sticks import BROKEN, CREEP, SURE, passes_by, rides, vel
 
 Floats = NDArray[np.float64]
 LONG = 15.0  # radians of a stick's either end that a stretch holds
+GLITCH = 5  # samples whose median knows nothing of one or two that stand out
 SEEN = 3  # filters of a velocity that a stick between two slips must hold
 SOONEST, LATEST = 0.002, 0.998  # quantiles of the readings that the way slipped lies between
 
@@ -46,7 +47,7 @@ class Stretch:
 class _Cut:
     """Where a stretch ends in a stick, and where the next begins."""
 
-    end: int
+    end: int | None  # None where it does not stick at a force that it knows
     begin: int
     dwell: float
     rest: float
@@ -82,7 +83,7 @@ def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
     return [
         Stretch(number, one.begin, other.end, one.dwell, one.rest)
         for one, other in itertools.pairwise(cuts)
-        if one is not None and other is not None
+        if one is not None and other is not None and other.end is not None
     ]
 
 
@@ -100,7 +101,7 @@ def _middle(run: Data, slips: tuple[int, int, int], policy: Policy) -> _Cut | No
     Return the middle of the longest stick between the last two of three slips; noise may break it for a sample or two.
 
     A block alone may stick at a force that it has just slipped at, where friction differs much: the first of the two
-    events knows nothing of that, and ends before.
+    events knows nothing of that, and ends before. Of a long stick the middle says no more: it is left out.
     """
     before, first, last = slips
     sticks = first + intervals(rides(_velocity(run, first, last), run.belt_speed), BROKEN)
@@ -109,22 +110,33 @@ def _middle(run: Data, slips: tuple[int, int, int], policy: Policy) -> _Cut | No
     a, b = sticks[np.argmax(sticks[:, 1] - sticks[:, 0])].tolist()
     if not _clear(run, a, b, policy):
         return None
-    end = b
-    if run.readings.shape[1] == 1:
-        rise = np.sign(run.belt_speed) * run.readings[:, 0]
-        beyond = np.flatnonzero(rise[a : b + 1] > rise[before : first + 1].max())
-        end = a + max(int(beyond[0]), policy.fewest_stuck) if len(beyond) else b
-    middle = (a + end) // 2
-    # of a long stick the middle says no more: it is left out; noise breaks such a one
     clear = [(c, d) for c, d in sticks.tolist() if (c, d) == (a, b) or _clear(run, c, d, policy)]
+    least = policy.fewest_stuck
+    known = _passed(run, before, first, clear[0][0], last) if run.readings.shape[1] == 1 else last
+    ends = [(c, min(d, max(known, c + least))) for c, d in clear if c + least <= known or d <= known]
+    longest = max(ends, key=lambda one: one[1] - one[0], default=None)
+    end = None if longest is None else (longest[0] + longest[1]) // 2
+    begin = end if end is not None and a <= end else (a + b) // 2
+    rest, dwell = float(run.t[b] - run.t[a]), float(run.t[begin] - run.t[a])
+    # noise breaks a long one
     inside = np.concatenate([np.arange(c, d + 1) for c, d in clear])
     begun, over = float(run.t[inside[0]]), float(run.t[inside[-1]])
-    stop = int(inside[run.t[inside] <= begun + LONG][-1])
-    begin = int(inside[run.t[inside] >= over - LONG][0])
-    rest, dwell = float(run.t[b] - run.t[a]), float(run.t[middle] - run.t[a])
-    if stop < middle or begin > middle:
-        rest, dwell = over - begun, float(run.t[max(begin, middle)]) - begun
-    return _Cut(min(stop, middle), max(begin, middle), dwell, rest)
+    soonest = int(inside[run.t[inside] <= begun + LONG][-1])
+    latest = int(inside[run.t[inside] >= over - LONG][0])
+    if latest > begin or (end is not None and soonest < end):
+        begin = max(begin, latest)
+        rest, dwell = over - begun, float(run.t[begin]) - begun
+    return _Cut(None if end is None else min(end, soonest), begin, dwell, rest)
+
+
+def _passed(run: Data, before: int, first: int, stick: int, last: int) -> int:
+    """Return where in a stick the force passes what the event before has shown; the next slip where it does not."""
+    # a glitch, known as such or not, shows no force
+    force = scipy.signal.medfilt(np.sign(run.belt_speed) * run.readings[before : last + 1, 0], GLITCH)
+    slip, stuck = first - before, stick - before
+    lowest = int(np.argmin(force[: slip + 1]))
+    beyond = np.flatnonzero(force[stuck:] > force[lowest : slip + 1].max())
+    return stick + int(beyond[0]) if len(beyond) else last
 
 
 def _clear(run: Data, a: int, b: int, policy: Policy) -> bool:

@@ -18,6 +18,7 @@ from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate, Screen, screened
 from stickslip.discovery.laboratory.trials import (
     Trial,
+    again_from,
     all_full,
     anew,
     from_near,
@@ -28,7 +29,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.repeating import explained, lost, swollen
+from stickslip.likelihoods.repeating import explained, swollen, wild
 
 
 @dataclass
@@ -173,7 +174,9 @@ def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: T
     """What was chosen, or a declared constant that is wrong in its place or beside it."""
     rivals = [chosen]
     for one in (null, chosen) if chosen.terms else (chosen,):
-        if not _usual(one.fit):  # no model of the windows: its constants move with what is lacking
+        if wild(one.fit) or not explained(
+            one.fit
+        ):  # no model of the windows: its constants move with what is lacking
             continue
         every = freed(bench, one.fit, known)
         if every and every[0].beyond:
@@ -222,7 +225,7 @@ def _forward(
             fits, done = [*fits, *more], (*done, *failed)
         trials = _every([*leader_anew(bench, base, fits, workers, done), *trials])
         # where to stand, a wave shows as well as any: what of its gain is no finding is of no matter here
-        again = _again(bench, base, min(trials, key=lambda one: one.fit.deviance)) if trials else base
+        again = again_from(bench, base, min(trials, key=lambda one: one.fit.deviance)) if trials else base
         fell = base.fit.deviance - again.fit.deviance
         least = min((t.fit.deviance for t in trials), default=np.inf)
         stuck = fell > bench.policy.noticed and fell > bench.policy.stuck * (base.fit.deviance - least)
@@ -291,18 +294,6 @@ def _every(trials: Sequence[Trial]) -> list[Trial]:
         if one.names not in best or one.deviance < best[one.names].deviance:
             best[one.names] = one
     return list(best.values())
-
-
-def _again(bench: Bench, base: Trial, best: Trial) -> Trial:
-    """The hypothesis fitted anew from where its best rival stands, if that is better."""
-    windows = base.fit.windows
-    p = len(base.fit.at)
-    at = windows.bounded(best.fit.at[:p])
-    first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
-    fit = from_near(bench, first)
-    if fit is None or fit.deviance >= base.fit.deviance or lost(fit):
-        return base
-    return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 
 
 def _back(bench: Bench, chosen: Trial, out: Searched, tell: Callable[[str], None], workers: Workers) -> Trial:

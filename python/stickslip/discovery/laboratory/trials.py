@@ -19,7 +19,7 @@ from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.remembered import remembered
-from stickslip.likelihoods.repeating import explained
+from stickslip.likelihoods.repeating import explained, lost
 from stickslip.likelihoods.single_windows import settled
 
 
@@ -174,6 +174,18 @@ def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     if known > 0:  # what events that remember make of waves is no finding, but is counted once
         known = max(known - max(base.remembered - remembered(fit), 0.0), 0.0)
     return Trial(found, fit, base.known + known)
+
+
+def again_from(bench: Bench, base: Trial, best: Trial) -> Trial:
+    """Return a hypothesis fitted anew from where its best rival stands, if that is better."""
+    windows = base.fit.windows
+    p = len(base.fit.at)
+    at = windows.bounded(best.fit.at[:p])
+    first = replace(best.fit, windows=windows, at=at, own=own_in(best.fit.own, best.fit.windows, windows))
+    fit = from_near(bench, first)
+    if fit is None or fit.deviance >= base.fit.deviance or lost(fit):
+        return base
+    return replace(base, fit=fit, terms=terms_at(base.terms, windows, fit.at))
 
 
 def held_against(bench: Bench, base: Trial, trials: Sequence[Trial]) -> list[Trial]:
