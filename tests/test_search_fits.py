@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +17,10 @@ from stickslip.discovery.laboratory.screen import Candidate, Screen
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.workers import ALONE
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import null
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit_state import LOST, Cost, Fit
+from stickslip.likelihoods.single_windows import polished
 
 W = 2.3
 
@@ -174,6 +177,28 @@ def test_a_wave_is_held_against_the_null_as_it_stands_best(
     assert again.known == pytest.approx(2000.0 - told)
     price = again.numbers() * np.log(len(fit.own))
     assert again.over(best) == pytest.approx(told - price) == first.over(left)
+
+
+def test_a_window_that_cannot_be_simulated_is_never_the_better_one(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What fails counts as a hundred times the noise: one that is farther off than that must not be given up for it."""
+    windows = bench.windows()
+    own = windows.first()
+    own[:, windows.begins + np.array(windows.statics)] += 0.9  # it breaks away far too late
+    far = replace(fit, windows=windows, own=own, knee=np.full(len(own), np.inf))
+    simulated = type(windows).blocks
+
+    def fails(self: BeltWindows, at: np.ndarray, given: np.ndarray, *rest: Any, **asked: Any) -> list[Any]:
+        made = simulated(self, at, given, *rest, **asked)
+        return [one if (now == was).all() else None for one, now, was in zip(made, given, own, strict=True)]
+
+    cost = Cost(far, far.population, np.ones(windows.channels))
+    here = windows.blocks(far.at, own, shared=(), local=False)
+    assert (cost.of(here, own)[0] > LOST * windows.sizes).any()
+    monkeypatch.setattr(type(windows), "blocks", fails)
+    every = np.ones(len(own), dtype=bool)
+    np.testing.assert_array_equal(polished(far, cost, own, every, 5), own)
 
 
 @pytest.mark.parametrize(("times", "held"), [(2.5, False), (4.0, True)])

@@ -17,15 +17,15 @@ SPEED = 0.01  # m/s
 LAW = ss.CoulombFriction(static=STATIC, kinetic=STATIC - FALL)
 
 
-def read(seed: int, events: int, rig: ss.BlockOnBelt) -> NDArray[np.float64]:
+def read(seed: int, events: int, rig: ss.BlockOnBelt, by: float = WANDER) -> NDArray[np.float64]:
     """Times and displacements (n, 2): stick and slip in turn, the friction of each event drawn along the belt."""
     rng, k, omega = np.random.default_rng(seed), rig.stiffness, np.sqrt(rig.stiffness / rig.mass)
     starts, parts = [0.0], []
-    wander, now, last = WANDER * rng.standard_normal(), (STATIC - 2 * FALL) / k, 0.0
+    wander, now, last = by * rng.standard_normal(), (STATIC - 2 * FALL) / k, 0.0
     for _ in range(events):
         keep = np.exp(-SPEED * (starts[-1] - last) / LENGTH)
         wander, last = (
-            keep * wander + WANDER * np.sqrt(1 - keep**2) * rng.standard_normal(),
+            keep * wander + by * np.sqrt(1 - keep**2) * rng.standard_normal(),
             starts[-1],
         )
         top = max(STATIC * (1 + wander) / k, now + 0.2 * FALL / k)
@@ -52,9 +52,10 @@ def recording(
     gain: float = 1.0,
     true: ss.BlockOnBelt = RIG,
     declared: ss.BlockOnBelt = RIG,
+    by: float = WANDER,
 ) -> ss.Recording:
-    """What a sensor with a gain reads of a true rig, with what is declared of it."""
-    t, x = read(seed, events, true).T
+    """What a sensor with a gain reads of a true rig, with what is declared of it; friction wanders by so much."""
+    t, x = read(seed, events, true, by).T
     return ss.load_recording(
         {"t": t, "x1": gain * x}, declared, belt_speed=SPEED, noise={"x1": NOISE}, name=f"run_{seed}"
     )
