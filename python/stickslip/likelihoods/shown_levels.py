@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import inside
 from stickslip.likelihoods.fit_state import Windowed
 from stickslip.likelihoods.population import STATIC, Population
+from stickslip.likelihoods.stretches import Stretch
 
 Floats = NDArray[np.float64]
 
@@ -36,6 +38,9 @@ def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
         if levels is None:
             return None
         static, kinetic = levels
+        if abs(run.belt_speed) < run.noise[0]:
+            begun, away = _by_time(windows, w, run.readings[w.start : w.stop, 0] / scale)
+            row[0], static = scale * begun, stiffness * away
         law = windows.model.friction
         law = law.with_numbers(inside({n: values[n] for n in law.numbers if n in values}))
         level = kinetic / float(law.magnitude(-run.belt_speed)) - 1
@@ -43,6 +48,24 @@ def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
         row[q:][windows.kinetic] = level
         row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1].at(values) - 1 - level
     return own
+
+
+def _by_time(windows: BeltWindows, w: Stretch, x: Floats) -> tuple[float, float]:
+    """
+    Return where a stick begins, and how far it has come when it breaks away, by when the slip is half over.
+
+    Of a belt that noise hides for a radian of the block's, the largest reading says little of when it broke away.
+    """
+    run = windows.data[w.run]
+    good = run.weight[w.start : w.stop, 0] > 0
+    t, x, v = run.t[w.start : w.stop][good], np.sign(run.belt_speed) * x[good], abs(run.belt_speed)
+    high = np.maximum.accumulate(x)
+    low = int(np.argmax(high - x))
+    half = int(np.flatnonzero(x[: low + 1] >= 0.5 * (high[low] + x[low]))[-1])
+    since = float(t[half] - t[0]) - 0.5 * math.pi
+    stuck = t - t[0] < max(since, float(t[1] - t[0]))
+    start = float(np.mean(x[stuck] - v * (t[stuck] - t[0])))
+    return float(np.sign(run.belt_speed)) * start, start + v * since
 
 
 def shown_scatter(windows: Windowed, own: Floats) -> Population:
