@@ -62,7 +62,7 @@ def shown(fit: Fit) -> dict[str, Spread]:
         return {}
     u = own[:, fit.windows.begins :]
     kinetic = u[:, fit.windows.kinetic].mean(axis=1)
-    sizes = {"static": kinetic + u[:, STATIC], "kinetic": kinetic}
+    sizes = {"static": (1 + kinetic) * (1 + u[:, STATIC]), "kinetic": kinetic}
     return {name: _spread(float(np.std(one, ddof=1)), len(one)) for name, one in sizes.items()}
 
 

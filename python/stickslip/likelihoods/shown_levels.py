@@ -46,7 +46,8 @@ def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
         level = kinetic / float(law.magnitude(-run.belt_speed)) - 1
         row[:q] /= scale
         row[q:][windows.kinetic] = level
-        row[q] = static / windows.limits[1 if run.belt_speed > 0 else -1].at(values) - 1 - level
+        # the level is of all friction, that at rest included
+        row[q] = static / (windows.limits[1 if run.belt_speed > 0 else -1].at(values) * (1 + level)) - 1
     return own
 
 

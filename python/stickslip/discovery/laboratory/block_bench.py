@@ -80,7 +80,7 @@ def as_shown(bench: BeltBench) -> BeltBench:
     u = own[:, windows.begins :]
     kinetic = float(np.mean(u[:, windows.kinetic]))
     numbers = {
-        "static": law.static * (1 + kinetic + float(np.mean(u[:, STATIC]))),
+        "static": law.static * (1 + kinetic) * (1 + float(np.mean(u[:, STATIC]))),
         "kinetic": law.kinetic * (1 + kinetic),
     }
     return replace(bench, model=bench.model.replace(**numbers)) if min(numbers.values()) > 0 else bench
