@@ -35,22 +35,22 @@ def swollen(fit: Fit) -> bool:
 
 
 def wild(fit: Fit) -> bool:
+    """Return whether friction on a belt scatters by more than it can, or the belt's speed by all it may."""
+    return beyond_shown(fit) or bool(fit.population.belt >= 0.99 * fit.windows.policy.wildest_belt)
+
+
+def beyond_shown(fit: Fit) -> bool:
     """
-    Return whether a belt's speed scatters by all it may, or friction by more than the prior's width.
+    Return whether friction scatters by more than the prior's width, and by more than events show by themselves.
 
-    Friction may differ as much as the events show by themselves: that needs no model.
+    What they show needs no model; so many of them show it but for what chance makes of that.
     """
-    if fit.population.belt >= 0.99 * fit.windows.policy.wildest_belt:
-        return True
-    return swollen(fit) and not _as_shown(fit)
-
-
-def _as_shown(fit: Fit) -> bool:
-    """Whether events show by themselves as much scatter as a fit has, but for what chance makes of so many of them."""
-    if (own := shown_levels(fit.windows, fit.at)) is None:
+    if not swollen(fit):
         return False
+    if (own := shown_levels(fit.windows, fit.at)) is None:
+        return True
     shown, chance = shown_scatter(fit.windows, own), 1 + 2 / math.sqrt(2 * len(own))
-    return bool(max(fit.population.friction) <= chance * max(shown.friction))
+    return bool(max(fit.population.friction) > chance * max(shown.friction))
 
 
 def repeats(fit: Fit) -> bool:

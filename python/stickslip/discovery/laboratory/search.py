@@ -29,7 +29,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.repeating import explained, swollen, wild
+from stickslip.likelihoods.repeating import beyond_shown, explained, swollen
 
 
 @dataclass
@@ -174,9 +174,8 @@ def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: T
     """What was chosen, or a declared constant that is wrong in its place or beside it."""
     rivals = [chosen]
     for one in (null, chosen) if chosen.terms else (chosen,):
-        if wild(one.fit) or not explained(
-            one.fit
-        ):  # no model of the windows: its constants move with what is lacking
+        # no model of the windows: its constants move with what is lacking
+        if beyond_shown(one.fit) or not explained(one.fit):
             continue
         every = freed(bench, one.fit, known)
         if every and every[0].beyond:
