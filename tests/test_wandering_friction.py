@@ -13,6 +13,7 @@ from quick_figures import quickly
 from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.discovery.result import Found, Verdict
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.measured.case import Case
 from wandering import FALL, RIG, SPEED, WANDER, case_of, recording
 
@@ -30,6 +31,27 @@ def test_friction_that_wanders_is_given_no_name() -> None:
     assert found.error.after == pytest.approx(found.error.floor, rel=0.1)
     # single events know nothing of how far friction wanders in the whole record
     assert 0.4 * WANDER < found.scatter["kinetic"].value < 1.6 * WANDER
+
+
+def test_windows_show_the_friction_that_they_are_simulated_with() -> None:
+    """Static friction is beside a level that it has, too; a breakaway on the move is read a little high."""
+    bench, _, _, _ = bench_of(case_of(recording(1), recording(2)))
+    windows = bench.windows()
+    own = shown_levels(windows, windows.start)
+    assert own is not None
+    level, static = -0.4, 0.3
+    q = windows.begins
+    own[:, :q] *= (1 + level) * (1 + static)  # the spring pulls as much less where a window begins
+    own[:, q:][:, windows.kinetic] = level
+    own[:, q] = static
+    for s, motion in zip(windows.stretches, windows.motions(windows.start, own), strict=True):
+        assert motion is not None
+        windows.data[s.run].readings[s.start : s.stop, 0] = motion.readings[:, 0]
+    slips = [np.any(one.mode != 0) for one in windows.motions(windows.start, own) if one is not None]
+    again = shown_levels(windows, windows.start)
+    assert again is not None
+    assert sum(slips) > 5
+    np.testing.assert_allclose(again[slips, q], static, atol=0.04)
 
 
 @pytest.mark.slow

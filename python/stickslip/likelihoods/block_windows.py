@@ -51,9 +51,8 @@ class BlockSensors:
     def levels(self, readings: Floats, forward: bool, stiffness: float) -> tuple[float, float] | None:
         """Return static and kinetic friction by the two ends of a slip, whose middle is where the block would rest."""
         x = readings[:, 0] if forward else -readings[:, 0]
-        high = np.maximum.accumulate(x)
-        low = int(np.argmax(high - x))  # a stick may end higher than the slip before it began
-        top, bottom = float(high[low]), float(x[low])
+        top, low = largest_drop(x)
+        bottom = float(x[low])
         return stiffness * top, 0.5 * stiffness * (top + bottom)
 
     def kept(self, known: Collection[str], _channels: int) -> list[int]:
@@ -73,6 +72,13 @@ class BlockSensors:
         if "stiffness" in s.names:
             chain.slopes[:, :, s.names.index("stiffness")] += as_sprung / self.spring
         return chain
+
+
+def largest_drop(x: Floats) -> tuple[float, int]:
+    """Return from where readings (n,) fall farthest, and at which they are lowest: a stick may end higher than it."""
+    high = np.maximum.accumulate(x)
+    low = int(np.argmax(high - x))
+    return float(high[low]), low
 
 
 def drowned(run: Data) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.block_windows import largest_drop
 from stickslip.likelihoods.declared_numbers import inside
 from stickslip.likelihoods.fit_state import Windowed
 from stickslip.likelihoods.population import STATIC, Population
@@ -60,9 +61,8 @@ def _by_time(windows: BeltWindows, w: Stretch, x: Floats) -> tuple[float, float]
     run = windows.data[w.run]
     good = run.weight[w.start : w.stop, 0] > 0
     t, x, v = run.t[w.start : w.stop][good], np.sign(run.belt_speed) * x[good], abs(run.belt_speed)
-    high = np.maximum.accumulate(x)
-    low = int(np.argmax(high - x))
-    half = int(np.flatnonzero(x[: low + 1] >= 0.5 * (high[low] + x[low]))[-1])
+    top, low = largest_drop(x)
+    half = int(np.flatnonzero(x[: low + 1] >= 0.5 * (top + x[low]))[-1])
     since = float(t[half] - t[0]) - 0.5 * math.pi
     stuck = t - t[0] < max(since, float(t[1] - t[0]))
     start = float(np.mean(x[stuck] - v * (t[stuck] - t[0])))

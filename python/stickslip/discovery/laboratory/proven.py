@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.hypothesis import Bench, terms_at
 from stickslip.discovery.laboratory.learned import Learned
-from stickslip.discovery.laboratory.trials import Trial, again_from
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.remembered import remembered
@@ -28,8 +28,7 @@ def proven(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
     """
     Return a curve as it stands with all else fitted beside it, and the hypothesis with it.
 
-    What it explains is held against what events that remember explain without it, fitted once more from where the curve
-    has left them: what the hypothesis alone was short of is no gain.
+    What it explains is held against what events that remember explain without it.
 
     Parameters
     ----------
@@ -37,8 +36,7 @@ def proven(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
     curve : as scored
     """
     after = beside(bench, base, curve)
-    alone = min(one.fit.deviance - one.remembered for one in (base, again_from(bench, base, after)))
-    gain = alone - after.fit.deviance + remembered(after.fit)
+    gain = base.fit.deviance - base.remembered - after.fit.deviance + remembered(after.fit)
     if curve.effect is None:
         return replace(curve, gain=gain), after
     assert after.fit.solution is not None
