@@ -187,7 +187,7 @@ def test_a_wave_has_a_gate_of_its_own(
     best = Trial((seam,), replace(fit, windows=bench.windows((seam,)), deviance=fit.deviance - 60.0))
     asked: list[Fit] = []
 
-    def refitted(_: BeltBench, at: Fit, __: Screen, name: str, ___: int, like: Fit) -> Gate:
+    def refitted(_: BeltBench, at: Fit, __: Screen, name: str, ___: int, like: Fit, ____: Workers) -> Gate:
         assert (at, name) == (null.fit, "belt_seam")
         asked.append(like)
         return Gate(np.array([5.0]), 58.0, gained)

@@ -1,6 +1,7 @@
 // Many windows at once: `_core.simulate_windows`.
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "results.hpp"
 #include "stickslip/windows.hpp"
@@ -33,18 +34,25 @@ void check_shapes(const ConstMatrix& parameters, const IndexVector& set, const C
     throw py::value_error("seeds, column, columns and kept must belong together");
 }
 
-py::dict simulate_windows(const Structure& structure, const ConstMatrix& parameters, const IndexVector& set,
-                          const ConstMatrix& initial, const IndexVector& contact, const ConstVector& t,
-                          const Offsets& offset, double rtol, double atol, const ConstMatrix& seeds,
-                          const IndexVector& column, int columns, const IndexVector& kept, long max_transitions,
-                          long max_steps, int order, int threads) {
+py::dict simulate_windows(const std::vector<const Structure*>& structures, const ConstMatrix& parameters,
+                          const IndexVector& set, const ConstMatrix& initial, const IndexVector& contact,
+                          const ConstVector& t, const Offsets& offset, double rtol, double atol,
+                          const ConstMatrix& seeds, const IndexVector& column, int columns, const IndexVector& kept,
+                          long max_transitions, long max_steps, int order, int threads) {
   check_shapes(parameters, set, initial, contact, t, offset, seeds, column, columns, kept);
+  const auto alike = [&](const Structure* one) {
+    return one && one->rig == structures[0]->rig && one->law == structures[0]->law &&
+           one->effects == structures[0]->effects;
+  };
+  if (static_cast<Eigen::Index>(structures.size()) != parameters.rows() ||
+      !std::all_of(structures.begin(), structures.end(), alike))
+    throw py::value_error("structures must be one for each row of parameters, of one rig, law and effects");
   const py::ssize_t n = t.size(), windows = set.size();
   py::array_t<double> state({n, static_cast<py::ssize_t>(state_count)});
   py::array_t<double> slopes({static_cast<py::ssize_t>(kept.size()), n, static_cast<py::ssize_t>(columns)});
   py::array_t<signed char> mode(n);
   py::array_t<std::int32_t> outcome(windows);
-  const WindowsRequest request{&structure,
+  const WindowsRequest request{structures.data(),
                                parameters.data(),
                                set.data(),
                                initial.data(),
@@ -78,7 +86,7 @@ py::dict simulate_windows(const Structure& structure, const ConstMatrix& paramet
 }  // namespace
 
 void bind_windows(py::module_& m) {
-  m.def("simulate_windows", &simulate_windows, py::kw_only(), py::arg("structure"), py::arg("parameters").noconvert(),
+  m.def("simulate_windows", &simulate_windows, py::kw_only(), py::arg("structures"), py::arg("parameters").noconvert(),
         py::arg("set").noconvert(), py::arg("initial").noconvert(), py::arg("contact").noconvert(),
         py::arg("t").noconvert(), py::arg("offset").noconvert(), py::arg("rtol"), py::arg("atol"),
         py::arg("seeds").noconvert(), py::arg("column").noconvert(), py::arg("columns"), py::arg("kept").noconvert(),

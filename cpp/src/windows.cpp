@@ -50,7 +50,7 @@ void run_window(Shared& shared, long index, bool (*interrupted)(void*)) {
   constexpr int width = parameter_count + state_count;
   const long begin = q.offset[index], n = q.offset[index + 1] - begin;
   Request one{};
-  one.structure = q.structure;
+  one.structure = q.structures[q.set[index]];
   one.parameters = q.parameters + static_cast<std::ptrdiff_t>(q.set[index]) * parameter_count;
   one.initial = q.initial + index * state_count;
   one.t_start = q.t[begin];

@@ -197,7 +197,7 @@ def simulate_bodies(
 ) -> dict[str, object]: ...
 def simulate_windows(
     *,
-    structure: Structure,
+    structures: collections.abc.Sequence[Structure],
     parameters: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
     set: typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"],
     initial: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],

@@ -21,12 +21,13 @@ std::size_t sweep_workspace();
 namespace stickslip::dispatch {
 
 constexpr int max_seeds = 12;
+constexpr int group_seeds = 8;  // of each of several groups: as many as stay in registers, which 12 do not quite
 
 // More seeds are taken in groups of even size: seeds first <= s < first + count.
 struct SeedGroup {
   int first, count;
 };
-constexpr int seed_groups(int seeds) { return seeds == 0 ? 1 : (seeds + max_seeds - 1) / max_seeds; }
+constexpr int seed_groups(int seeds) { return seeds <= max_seeds ? 1 : (seeds + group_seeds - 1) / group_seeds; }
 constexpr SeedGroup seed_group(int seeds, int group) {
   const int groups = seed_groups(seeds), first = seeds * group / groups;
   return {first, seeds * (group + 1) / groups - first};

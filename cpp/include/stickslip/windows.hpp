@@ -1,4 +1,4 @@
-// Many short trajectories of one structure, each sampled at its own times: what a fit evaluates at every turn.
+// Many short trajectories of one rig and law, each sampled at its own times: what a fit evaluates at every turn.
 #pragma once
 
 #include "stickslip/interface.hpp"
@@ -7,13 +7,13 @@ namespace stickslip {
 
 // Pointers are borrowed for the call. Window w starts at its first sample, t[offset[w]], and ends at its last.
 struct WindowsRequest {
-  const stickslip_abi::Structure* structure;
-  const double* parameters;  // sets x parameter_count
-  const int* set;            // (windows): which row of `parameters`
-  const double* initial;     // windows x state_count
-  const int* contact;        // (windows): as in Request
-  const double* t;           // (samples), increasing within a window
-  const long* offset;        // (windows + 1)
+  const stickslip_abi::Structure* const* structures;  // one a set: they may differ by where curves have their knots
+  const double* parameters;                           // sets x parameter_count
+  const int* set;                                     // (windows): which set
+  const double* initial;                              // windows x state_count
+  const int* contact;                                 // (windows): as in Request
+  const double* t;                                    // (samples), increasing within a window
+  const long* offset;                                 // (windows + 1)
   long windows;
   double rtol, atol;
   int n_seeds;

@@ -28,7 +28,8 @@ from stickslip.files import folder
 from stickslip.measured.case import load_case
 from stickslip.measured.fit_window import Array
 from stickslip.progress import stages
-from stickslip.shown.report.write import NAMES, fill, written
+from stickslip.shown.report.files import NAMES, written
+from stickslip.shown.report.write import fill
 from stickslip.simulated.simulate import simulate
 
 RIG = {

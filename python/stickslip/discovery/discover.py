@@ -22,6 +22,7 @@ from stickslip.errors import InputError
 from stickslip.fitted.data import Data, copied_words, held_words, one_rig, prepare
 from stickslip.fitted.plausible import plausible
 from stickslip.likelihoods.one_thread import one_thread
+from stickslip.likelihoods.threads import side_by_side
 from stickslip.measured.case import Case
 from stickslip.measured.memory_case import Columns, case_in_memory, with_candidates
 from stickslip.measured.recording import Recording
@@ -157,6 +158,21 @@ def _searched(
     count = min(os.cpu_count() or 1, MOST_CORES) if threads is None else threads
     workers = Workers(count, __name__)
     try:
+        return _with(workers, case, checked, tell, seed)
+    except BaseException:
+        workers.stop()
+        raise
+
+
+def _with(
+    workers: Workers,
+    case: Case,
+    checked: tuple[list[Data], tuple[str, ...]] | None,
+    tell: Callable[[str], None],
+    seed: int,
+) -> Found:
+    """What the search for a rig with contacts finds; what waits for itself is simulated in as many threads."""
+    with side_by_side(workers.count):
         if checked is not None:
             return two_degree.discover(case, *checked, tell, workers, seed)
         if isinstance(case.rig, GeneralRig):
@@ -165,9 +181,6 @@ def _searched(
         found = block.discover(case, tell, seed, workers)
         said = block_law.law_to_declare(case, found, tell)
         return replace(found, messages=(*found.messages, *said), seconds=time.monotonic() - began)
-    except BaseException:
-        workers.stop()
-        raise
 
 
 def _checked(case: Case, copied: tuple[str, ...]) -> tuple[list[Data], tuple[str, ...]]:

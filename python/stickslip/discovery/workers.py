@@ -10,9 +10,10 @@ import signal
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -24,16 +25,17 @@ ONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS
 
 
 class Workers:
-    """Processes to forecast and draw in; none where there is one core to use, or the machine does not let us have any.
+    """Processes to fit, forecast and draw in; none where there is one core to use, or the machine lets us have none.
 
     `needs` names a module that they load while they wait for work.
     """
 
     _latest: ClassVar[tuple[Workers, int, float] | None] = None  # last asked, by which process, when
+    _later: ClassVar[list[str]] = []  # modules that are needed when a search has ended
 
     def __init__(self, count: int, needs: str = __name__) -> None:
         self.count = min(count, os.cpu_count() or 1)
-        self._pool = _pool(self.count, needs) if self.count > 1 else None
+        self._pool = _pool(self.count, (needs, *self._later)) if self.count > 1 else None
 
     @classmethod
     def at_hand(cls) -> Workers:
@@ -43,6 +45,12 @@ class Workers:
             if time.monotonic() - at < IDLE / 2:
                 return workers
         return Workers(1)
+
+    @classmethod
+    def load_later(cls, module: str) -> None:
+        """Let a module be loaded where it keeps nobody waiting: while processes wait for work, or this one for them."""
+        if module not in cls._later:
+            cls._later.append(module)
 
     def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
         """function(item) of every item, in their order."""
@@ -60,12 +68,20 @@ class Workers:
                     under_way = [self._pool.submit(_call, str(written), folder, item) for item in todo]
                 except RuntimeError:
                     self._pool, under_way = None, []
+                for module in self._later if under_way else ():
+                    importlib.import_module(module)
                 try:
                     if under_way:
                         return [one.result() for one in under_way]
                 except BrokenExecutor:
                     self._pool = None
         return [function(item) for item in todo]
+
+    def ahead(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+        """function(item) of items until no more is asked for, as many at once as there are processes."""
+        todo = iter(items)
+        while some := list(islice(todo, self.count)):
+            yield from self.map(function, some)
 
     def _asked(self) -> None:
         Workers._latest = self, os.getpid(), time.monotonic()
@@ -100,7 +116,7 @@ def _call(written: str, folder: str, item: Any) -> Any:
 ALONE = Workers(1)  # no processes: all is done here
 
 
-def _pool(count: int, needs: str) -> Any:
+def _pool(count: int, needs: tuple[str, ...]) -> Any:
     """A pool of processes, or None where the system has no semaphores for it or we are a process that may not fork."""
     from loky import get_reusable_executor  # type: ignore[import-untyped]
 
@@ -116,7 +132,7 @@ def _pool(count: int, needs: str) -> Any:
     return pool
 
 
-def _ready(parent: int, needs: str) -> None:
+def _ready(parent: int, needs: tuple[str, ...]) -> None:
     """What a worker needs later, loaded; the watch first: the parent may be dead before we come.
 
     Ctrl-C reaches all processes of a terminal: it is the parent's to end us, without a traceback of our own.
@@ -125,7 +141,8 @@ def _ready(parent: int, needs: str) -> None:
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     import scipy.signal  # noqa: F401
 
-    importlib.import_module(needs)
+    for module in needs:
+        importlib.import_module(module)
 
 
 def _end_with(parent: int) -> None:

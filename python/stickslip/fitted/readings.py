@@ -160,7 +160,7 @@ def read(
     sensitivity: Slopes,
     names: tuple[str, ...],
     p: Mapping[str, float],
-    belt_speed: float,
+    belt_speed: float | Floats,
     channels: int,
     learned: tuple[Added, ...] = (),
     offset: NDArray[np.int64] | None = None,
@@ -169,7 +169,8 @@ def read(
 
     `names` names the sensitivities' columns; those of reading effects are filled in here, their columns in
     `sensitivity` must be zero (or what reaches them through the lag). Samples of several windows follow one another,
-    each from its `offset` on, so that a delay does not look from one into the next. One channel is x1 alone.
+    each from its `offset` on, so that a delay does not look from one into the next. One channel is x1 alone. The belt's
+    speed, and numbers that runs have for themselves, may be (n,).
     """
     out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
     samples = _Samples(t, state, sensitivity, p, names, out)
@@ -324,7 +325,7 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
     return _Gather(left, w), _Gather(left, r)
 
 
-def _read_belt(s: _Samples, v_b: float) -> None:
+def _read_belt(s: _Samples, v_b: float | Floats) -> None:
     s.out.values[:, 2] = v_b + s.state[:, BELT]
     s.out.slopes[:, 2] = s.slopes[BELT]
     if "belt_speed_ripple.a" not in s.p:

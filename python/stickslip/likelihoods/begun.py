@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.stretches import Stretch
 from stickslip.simulated.states import BELT, LAGGED, X1, X2, Y1, Y2, Z
 
 Floats = NDArray[np.float64]
@@ -67,10 +69,31 @@ def lagged(t: Floats, x: Floats, tau: float) -> Floats:
     return out
 
 
+def past_of(data: Sequence[Data], places: Sequence[Stretch], tau: float) -> Past:
+    """
+    Return what the readings tell of a lag before windows begin.
+
+    Parameters
+    ----------
+    data, places : the runs, and the windows
+    tau : time constant of the lag
+    """
+    runs = np.array([one.run for one in places])
+    read, behind = np.zeros((len(places), 2)), np.zeros((len(places), 2))
+    for r in np.unique(runs):
+        run, here = data[r], np.flatnonzero(runs == r)
+        began = [run.t[one.start] - one.dwell for one in places if one.run == r]
+        rows = np.searchsorted(run.t, began)
+        every = np.zeros((len(run.t), 2))
+        every[:, : min(run.readings.shape[1], 2)] = run.readings[:, :2]
+        read[here], behind[here] = every[rows], lagged(run.t, every, tau)[rows]
+    return Past(read, behind, np.array([one.dwell for one in places]))
+
+
 def derived(
     values: Mapping[str, float],
     begun: Floats,
-    belt_speed: float,
+    belt_speed: float | Floats,
     belt: Floats,
     at: Floats,
     past: Callable[[float], Past],
@@ -85,7 +108,7 @@ def derived(
     ----------
     values : all numbers by name
     begun : (states, w) the states that are numbers of the windows
-    belt_speed : of the run
+    belt_speed : of the run, or (w,)
     belt : (w,) relative speed of each window's own belt
     at : (w,) when the windows begin
     past : of a lag with some time constant

@@ -14,6 +14,8 @@ import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
+from stickslip.likelihoods.symmetric_root import symmetric_root
+
 Floats = NDArray[np.float64]
 
 
@@ -41,8 +43,7 @@ def correlation(length: float, count: int, slow: tuple[float, float]) -> Floats:
 
 def root(length: float, count: int, slow: tuple[float, float]) -> Floats:
     """Return the factor of the line less its mean, and last of the mean, (count + 1, count), of unit variance."""
-    values, vectors = np.linalg.eigh(correlation(length, count, slow))
-    whole = vectors * np.sqrt(np.maximum(values, 0.0))
+    whole = symmetric_root(correlation(length, count, slow))
     mean = weights(count) @ whole
     return np.concatenate([whole - mean, mean[None]])
 
@@ -65,7 +66,7 @@ def times(t: Floats, shapes: Floats) -> Floats:
 def ridden(
     speed: Floats,
     mode: NDArray[np.int8] | NDArray[np.bool_],
-    belt_speed: float,
+    belt_speed: float | Floats,
     passed: Floats,
     begins: Sequence[int] | NDArray[np.int64] = (0,),
 ) -> Floats:
@@ -75,11 +76,12 @@ def ridden(
     Parameters
     ----------
     speed, mode : (n,) the block's speed at the samples of windows one after the other, and 0 where it sticks
-    belt_speed : of the belt
+    belt_speed : of the belt, or (n,)
     passed : (n, count) of `times`
     begins : where each window begins
     """
-    out = belt_speed * passed
+    out = np.reshape(belt_speed, (-1, 1)) * passed
+    share = speed / belt_speed
     sticks = mode == 0
     edges = np.flatnonzero(np.diff(sticks)) + 1
     ahead = np.zeros(out.shape[1])  # place of the block in the last stick, less that of the belt since
@@ -92,7 +94,7 @@ def ridden(
             out[a:b] += ahead - out[a]
             ahead = out[b - 1]
         else:  # the slip is the same, by as much sooner as the belt was ahead
-            out[a:b] = (speed[a:b] / belt_speed)[:, None] * ahead
+            out[a:b] = share[a:b, None] * ahead
     return out
 
 

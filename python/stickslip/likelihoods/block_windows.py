@@ -59,7 +59,9 @@ class BlockSensors:
         """Return the state whose slopes are read."""
         return [LAGGED if "sensor_lag.tau" in known else X1]
 
-    def read(self, samples: Samples, values: Mapping[str, float], belt_speed: float, channels: int) -> Chain:
+    def read(
+        self, samples: Samples, values: Mapping[str, float], belt_speed: float | Floats, channels: int
+    ) -> Chain:
         """Return the readings and their slopes; of a force the true spring's, a cubic part apart."""
         s = samples
         chain = read(s.t, s.state, s.slopes, s.names, values, belt_speed, channels, (), s.offset)

@@ -30,6 +30,7 @@ from stickslip.likelihoods.own_phases import with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
+from stickslip.likelihoods.symmetric_root import symmetric_root
 from stickslip.measured.recording import Recording
 
 if TYPE_CHECKING:
@@ -184,10 +185,9 @@ class _Members:
         if found is None:
             raise StickslipError("the model cannot follow the last readings")
         mean, covariance = found
-        size, turn = np.linalg.eigh(covariance)
         # what sticks has no speed of its own: its direction says nothing, and moves nothing
-        root = turn * np.sqrt(np.where(size < 1.0, np.maximum(size, 0.0), 0.0))
-        return np.asarray(mean + self.rng.standard_normal((MEMBERS, len(mean))) @ root.T)
+        root = symmetric_root(covariance, 1.0)
+        return np.asarray(mean + self.rng.standard_normal((MEMBERS, len(mean))) @ root)
 
     def run(self, k: int) -> Floats:
         """Return the readings of a member at the times to come, (n, channels); NaN where it is lost."""

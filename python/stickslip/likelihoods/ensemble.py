@@ -17,7 +17,8 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.band import MEMBERS, band, standing
-from stickslip.likelihoods.belt_windows import PROFILE, BeltWindows
+from stickslip.likelihoods.belt_layout import PROFILE
+from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.in_common import Common, in_common
@@ -28,6 +29,7 @@ from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import Stretch, stretches, timed
+from stickslip.likelihoods.symmetric_root import symmetric_root
 
 Floats = NDArray[np.float64]
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
@@ -118,12 +120,12 @@ def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[
     if shared is not None:
         n = len(fit.random)
         wide = np.sqrt(n / rng.chisquare(n - 1, MEMBERS))
-        size, turn = np.linalg.eigh(shared.covariance)
-        doubt = rng.standard_normal((MEMBERS, len(size))) @ (turn * np.sqrt(np.maximum(size, 0.0))).T
+        size = len(shared.covariance)
+        doubt = rng.standard_normal((MEMBERS, size)) @ symmetric_root(shared.covariance)
         # events that are alike, and scatter more than they seem to, tell less of what they have in common
         more = np.sqrt(np.maximum(wide**2 * (1 + found) / (1 - found) - 1, 0.0) / n)
         drawn = more[:, None] * (rng.standard_normal((MEMBERS, root.shape[1])) @ root.T)
-        return Events(root, like, doubt + drawn, wide, ahead=_ahead(shared, rng)), np.zeros(len(size))
+        return Events(root, like, doubt + drawn, wide, ahead=_ahead(shared, rng)), np.zeros(size)
     # the law is that of other runs: what the events of this one have in common is known from them alone
     count = len(fit.random) * (1 - found) / (1 + found)
     # so few events tell their standard deviation roughly: each member has one that they may come from

@@ -6,7 +6,9 @@ anew from several starts; one that still does not fit counts by the logarithm of
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,7 @@ from stickslip.likelihoods.variances import Estimate, estimate
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Each = Callable[[Callable[[Any], Any], Iterable[Any]], Iterable[Any]]
 STEPS = (1.0, 0.4, 0.1)
 WORSE = (5.0, 0.02)  # growth of a window's cost, absolute and relative, from which it is polished alone
 LAST_TURNS = 40  # of it at the end of a fit
@@ -32,7 +35,7 @@ ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
 
 
-def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
+def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = map) -> Fit:
     """
     Return the fit from the declared numbers.
 
@@ -45,26 +48,47 @@ def null(windows: Windowed, policy: Policy, twice: bool = False) -> Fit:
     windows, policy : what is fitted, and what steers it
     twice : fit once more from scatter as usual, where the first has not settled or is no usual model of the windows,
         and keep the better: what a search calls lacking must not be what a fit missed
+    each : calls a function with every item, as `map` does; fits that do not wait for one another may be made at once
 
     """
     first = begun(windows)
-    fit = fitted(first, policy)
     if isinstance(windows, BodiesWindows):
+        fit = fitted(first, policy)
         return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
+    shown = shown_levels(windows, first.at)
+    if shown is None:
+        fit, there = fitted(first, policy), None
+    else:
+        begun_there = replace(first, population=shown_scatter(windows, shown), own=shown)
+        fit, there = each(
+            _called, (partial(fitted, first, policy), partial(_alone_first, begun_there, policy))
+        )
     if twice and doubtful(fit, policy):
         fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
-    if (shown := shown_levels(windows, first.at)) is not None:
-        begun_there = replace(first, population=shown_scatter(windows, shown), own=shown)
-        fits = [fit, _alone_first(begun_there, policy)]
-        if not explained(fits[-1]) or swollen(
-            fits[-1]
-        ):  # a scatter that is free may take what a fit is short of
+    if there is not None:
+        fits: list[Fit] = [fit, there]
+        if not explained(there) or swollen(there):  # a scatter that is free may take what a fit is short of
             held = policy.most_steps
-            fits += [_alone_first(begun_there, policy, held), fitted(begun_there, policy, held=held)]
-        fit = min(fits, key=lambda one: (lost(one), one.deviance))
+            fits += each(
+                _called,
+                (
+                    partial(_alone_first, begun_there, policy, held),
+                    partial(fitted, begun_there, policy, held=held),
+                ),
+            )
+        fit = min(fits, key=_lost_first)
         if unexplained(fit) >= policy.noise_left:
             return fit
     return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
+
+
+def _lost_first(fit: Fit) -> tuple[bool, float]:
+    return lost(fit), fit.deviance
+
+
+def _called(fit: Callable[[], Fit]) -> Fit:
+    """A fit that was put off."""
+    return fit()
 
 
 def _best(*fits: Fit) -> Fit:
@@ -115,7 +139,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     held = policy.held if held is None else held
     most = policy.most_steps if most is None else most
     fit, damping, calm = replace(fit, at=fit.windows.bounded(fit.at)), 0.0, 0
-    moved = True
+    moved, failed = True, False
     for step in range(most):
         if moved:
             fit = _linearised(fit, policy)
@@ -126,11 +150,13 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
         trial, cost = _stepped(fit, policy, damping, free=step >= held)
         moved = trial is not None
         if trial is None:
-            damping = max(damping * 10, 1e-2)
+            damping, failed = max(damping * 10, 1e-2), True
             if damping > 10:
                 break
             continue
-        damping = damping / 10 if damping > 1e-5 else 0.0
+        if not failed:  # what has just been needed is needed again
+            damping = damping / 10 if damping > 1e-5 else 0.0
+        failed = False
         fit = replace(trial, steps=step + 1)
         calm = calm + 1 if cost < policy.settled else 0
         if calm and step > held:
@@ -217,15 +243,47 @@ def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
 
 
 def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float]:
-    """The fit a step on and the cost that it saves; None where no step saves any."""
+    """
+    The fit a step on and the deviance that it saves; None where no step saves any.
+
+    A population that is free may follow the linearised windows where the windows themselves do not: it moves with a
+    step that lowers the deviance, its own part included, or stays.
+    """
+    stay = _estimate(fit, policy, 0)
+    cost = Cost(fit, fit.population, fit.noise)
+    each, total = cost.total(fit.blocks, fit.own, fit.at)
+    here = _At(cost, each, total + stay.solution.volume + stay.held)
+    if free:
+        found = _estimate(fit, policy, TURNS)
+        if (moved := _tried(fit, found, found.noise, damping, here, STEPS[:2])) is not None:
+            return moved
+        trial = _tried(fit, stay, fit.noise, damping, here, STEPS)
+    else:
+        trial = _tried(fit, stay, _freed_noise(fit, stay), damping, None, STEPS)
+    return (None, 0.0) if trial is None else trial
+
+
+@dataclass(frozen=True)
+class _At:
+    """Where a step begins: the windows' costs there, and its deviance."""
+
+    cost: Cost
+    each: Floats
+    deviance: float
+
+
+def _tried(
+    fit: Fit,
+    found: Estimate[Any],
+    noise: Floats,
+    damping: float,
+    here: _At | None,
+    sizes: Sequence[float],
+) -> tuple[Fit, float] | None:
+    """The fit a step on under another population, and what it saves; held against a deviance, or under that alone."""
     assert fit.linear is not None
-    windows = fit.windows
-    found = _estimate(fit, policy, TURNS if free else 0)
-    population, noise = found.population, found.noise
-    if not free:
-        noise = _freed_noise(fit, found)
-    solution = found.solution
-    if damping or not free:
+    windows, population, solution = fit.windows, found.population, found.solution
+    if damping or here is None:
         roots = factor(population, windows.places)
         prior = windows.prior.at(fit.at)
         solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
@@ -233,7 +291,9 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
-    for size in STEPS:
+    added = 0.0 if here is None else found.solution.volume + found.held
+    least = now if here is None else here.deviance
+    for size in sizes:
         at = windows.bounded(fit.at + size * share * solution.shared)
         own = fit.own.copy()
         own[:, : windows.begins] += size * share * np.clip(solution.own, -1, 1)
@@ -241,7 +301,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
         blocks = windows.blocks(at, own, shared=(), local=False)
         new, then = cost.total(blocks, own, at)
         worse = (new > each + WORSE[0] + WORSE[1] * each) | ~stand(fit.blocks, blocks)
-        if worse.any() and (worse.sum() < 0.5 * len(worse) or size == STEPS[-1]):
+        if worse.any() and (worse.sum() < 0.5 * len(worse) or size == sizes[-1]):
             alone = np.where(worse[:, None], fit.own, own)
             alone = polished(replace(fit, at=at), cost, alone, worse, 3)
             again = windows.blocks(at, alone, worse, shared=(), local=False)
@@ -249,9 +309,9 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
             other, _ = cost.total(blocks, alone, at)
             own = np.where((other < new)[:, None], alone, own)
             then += float(np.minimum(other - new, 0.0).sum())
-        if then < now - 1e-3:
-            return replace(fit, at=at, own=own, population=population, noise=noise), now - then
-    return None, 0.0
+        if then + added < least - 1e-3:
+            return replace(fit, at=at, own=own, population=population, noise=noise), least - then - added
+    return None
 
 
 def _freed_noise(fit: Fit, found: Estimate[Any]) -> Floats:

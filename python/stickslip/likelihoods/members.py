@@ -17,6 +17,7 @@ from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
 from stickslip.likelihoods.stretches import Stretch
+from stickslip.likelihoods.symmetric_root import symmetric_root
 from stickslip.simulated.states import X1
 
 Floats = NDArray[np.float64]
@@ -115,9 +116,8 @@ class Members:
         if found is None:
             return None
         own, covariance = found
-        size, turn = np.linalg.eigh(covariance)
-        root = turn * np.sqrt(np.maximum(size, 0.0))
-        out = np.asarray(own + self.rng.standard_normal((self.count, len(own))) @ root.T)
+        drawn = self.rng.standard_normal((self.count, len(own))) @ symmetric_root(covariance)
+        out = np.asarray(own + drawn)
         out[: self.events.mean_only] = own
         return out
 

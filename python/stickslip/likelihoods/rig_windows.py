@@ -40,7 +40,9 @@ class RigSensors:
         """Return the states whose slopes are read."""
         return states_read(known, channels)
 
-    def read(self, samples: Samples, values: Mapping[str, float], belt_speed: float, channels: int) -> Chain:
+    def read(
+        self, samples: Samples, values: Mapping[str, float], belt_speed: float | Floats, channels: int
+    ) -> Chain:
         """Return the readings and their slopes."""
         return read(
             samples.t, samples.state, samples.slopes, samples.names, values, belt_speed, channels, (), samples.offset

@@ -75,5 +75,7 @@ class Sensors(Protocol):
     def kept(self, known: Collection[str], channels: int, /) -> list[int]:
         """Return the states whose slopes are read under a model with the `known` numbers."""
 
-    def read(self, samples: Samples, values: Mapping[str, float], belt_speed: float, channels: int) -> Chain:
+    def read(
+        self, samples: Samples, values: Mapping[str, float], belt_speed: float | Floats, channels: int
+    ) -> Chain:
         """Return the readings and their slopes, gains apart."""

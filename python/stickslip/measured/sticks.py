@@ -202,9 +202,9 @@ def track(
     return Track(t, smooth, v, mode, runs(mode), belt_speed, threshold, n)
 
 
-def rides(v: Array, belt_speed: float) -> npt.NDArray[np.bool_]:
+def rides(v: Array, belt_speed: float | Array) -> npt.NDArray[np.bool_]:
     """Whether velocities (n,) are the belt's, within what ripple, creep and noise make of it."""
-    return np.asarray(np.abs(v - belt_speed) <= CREEP * abs(belt_speed))
+    return np.asarray(np.abs(v - belt_speed) <= CREEP * np.abs(belt_speed))
 
 
 @dataclass(frozen=True)

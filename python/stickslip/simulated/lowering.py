@@ -63,12 +63,9 @@ class Lowered:
     def __reduce__(self) -> tuple[object, ...]:
         return lower, self.made_of  # what the core takes does not cross processes
 
-    def windows(self, **asked: Any) -> Mapping[str, object]:
-        """Return what `_core.simulate_windows` makes of windows; the structure is the model's."""
-        if self.tapes is not None:
-            return self.tapes.windows(**asked)
-        out: Mapping[str, object] = _core.simulate_windows(structure=self.structure, **asked)
-        return out
+    def windows(self, *, parameters: Floats, **asked: Any) -> Mapping[str, object]:
+        """Return what `_core.simulate_windows` makes of windows; all structures are the model's."""
+        return simulated_windows([self] * len(parameters), parameters=parameters, **asked)
 
     def run(
         self, *, parameters: Floats, initial: Floats, t: Floats, contact: int, **asked: Any
@@ -130,6 +127,25 @@ class Lowered:
             words = f"is a state of the effect {' and of '.join(owners)}, which the model does not have"
             raise InputError(words, key=name)
         raise unknown("parameter", name, self.known_names())
+
+
+def simulated_windows(
+    lowered: Sequence[Lowered], *, parameters: Floats, **asked: Any
+) -> Mapping[str, object]:
+    """
+    Return what `_core.simulate_windows` makes of windows.
+
+    Parameters
+    ----------
+    lowered : one model for each row of parameters, alike but for where their curves have knots
+    parameters, asked : as the core has them
+    """
+    tapes = lowered[0].tapes
+    if tapes is not None:
+        return tapes.windows(parameters=parameters, **asked)
+    structures = [one.structure for one in lowered]
+    out: Mapping[str, object] = _core.simulate_windows(structures=structures, parameters=parameters, **asked)
+    return out
 
 
 _LAST: dict[int, tuple[weakref.ref[Model], float, Lowered]] = {}

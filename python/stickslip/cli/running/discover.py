@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import shlex
 from collections.abc import Iterable
@@ -17,13 +18,18 @@ from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.rig import Rig
 from stickslip.declared.si import scales_of
 from stickslip.discovery.result import Found
+from stickslip.discovery.workers import Workers
 from stickslip.files import folder
 from stickslip.measured.case import Case, load_case
 from stickslip.progress import stages
 from stickslip.shown.report import words
 from stickslip.shown.report.contents import si_text
+from stickslip.shown.report.files import NAMES, written
 from stickslip.shown.report.units import axes_of
-from stickslip.shown.report.write import NAMES, fill, written
+
+DRAWING = (
+    "stickslip.shown.report.write"  # it takes a second to load, and is not needed before the search has ended
+)
 
 
 def perform(
@@ -38,9 +44,10 @@ def perform(
     ):
         for finding in folded(loaded.findings):
             tell(f"note: {finding}")
+        Workers.load_later(DRAWING)
         found = stickslip.discover(loaded, progress=tell, seed=seed, threads=threads)
         tell("drawing the report")
-        fill(temporary, found, loaded, _again(case, out, seed, files_from))
+        importlib.import_module(DRAWING).fill(temporary, found, loaded, _again(case, out, seed, files_from))
     say(found, loaded, console)
     say_written(written(out))
 

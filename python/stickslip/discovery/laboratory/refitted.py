@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
 from stickslip.discovery.laboratory.waves import Waves
+from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import BELT, KINETIC, STATIC, memory
 from stickslip.likelihoods.score import TURNS, beside, plain
@@ -26,7 +28,9 @@ Floats = NDArray[np.float64]
 RECORDS = 30  # of the draws, as each is fitted twice; waves that act gain five times the gate and more
 
 
-def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best: Fit) -> Gate:
+def refitted(
+    bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best: Fit, workers: Workers = ALONE
+) -> Gate:
     """
     Return the gate of a wave beside a hypothesis, and what it gains of the readings by the same measure.
 
@@ -37,6 +41,7 @@ def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best:
     seed : of the draws
     best : the fit whose scatter, noise and memory of events the records have: all that the hypothesis has, for a field
         along the belt is a model of the windows; that beside the wave where the hypothesis is no model of them
+    workers : take the records between them
     """
     fit = replace(fit, population=best.population, noise=best.noise)
     null, waves = Null(fit), screen.wave(name)
@@ -45,10 +50,8 @@ def refitted(bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best:
     every = [None if one is None else one[:, :RECORDS] for one in drawn]
     price = waves.count * math.log(len(bench.stretches))
     often = waves.often(null, every, null.shared_pull(every, RECORDS))
-    nowhere = np.zeros(len(fit.at))
-    draws = np.array(
-        [_gained(bench, _reading(fit, every, j), waves, w, nowhere) - price for j, w in enumerate(often)]
-    )
+    of_record = partial(_gained_of, bench, fit, every, waves)
+    draws = np.array(workers.map(of_record, enumerate(often.tolist()))) - price
     away, _ = fit.windows.prior.at(fit.at)
     observed = _gained(bench, _reading(fit, null.rights, 0), waves, waves.best(null), away) - price
     # how friction is alike along the belt a fit tells poorly: a wave pays for its numbers once more
@@ -66,6 +69,14 @@ def _reading(fit: Fit, every: list[Floats | None], record: int) -> Fit:
         left = one[:, record].reshape(block.shape[:2]) * np.sqrt(fit.noise / weight)
         blocks.append(np.concatenate([block[:, :, :-1], left[:, :, None]], axis=2))
     return replace(fit, blocks=blocks, own=np.zeros_like(fit.own))
+
+
+def _gained_of(
+    bench: Bench, fit: Fit, every: list[Floats | None], waves: Waves, one: tuple[int, float]
+) -> float:
+    """What the wave gains of a record, by its number and the frequency that it is sought at."""
+    record, w = one
+    return _gained(bench, _reading(fit, every, record), waves, w, np.zeros(len(fit.at)))
 
 
 def _gained(bench: Bench, fit: Fit, waves: Waves, w: float, away: Floats) -> float:

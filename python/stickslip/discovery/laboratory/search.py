@@ -107,7 +107,7 @@ def search(
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
-        base = Trial((), null(bench.windows(), bench.policy, twice=True))
+        base = Trial((), null(bench.windows(), bench.policy, twice=True, each=workers.map))
     out = Searched(base, base)
     screen: Screen | None = None
     while len(base.terms) < bench.policy.most_effects:
@@ -115,7 +115,7 @@ def search(
         if not base.terms:
             out.null = base
         out.steps.append(step)
-        found = _passing(bench, step, tell, seed)
+        found = _passing(bench, step, tell, seed, workers)
         if found is None:
             break
         base = found
@@ -124,14 +124,16 @@ def search(
     return out
 
 
-def _passing(bench: Bench, step: Step, tell: Callable[[str], None], seed: int) -> Trial | None:
+def _passing(
+    bench: Bench, step: Step, tell: Callable[[str], None], seed: int, workers: Workers
+) -> Trial | None:
     """The best trial that passes its gate; that of a wave is drawn when it is asked."""
     for trial in sorted(step.trials, key=Trial.whole):
         if trial.comes_and_goes and step.promises(trial):
             name, base = trial.names[-1], step.base.fit
             tell(f"asking what scatter alone would gain of {name}")
             step.waves[name] = refitted(
-                bench, base, step.screen, name, seed, base if _usual(base) else trial.fit
+                bench, base, step.screen, name, seed, base if _usual(base) else trial.fit, workers
             )
         if step.passes(trial):
             return trial

@@ -111,7 +111,7 @@ def all_full(
     first = min(fits, key=lambda name: fits[name].deviance, default=None)
     if first is not None and fits[first].deviance < there and not explained(base.fit):
         # a null that is far off is no place to start from: what comes furthest from there may come further
-        fits[first] = _sought(bench, base, (fits[first], terms[first]))
+        fits[first] = _sought(bench, base, (fits[first], terms[first]), workers)
         done.append(first)
     reached = min([there, *(fit.deviance for fit in fits.values())])
     short = [
@@ -218,7 +218,7 @@ def leader_anew(
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
     idle = leader.worth() >= base.worth() and explained(base.fit)
     if not idle and term.name not in done:
-        fit = _sought(bench, base, (leader.fit, term))
+        fit = _sought(bench, base, (leader.fit, term), workers)
         if fit.deviance < leader.fit.deviance:
             leader = trial_beside(bench, base, fit, term)
     fuller = workers.map(partial(_fuller, bench, base, leader), _optional_starts(term))
@@ -232,11 +232,10 @@ def anew(bench: Bench, start: Fit) -> Fit | None:
     return None
 
 
-def _sought(bench: Bench, base: Trial, found: tuple[Fit, Term]) -> Fit:
+def _sought(bench: Bench, base: Trial, found: tuple[Fit, Term], workers: Workers = ALONE) -> Fit:
     """A term's fit, or a better one from the readings; where two end alike no third is asked for."""
     fit, term = found
-    for start in _afresh(bench, base, term):
-        again = anew(bench, start)
+    for again in workers.ahead(partial(anew, bench), _afresh(bench, base, term)):
         if again is None:
             continue
         apart = abs(again.deviance - fit.deviance)

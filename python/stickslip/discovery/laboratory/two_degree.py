@@ -112,13 +112,13 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
     """
     as_read = asked.data[: len(asked.case.train)]
     asked.tell("fitting the declared law, its constants and its scatter")
-    base = _null(bench := asked.bench)
+    base = _null(bench := asked.bench, asked.workers)
     first = left(bench, base.fit)
     data, said = cleaned(asked.data, first, asked.case.noise)
     data, thin = readings.independent(asked.case, data, first)
     if _changed(asked.data, data):
         asked = replace(asked, data=data)
-        base = _null(bench := asked.bench, base)
+        base = _null(bench := asked.bench, asked.workers, base)
     verdicts = _verdicts(asked, bench, base)
     last = left(bench, verdicts.told.fit)
     data, more = cleaned(asked.data, last, asked.case.noise)
@@ -128,7 +128,7 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
     if many:
         asked.tell("readings stand out from what is left: once more without them")
         asked, said = replace(asked, data=data), (*said, *more)
-        verdicts = _verdicts(asked, bench := asked.bench, _null(bench))
+        verdicts = _verdicts(asked, bench := asked.bench, _null(bench, asked.workers))
     out = () if thin else readings.left_out(as_read, asked.data[: len(as_read)])
     return asked, verdicts, thin or (*said, *out)
 
@@ -140,7 +140,7 @@ def _changed(before: Sequence[Data], after: Sequence[Data]) -> bool:
     )
 
 
-def _null(bench: BeltBench, near: Trial | None = None) -> Trial:
+def _null(bench: BeltBench, workers: Workers, near: Trial | None = None) -> Trial:
     """The declared model alone, fitted from where it stood with the same windows of other noise, if it did."""
     if len(bench.stretches) < FEWEST:
         words = f"the train runs hold {len(bench.stretches)} windows of a cycle each"
@@ -151,7 +151,7 @@ def _null(bench: BeltBench, near: Trial | None = None) -> Trial:
             there = near.fit
             first = replace(begun(windows), at=there.at, own=there.own, population=there.population)
             return Trial((), fitted(first, bench.policy, held=2))
-        return Trial((), null(windows, bench.policy, twice=True))
+        return Trial((), null(windows, bench.policy, twice=True, each=workers.map))
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with a law of this kind; are rig, units and speeds right?"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Generic, TypeVar
 
 from stickslip.declared.uncertainty import Uncertainty
@@ -106,7 +108,7 @@ def searched(
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
-        base = Trial((), null(bench.windows(), bench.policy, twice=True))
+        base = Trial((), null(bench.windows(), bench.policy, twice=True, each=workers.map))
     bench = bench.timed(base.fit)
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
@@ -154,6 +156,7 @@ def curve_alone(
         bench,
         alone,
         leading(bench, alone, chosen.fit, seed, workers, promised, gate_of(found.steps[:1])),
+        workers,
         least,
     )
 
@@ -169,7 +172,7 @@ def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE
         return None
     # names that passed are not doubted for less
     gate = gate_of(found.steps) + bench.policy.noticed
-    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate))
+    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate), workers)
     if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
@@ -191,22 +194,30 @@ def explained_by_names(bench: Bench, found: Searched) -> float:
     return fitted(alone, policy, held=policy.most_steps).deviance - chosen.deviance
 
 
-def _proven(bench: Bench, beside: Trial, every: Sequence[Learned], least: float = 0.0) -> _Told | None:
+def _proven(
+    bench: Bench, beside: Trial, every: Sequence[Learned], workers: Workers = ALONE, least: float = 0.0
+) -> _Told | None:
     """
     The best curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
 
     It is worth `least` at least.
     """
     count, found = len(bench.stretches), list[tuple[float, _Told]]()
+    shown_all = workers.ahead(partial(_shown, bench, beside), every)
     for one in every:
         if found and max(worth for worth, _ in found) > one.worth(count):
             break  # none of the others promises as much
-        try:
-            shown, there = proven(bench, beside, one)
-        except FloatingPointError:
+        told = next(shown_all)
+        if told is None or lost(told[1].fit):  # as of names: beside what explains them windows are not lost
             continue
-        if lost(there.fit):  # as of names: beside what explains them windows are not lost
-            continue
+        shown, there = told
         if (worth := shown.worth(count)) > least and shown.passes(count):
             found.append((worth, (shown, there)))
     return max(found, key=lambda each: each[0])[1] if found else None
+
+
+def _shown(bench: Bench, beside: Trial, one: Learned) -> _Told | None:
+    """A curve with all else fitted beside it; None where that fails."""
+    with suppress(FloatingPointError):
+        return proven(bench, beside, one)
+    return None

@@ -13,23 +13,10 @@ from stickslip.discovery.result import Found
 from stickslip.files import folder
 from stickslip.measured.case import Case
 from stickslip.shown.driven_slider import page as driven
-from stickslip.shown.driven_slider.figures import FIGURES as DRIVEN
 from stickslip.shown.general_rig import page as general
-from stickslip.shown.general_rig.figures import FIGURES as GENERAL
 from stickslip.shown.report.contents import contents
-from stickslip.shown.report.page import FIGURES, draw, page
-
-NAMES = (
-    "report.html",
-    "report.json",
-    "model_before.toml",
-    "model_after.toml",
-    *(
-        f"figures/{name}.{kind}"
-        for name in dict.fromkeys((*FIGURES, *DRIVEN, *GENERAL))
-        for kind in ("svg", "png")
-    ),
-)
+from stickslip.shown.report.files import NAMES, written
+from stickslip.shown.report.page import draw, page
 
 
 def write_report(
@@ -64,18 +51,6 @@ def write_report(
     with folder(Path(out), NAMES, force=force) as temporary:
         fill(temporary, found, case, command)
     return written(Path(out))
-
-
-def written(out: Path) -> list[Path]:
-    """The files of a report in a folder; report.html first."""
-    figures = sorted(one for one in (out / "figures").glob("*.*") if _ours(one))
-    names = ("report.html", "report.json", "model_before.toml", "model_after.toml")
-    return [*(out / name for name in names), *figures]
-
-
-def _ours(figure: Path) -> bool:
-    """Whether a figure is one that a report may have; others are somebody's own."""
-    return figure.suffix in (".svg", ".png") and figure.stem in {*FIGURES, *DRIVEN, *GENERAL}
 
 
 def fill(into: Path, found: Found, case: Case, command: str | None = None) -> None:

@@ -1,0 +1,133 @@
+"""Windows of several runs are simulated together: what comes of them is what comes of each run alone."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import stickslip as ss
+from stickslip.discovery.workers import Workers
+from stickslip.fitted.data import Data
+from stickslip.likelihoods.belt_windows import BeltWindows
+from stickslip.likelihoods.rig_windows import RigSensors
+from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.stretches import stretches
+from stickslip.likelihoods.threads import side_by_side, threads
+from test_rig_windows import EFFECTS, LAW, MODEL, RIG, recorded
+
+PHASES = (0.4, 1.7, -0.9)
+
+
+@pytest.fixture(scope="module")
+def data() -> list[Data]:
+    """Three runs at speeds of their own, one of them backward, with a channel of the belt."""
+    runs = [replace(recorded(MODEL, v)[0], name=f"run{i}") for i, v in enumerate((0.1, 0.16, -0.12))]
+    out = []
+    for run in runs:
+        belt = np.full((len(run.t), 1), run.belt_speed)
+        readings = np.hstack([run.readings, belt])
+        weight, noise = np.full_like(readings, run.weight[0, 0]), np.full(3, run.noise[0])
+        held = np.zeros_like(readings, dtype=bool)
+        out.append(replace(run, readings=readings, weight=weight, noise=noise, held=held))
+    return out
+
+
+def windows_of(data: list[Data], name: str, runs: range) -> BeltWindows:
+    """Windows of some of the runs; each run has phases of its own."""
+    effects = EFFECTS[name]
+    model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
+    numbers = [
+        Number(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
+        for n in LAW
+    ]
+    numbers += [Number(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
+    for one in effects:
+        for k, v in one.parameters.items():
+            if k == "phi":
+                numbers += [
+                    Number(f"{one.name}.phi", PHASES[r], 0.0, np.inf, run=i) for i, r in enumerate(runs)
+                ]
+            else:
+                numbers.append(Number(f"{one.name}.{k}", v, v, np.inf))
+    some = [data[r] for r in runs]
+    return BeltWindows(model, some, stretches(some), numbers, Declared(), RigSensors())
+
+
+def own_of(windows: BeltWindows) -> NDArray[np.float64]:
+    """Numbers of the windows' own, off what the readings show."""
+    own = windows.first()
+    own[:, windows.begins :] += 0.01 * np.random.default_rng(1).normal(size=own[:, windows.begins :].shape)
+    return own
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_runs_together_are_what_each_is_alone(data: list[Data], name: str) -> None:
+    whole = windows_of(data, name, range(3))
+    own = own_of(whole)
+    columns = {(n.name, n.run): j for j, n in enumerate(whole.numbers)}
+    together, motions = whole.blocks(whole.start, own), whole.motions(whole.start, own)
+    for run in range(3):
+        alone = windows_of(data, name, range(run, run + 1))
+        members = whole.by_run[run]
+        shared = [columns[n.name, None if n.run is None else run] for n in alone.numbers]
+        others = [j for (_, r), j in columns.items() if r not in (None, run)]
+        every = zip(
+            members,
+            alone.blocks(alone.start, own[members]),
+            alone.motions(alone.start, own[members]),
+            strict=True,
+        )
+        for i, block, motion in every:
+            here = together[i]
+            assert block is not None
+            assert here is not None
+            assert motion is not None
+            own_motion = motions[i]
+            assert own_motion is not None
+            p = len(whole.numbers)
+            size = np.abs(block).max(axis=(0, 1)) + 1.0
+            found = np.concatenate([here[:, :, shared], here[:, :, p:]], axis=2)
+            assert np.abs((found - block) / size).max() < 1e-6
+            assert not here[:, :, others].any()  # phases of other runs
+            np.testing.assert_allclose(own_motion.readings, motion.readings, rtol=0, atol=1e-9)
+
+
+def test_some_of_the_windows_are_what_they_are_among_all(data: list[Data]) -> None:
+    windows = windows_of(data, "ripple", range(3))
+    own = own_of(windows)
+    chosen = np.arange(len(own)) % 3 == 1
+    every, some = windows.blocks(windows.start, own), windows.blocks(windows.start, own, chosen)
+    for one, other, asked in zip(every, some, chosen, strict=True):
+        assert (other is not None) == asked
+        if other is not None:
+            np.testing.assert_array_equal(one, other)
+
+
+def test_threads_change_nothing(data: list[Data]) -> None:
+    windows = windows_of(data, "memory", range(3))
+    own = own_of(windows)
+    alone = windows.blocks(windows.start, own)
+    with side_by_side(3):
+        assert threads() == 3
+        beside = windows.blocks(windows.start, own)
+    assert threads() == 1
+    for one, other in zip(alone, beside, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_no_more_is_computed_ahead_than_there_are_processes() -> None:
+    begun: list[int] = []
+
+    def told(item: int) -> int:
+        begun.append(item)
+        return item * item
+
+    def items() -> Iterator[int]:
+        yield from range(10)
+
+    made = Workers(1).ahead(told, items())
+    assert next(made) == 0
+    assert next(made) == 1
+    assert begun == [0, 1]
