@@ -95,7 +95,7 @@ def discover(
     >>> print(found.verdict.value)
     effect_found
     >>> print(f"error of forecasts: {found.error.before:.2f} before, {found.error.after:.2f} after")
-    error of forecasts: 0.27 before, 0.01 after
+    error of forecasts: 0.23 before, 0.01 after
     """
     if isinstance(case, Case):
         given = {

@@ -247,42 +247,22 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     The fit a step on and the deviance that it saves; None where no step saves any.
 
     A population that is free may follow the linearised windows where the windows themselves do not: it moves with a
-    step that lowers the deviance, its own part included, or without one if that lowers it.
+    step that lowers the deviance, its own part included, or stays. It does not move by itself, though that may lower
+    the deviance, too: where something is lacking it would take that, and beside friction that scatters by a fifth no
+    effect stands out any more.
     """
-    here, stay = _standing(fit, policy)
-    if not free:
-        trial = _tried(fit, stay, _freed_noise(fit, stay), damping, None, STEPS)
-        return (None, 0.0) if trial is None else trial
-    found = _estimate(fit, policy, TURNS)
-    if (moved := _tried(fit, found, found.noise, damping, here, STEPS[:2])) is not None:
-        return moved
-    apart, saved = _apart(fit, found, here, policy)
-    if apart is not fit:
-        here, stay = _standing(apart, policy)
-    trial = _tried(apart, stay, apart.noise, damping, here, STEPS)
-    if trial is not None:
-        return trial[0], saved + trial[1]
-    return (apart, saved) if saved else (None, 0.0)
-
-
-def _standing(fit: Fit, policy: Policy) -> tuple[_At, Estimate[Any]]:
-    """Where a step begins, and the windows solved there."""
     stay = _estimate(fit, policy, 0)
     cost = Cost(fit, fit.population, fit.noise)
     each, total = cost.total(fit.blocks, fit.own, fit.at)
-    return _At(cost, each, total + stay.solution.volume + stay.held), stay
-
-
-def _apart(fit: Fit, found: Estimate[Any], here: _At, policy: Policy) -> tuple[Fit, float]:
-    """The fit with its population and noise moved towards others while the windows stay, and what that saves."""
-    was, to = fit.population.coordinates(), found.population.coordinates()
-    for size in STEPS:
-        population = fit.population.moved(was + size * (to - was))
-        there = replace(fit, population=population, noise=fit.noise * (found.noise / fit.noise) ** size)
-        saved = here.deviance - _standing(there, policy)[0].deviance
-        if saved > policy.settled:
-            return there, saved
-    return fit, 0.0
+    here = _At(cost, each, total + stay.solution.volume + stay.held)
+    if free:
+        found = _estimate(fit, policy, TURNS)
+        if (moved := _tried(fit, found, found.noise, damping, here, STEPS[:2])) is not None:
+            return moved
+        trial = _tried(fit, stay, fit.noise, damping, here, STEPS)
+    else:
+        trial = _tried(fit, stay, _freed_noise(fit, stay), damping, None, STEPS)
+    return (None, 0.0) if trial is None else trial
 
 
 @dataclass(frozen=True)

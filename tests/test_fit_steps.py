@@ -1,0 +1,46 @@
+"""Steps of a fit whose windows are far from what the model makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from discover_cases import make_case
+from stickslip.declared.effect import effect
+from stickslip.discovery.laboratory.belt_bench import BeltBench
+from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.two_degree import bench_of
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.fit import begun, fitted
+
+MOST_SCATTER = 0.2  # more takes a spring for scatter
+
+
+@pytest.fixture(scope="module")
+def bench() -> BeltBench:
+    """Runs of a rig whose spring stiffens far more than the declared one."""
+    case = make_case((effect("spring_cubic_k1", k=60.0),), dt=0.04, speeds=(0.13, -0.14, 0.1))
+    return bench_of(case, prepare(case.train))
+
+
+def test_a_population_that_is_freed_lowers_the_deviance(bench: BeltBench) -> None:
+    """It followed the linearised windows: from 14,000 to 174,000, and friction that scatters by half."""
+    first = begun(bench.windows())
+    before = fitted(first, bench.policy, most=bench.policy.held).deviance
+    for more in (1, 2, 5):
+        after = fitted(first, bench.policy, most=bench.policy.held + more)
+        assert after.deviance <= before
+        assert max(after.population.friction) < MOST_SCATTER
+
+
+def test_a_population_that_is_far_from_the_windows_comes_back(bench: BeltBench) -> None:
+    """Beside the effect that acts, friction that is taken to scatter by a tenth is found to be all but even."""
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    windows = bench.windows((term(kind, {"k": 60.0}),))
+    ends = []
+    for times in (1.0, 6.0):
+        fit = fitted(replace(begun(windows), population=windows.scatter().wider(times)), bench.policy)
+        ends.append(fit.deviance)
+        assert max(fit.population.friction) < 0.005
+    assert abs(ends[0] - ends[1]) < 1.0
