@@ -170,3 +170,29 @@ def test_a_curve_of_the_reading_is_the_model_s_whatever_the_gain_is_found_to_be(
     made = units.model(ss.Model(BLOCK, friction=LAW, effects=[curve]), values, "gain.spring_force")
     read = reading_of(made, force_channel=True).read(0.01 * x, None, 0.0 * x)
     np.testing.assert_allclose(read / 0.01, (1.03 * x + curve.curve(x)) * 1.04, rtol=1e-12)
+
+
+def test_of_a_slow_belt_the_time_of_a_slip_says_where_the_block_broke_away() -> None:
+    """The largest of many readings lies three standard deviations of their noise beyond it."""
+    belt, noise = 0.002, 0.004
+    t = np.arange(0.0, 700.0, 0.05)
+    made_of = ss.Model(ss.BlockOnBelt(mass=16.0, stiffness=16.0), friction=LAW)
+    motion = ss.simulate(made_of, belt_speed=belt, initial=(0.1, belt), t_end=t[-1], t_eval=t)
+    clean = motion.state[:, :1]
+    readings = clean + noise * np.random.default_rng(3).standard_normal(clean.shape)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (motion.mode != 0).astype(int), [0]])))
+    slips = np.array([(a + b) // 2 for a, b in zip(edges[::2], edges[1::2], strict=True)])
+    weight, held = np.full_like(readings, 1 / noise), np.zeros_like(readings, dtype=bool)
+    cycle, scatter = float(np.median(np.diff(t[slips]))), np.full(1, noise)
+    v = motion.state[:, 1]
+    slow = Data("run", "train", belt, t, readings, weight, scatter, v, slips, cycle, held)
+    windows = made(slow, (), force=False)
+    own = shown_levels(windows, start(windows))
+    assert own is not None
+    assert len(own) > 2
+    static = 1 + own[:, windows.begins]
+    level = own[:, windows.begins + 1]
+    shown = LAW.static * static * (1 + level)
+    assert np.abs(shown / LAW.static - 1).max() < 0.01
+    largest = [float(readings[w.start : w.stop].max()) * 16.0 for w in windows.stretches]
+    assert np.min(largest) > 1.02 * LAW.static
