@@ -7,7 +7,7 @@ anew from several starts; one that still does not fit counts by the logarithm of
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -252,26 +252,16 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     effect stands out any more.
     """
     stay = _estimate(fit, policy, 0)
-    cost = Cost(fit, fit.population, fit.noise)
-    each, total = cost.total(fit.blocks, fit.own, fit.at)
-    here = _At(cost, each, total + stay.solution.volume + stay.held)
-    if free:
-        found = _estimate(fit, policy, TURNS)
-        if (moved := _tried(fit, found, found.noise, damping, here, STEPS[:2])) is not None:
-            return moved
-        trial = _tried(fit, stay, fit.noise, damping, here, STEPS)
+    if not free:
+        trial = _tried(fit, stay, _freed_noise(fit, stay), damping)
     else:
-        trial = _tried(fit, stay, _freed_noise(fit, stay), damping, None, STEPS)
+        _, total = Cost(fit, fit.population, fit.noise).total(fit.blocks, fit.own, fit.at)
+        least = total + stay.solution.volume + stay.held
+        found = _estimate(fit, policy, TURNS)
+        trial = _tried(fit, found, found.noise, damping, STEPS[:2], least)
+        if trial is None:
+            trial = _tried(fit, stay, fit.noise, damping, STEPS, least)
     return (None, 0.0) if trial is None else trial
-
-
-@dataclass(frozen=True)
-class _At:
-    """Where a step begins: the windows' costs there, and its deviance."""
-
-    cost: Cost
-    each: Floats
-    deviance: float
 
 
 def _tried(
@@ -279,13 +269,13 @@ def _tried(
     found: Estimate[Any],
     noise: Floats,
     damping: float,
-    here: _At | None,
-    sizes: Sequence[float],
+    sizes: Sequence[float] = STEPS,
+    deviance: float | None = None,
 ) -> tuple[Fit, float] | None:
-    """The fit a step on under another population, and what it saves; held against a deviance, or under that alone."""
+    """The fit a step on under some population, and what that saves of a deviance, or of the cost under it."""
     assert fit.linear is not None
     windows, population, solution = fit.windows, found.population, found.solution
-    if damping or here is None:
+    if damping or deviance is None:
         roots = factor(population, windows.places)
         prior = windows.prior.at(fit.at)
         solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
@@ -293,8 +283,7 @@ def _tried(
     share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
-    added = 0.0 if here is None else found.solution.volume + found.held
-    least = now if here is None else here.deviance
+    least, added = (now, 0.0) if deviance is None else (deviance, found.solution.volume + found.held)
     for size in sizes:
         at = windows.bounded(fit.at + size * share * solution.shared)
         own = fit.own.copy()
