@@ -13,6 +13,7 @@ from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import begun, fitted
+from stickslip.likelihoods.repeating import swollen
 
 MOST_SCATTER = 0.2  # more takes a spring for scatter
 
@@ -28,10 +29,18 @@ def test_a_population_that_is_freed_lowers_the_deviance(bench: BeltBench) -> Non
     """It followed the linearised windows: from 14,000 to 174,000, and friction that scatters by half."""
     first = begun(bench.windows())
     before = fitted(first, bench.policy, most=bench.policy.held).deviance
-    for more in (1, 2, 5):
+    for more in (1, 5, 20):
         after = fitted(first, bench.policy, most=bench.policy.held + more)
         assert after.deviance <= before
         assert max(after.population.friction) < MOST_SCATTER
+        before = after.deviance
+
+
+def test_a_population_moves_though_the_windows_do_not_follow(bench: BeltBench) -> None:
+    """It stayed where it began and held the windows where nothing fits; it goes no further than is usual."""
+    fit = fitted(begun(bench.windows()), bench.policy)
+    assert max(fit.population.friction) > 2 * max(bench.windows().scatter().friction)
+    assert not swollen(fit)
 
 
 def test_a_population_that_is_far_from_the_windows_comes_back(bench: BeltBench) -> None:

@@ -247,21 +247,44 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     The fit a step on and the deviance that it saves; None where no step saves any.
 
     A population that is free may follow the linearised windows where the windows themselves do not: it moves with a
-    step that lowers the deviance, its own part included, or stays. It does not move by itself, though that may lower
-    the deviance, too: where something is lacking it would take that, and beside friction that scatters by a fifth no
-    effect stands out any more.
+    step that lowers the deviance, its own part included, or where that fails without one, as far as scatter is usual.
+    What is lacking would be taken by more: beside friction that scatters by a fifth no effect stands out.
     """
     stay = _estimate(fit, policy, 0)
     if not free:
         trial = _tried(fit, stay, _freed_noise(fit, stay), damping)
-    else:
-        _, total = Cost(fit, fit.population, fit.noise).total(fit.blocks, fit.own, fit.at)
-        least = total + stay.solution.volume + stay.held
-        found = _estimate(fit, policy, TURNS)
-        trial = _tried(fit, found, found.noise, damping, STEPS[:2], least)
-        if trial is None:
-            trial = _tried(fit, stay, fit.noise, damping, STEPS, least)
-    return (None, 0.0) if trial is None else trial
+        return (None, 0.0) if trial is None else trial
+    here = _deviance(fit, stay)
+    found = _estimate(fit, policy, TURNS)
+    if (moved := _tried(fit, found, found.noise, damping, STEPS[:2], here)) is not None:
+        return moved
+    apart, saved = _apart(fit, found, here, policy)
+    if saved:
+        stay = _estimate(apart, policy, 0)
+    trial = _tried(apart, stay, apart.noise, damping, STEPS, here - saved)
+    if trial is not None:
+        return trial[0], saved + trial[1]
+    return (apart, saved) if saved else (None, 0.0)
+
+
+def _deviance(fit: Fit, stay: Estimate[Any]) -> float:
+    """The deviance of a fit where it stands; `stay` is how its windows are solved there."""
+    _, total = Cost(fit, fit.population, fit.noise).total(fit.blocks, fit.own, fit.at)
+    return total + stay.solution.volume + stay.held
+
+
+def _apart(fit: Fit, found: Estimate[Any], here: float, policy: Policy) -> tuple[Fit, float]:
+    """The fit with population and noise on the way to others while its windows stay, and what that saves."""
+    was, to = fit.population.coordinates(), found.population.coordinates()
+    for size in STEPS:
+        population = fit.population.moved(was + size * (to - was))
+        there = replace(fit, population=population, noise=fit.noise * (found.noise / fit.noise) ** size)
+        if (
+            not swollen(there)
+            and (saved := here - _deviance(there, _estimate(there, policy, 0))) > policy.settled
+        ):
+            return there, saved
+    return fit, 0.0
 
 
 def _tried(
