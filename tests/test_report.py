@@ -22,10 +22,13 @@ from stickslip.discovery.result import Found
 from stickslip.discovery.workers import Workers
 from stickslip.files import RECORD, folder
 from stickslip.fitted.readings import reading_rate
-from stickslip.shown.report import motion, words
+from stickslip.shown.driven_slider import figures as driven_figures
+from stickslip.shown.general_rig import figures as general_figures
+from stickslip.shown.report import files, motion, words
 from stickslip.shown.report.contents import contents
+from stickslip.shown.report.files import NAMES
 from stickslip.shown.report.page import FIGURES, draw, page
-from stickslip.shown.report.write import NAMES, fill, write_report
+from stickslip.shown.report.write import fill, write_report
 
 VERDICTS = ("effect_found", "no_effect", "unlisted_effect")
 
@@ -338,3 +341,9 @@ def test_forecasts_are_not_joined_by_lines() -> None:
     (x,) = motion.broken(t, state, state[:, 0])
     assert len(x) == 201
     assert np.isnan(x[100])
+
+
+def test_the_files_of_a_report_are_known_before_anything_draws_them() -> None:
+    assert set(files.FIGURES) == set(FIGURES)
+    assert set(files.OF_DRIVEN) == set(driven_figures.FIGURES)
+    assert set(files.OF_GENERAL) == set(general_figures.FIGURES)

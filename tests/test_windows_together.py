@@ -1,5 +1,7 @@
 """Windows of several runs are simulated together: what comes of them is what comes of each run alone."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -131,3 +133,16 @@ def test_no_more_is_computed_ahead_than_there_are_processes() -> None:
     assert next(made) == 0
     assert next(made) == 1
     assert begun == [0, 1]
+
+
+def test_what_is_needed_later_is_loaded_while_others_work() -> None:
+    code = (
+        "import sys\n"
+        "from stickslip.discovery.workers import Workers\n"
+        "Workers.load_later('stickslip.shown.report.files')\n"
+        "workers = Workers(2)\n"
+        "assert 'stickslip.shown.report.files' not in sys.modules\n"
+        "print(workers.map(abs, [-1, -2]), 'stickslip.shown.report.files' in sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["[1,", "2]", "True"]
