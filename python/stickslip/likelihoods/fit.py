@@ -19,7 +19,7 @@ from stickslip.likelihoods.fit_state import Cost, Fit, Windowed, begin, misfits,
 from stickslip.likelihoods.mixed import products, solve, taken
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor
-from stickslip.likelihoods.repeating import explained, lost, swollen
+from stickslip.likelihoods.repeating import beyond_shown, explained, lost, swollen
 from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
 from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled, stand
 from stickslip.likelihoods.variances import Estimate, estimate
@@ -47,14 +47,17 @@ def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = ma
     ----------
     windows, policy : what is fitted, and what steers it
     twice : fit once more from scatter as usual, where the first has not settled or is no usual model of the windows,
-        and keep the better: what a search calls lacking must not be what a fit missed
+        and keep the better: what a search calls lacking must not be what a fit missed. Scatter that is more than
+        friction has, which may be what is lacking, is held as usual, too
     each : calls a function with every item, as `map` does; fits that do not wait for one another may be made at once
 
     """
     first = begun(windows)
     if isinstance(windows, BodiesWindows):
         fit = fitted(first, policy)
-        return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
+        fit = fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
+        hides = twice and (lost(fit) or beyond_shown(fit))
+        return fitted(first, policy, held=policy.most_steps) if hides else fit
     shown = shown_levels(windows, first.at)
     if shown is None:
         fit, there = fitted(first, policy), None
@@ -79,7 +82,8 @@ def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = ma
         fit = min(fits, key=_lost_first)
         if unexplained(fit) >= policy.noise_left:
             return fit
-    return fit if not lost(fit) else fitted(first, policy, held=policy.most_steps)
+    hides = lost(fit) or (twice and beyond_shown(fit))
+    return fitted(first, policy, held=policy.most_steps) if hides else fit
 
 
 def _lost_first(fit: Fit) -> tuple[bool, float]:
