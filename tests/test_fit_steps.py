@@ -12,7 +12,8 @@ from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
-from stickslip.likelihoods.fit import begun, fitted
+from stickslip.likelihoods import fit
+from stickslip.likelihoods.fit import begun, fitted, null
 from stickslip.likelihoods.repeating import swollen
 
 MOST_SCATTER = 0.2  # more takes a spring for scatter
@@ -38,9 +39,9 @@ def test_a_population_that_is_freed_lowers_the_deviance(bench: BeltBench) -> Non
 
 def test_a_population_moves_though_the_windows_do_not_follow(bench: BeltBench) -> None:
     """It stayed where it began and held the windows where nothing fits; it goes no further than is usual."""
-    fit = fitted(begun(bench.windows()), bench.policy)
-    assert max(fit.population.friction) > 2 * max(bench.windows().scatter().friction)
-    assert not swollen(fit)
+    found = fitted(begun(bench.windows()), bench.policy)
+    assert max(found.population.friction) > 2 * max(bench.windows().scatter().friction)
+    assert not swollen(found)
 
 
 def test_a_population_that_is_far_from_the_windows_comes_back(bench: BeltBench) -> None:
@@ -49,7 +50,18 @@ def test_a_population_that_is_far_from_the_windows_comes_back(bench: BeltBench) 
     windows = bench.windows((term(kind, {"k": 60.0}),))
     ends = []
     for times in (1.0, 6.0):
-        fit = fitted(replace(begun(windows), population=windows.scatter().wider(times)), bench.policy)
-        ends.append(fit.deviance)
-        assert max(fit.population.friction) < 0.005
+        found = fitted(replace(begun(windows), population=windows.scatter().wider(times)), bench.policy)
+        ends.append(found.deviance)
+        assert max(found.population.friction) < 0.005
     assert abs(ends[0] - ends[1]) < 1.0
+
+
+def test_a_search_begins_with_scatter_as_usual_where_more_would_hide_what_lacks(
+    bench: BeltBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    windows = bench.windows()
+    monkeypatch.setattr(fit, "beyond_shown", lambda _: True)
+    usual = pytest.approx(windows.scatter().friction)
+    assert null(windows, bench.policy, twice=True).population.friction == usual
+    # what scatters is what is asked for where nothing is sought
+    assert null(windows, bench.policy).population.friction != usual
