@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import stickslip as ss
+from stickslip import _core
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -17,6 +18,8 @@ from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.threads import side_by_side, threads
+from stickslip.simulated.lowering import WIDTH
+from stickslip.simulated.states import COUNT
 from test_rig_windows import EFFECTS, LAW, MODEL, RIG, recorded
 
 PHASES = (0.4, 1.7, -0.9)
@@ -146,3 +149,32 @@ def test_what_is_needed_later_is_loaded_while_others_work() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["[1,", "2]", "True"]
+
+
+def test_every_row_of_numbers_has_a_structure(data: list[Data]) -> None:
+    windows = windows_of(data, "nothing", range(3))
+    lowered = windows.lowered[0]
+    asked = {
+        "parameters": lowered.parameters[None],
+        "set": np.zeros(1, dtype=np.int32),
+        "initial": np.zeros((1, COUNT)),
+        "contact": np.zeros(1, dtype=np.int32),
+        "t": np.array([0.0, 0.1]),
+        "offset": np.array([0, 2]),
+        "rtol": 1e-6,
+        "atol": 1e-8,
+        "seeds": np.zeros((0, WIDTH + COUNT)),
+        "column": np.zeros(0, dtype=np.int32),
+        "columns": 0,
+        "kept": np.zeros(0, dtype=np.int32),
+        "max_transitions": 10,
+        "max_steps": 1000,
+    }
+    assert len(_core.simulate_windows(structures=[lowered.structure], **asked)["state"]) == 2
+    other = windows_of(data, "droop", range(1)).lowered[0].structure
+    for wrong in ([], [lowered.structure] * 2):
+        with pytest.raises(ValueError, match="structures must be one for each row of parameters"):
+            _core.simulate_windows(structures=wrong, **asked)
+    asked |= {"parameters": np.repeat(asked["parameters"], 2, axis=0)}
+    with pytest.raises(ValueError, match="of one rig, law and effects"):
+        _core.simulate_windows(structures=[lowered.structure, other], **asked)

@@ -262,13 +262,13 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     found = _estimate(fit, policy, TURNS)
     if (moved := _tried(fit, found, found.noise, damping, STEPS[:2], here)) is not None:
         return moved
-    apart, saved = _apart(fit, found, here, policy)
-    if saved:
-        stay = _estimate(apart, policy, 0)
-    trial = _tried(apart, stay, apart.noise, damping, STEPS, here - saved)
-    if trial is not None:
-        return trial[0], saved + trial[1]
-    return (apart, saved) if saved else (None, 0.0)
+    apart = _apart(fit, found, here, policy)
+    if apart is None:
+        trial = _tried(fit, stay, fit.noise, damping, STEPS, here)
+        return (None, 0.0) if trial is None else trial
+    there, stay, saved = apart
+    trial = _tried(there, stay, there.noise, damping, STEPS, here - saved)
+    return (there, saved) if trial is None else (trial[0], saved + trial[1])
 
 
 def _deviance(fit: Fit, stay: Estimate[Any]) -> float:
@@ -277,18 +277,20 @@ def _deviance(fit: Fit, stay: Estimate[Any]) -> float:
     return total + stay.solution.volume + stay.held
 
 
-def _apart(fit: Fit, found: Estimate[Any], here: float, policy: Policy) -> tuple[Fit, float]:
-    """The fit with population and noise on the way to others while its windows stay, and what that saves."""
+def _apart(
+    fit: Fit, found: Estimate[Any], here: float, policy: Policy
+) -> tuple[Fit, Estimate[Any], float] | None:
+    """The fit with population and noise on the way to others while its windows stay, as solved, and what that saves."""
     was, to = fit.population.coordinates(), found.population.coordinates()
     for size in STEPS:
         population = fit.population.moved(was + size * (to - was))
         there = replace(fit, population=population, noise=fit.noise * (found.noise / fit.noise) ** size)
-        if (
-            not swollen(there)
-            and (saved := here - _deviance(there, _estimate(there, policy, 0))) > policy.settled
-        ):
-            return there, saved
-    return fit, 0.0
+        if swollen(there):
+            continue
+        stay = _estimate(there, policy, 0)
+        if (saved := here - _deviance(there, stay)) > policy.settled:
+            return there, stay, saved
+    return None
 
 
 def _tried(

@@ -137,7 +137,8 @@ def simulated_windows(
 
     Parameters
     ----------
-    lowered : one model for each row of parameters, alike but for where their curves have knots
+    lowered : one model for each row of parameters, alike but for where their curves have knots; one and the same where
+        a formula acts on the motion
     parameters, asked : as the core has them
     """
     tapes = lowered[0].tapes

@@ -27,9 +27,8 @@ from stickslip.shown.report.contents import si_text
 from stickslip.shown.report.files import NAMES, written
 from stickslip.shown.report.units import axes_of
 
-DRAWING = (
-    "stickslip.shown.report.write"  # it takes a second to load, and is not needed before the search has ended
-)
+# it takes a second to load, and is not needed before the search has ended
+DRAWING = "stickslip.shown.report.write"
 
 
 def perform(
