@@ -43,6 +43,12 @@ class Written:
     said: list[Path]
 
 
+@pytest.fixture(autouse=True)
+def drawn_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that a search of another test has left would not see what a test here replaces."""
+    monkeypatch.setattr(Workers, "at_hand", lambda: Workers(1))
+
+
 def few_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw two of the figures alone."""
     few = {name: FIGURES[name] for name in ("errors", "learned_curve")}
