@@ -191,3 +191,11 @@ def test_a_long_tail_lets_a_constant_that_is_far_off_go() -> None:
     prior = Prior(numbers, Declared(("a",), np.array([[1.0]])), tail=4.0)
     near, far = (prior.at(np.array([x]))[1][0, 0] for x in (0.1, 10.0))
     assert far < 0.1 * near
+
+
+def test_what_tails_forgive_is_what_a_gaussian_would_charge_beyond_them() -> None:
+    numbers = [Number("a", 0.0, 0.0, np.inf), Number("law", 0.0, 1.0, 0.5), Number("b", 0.0, 0.0, np.inf)]
+    declared = Declared(("a", "b"), np.array([[0.04, 0.03], [0.03, 0.09]]))
+    tails, strict = (Prior(numbers, declared, tail) for tail in (4.0, 1e9))
+    for at in (np.zeros(3), np.array([0.1, 0.3, -0.2]), np.array([2.0, 0.0, -1.0])):
+        assert tails.forgiven(at) == pytest.approx(strict.penalty(at) - tails.penalty(at), rel=1e-5, abs=1e-9)

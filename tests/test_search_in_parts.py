@@ -331,6 +331,25 @@ def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(
     assert searching.with_wrong_constant(bench, known, lost, lost).freed is None
 
 
+@pytest.mark.parametrize(("sds", "told"), [(0.5, False), (6.5, True)])
+def test_two_constants_that_do_the_work_of_one_do_not_hide_it(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, sds: float, told: bool
+) -> None:
+    """A gain of 1.1 was a block and a spring each 10 % off: 6 standard uncertainties, which tails forgave."""
+    off = Freed("x1", 0.1, 0.01, 0.005, 60.0, bench.declared)
+    monkeypatch.setattr(searching, "freed", lambda *_: [off])
+    own = fit.windows.prior.group[:2]
+    at = fit.windows.prior.centre.copy()
+    there = Trial((), replace(fit, at=at, population=fit.windows.scatter()))
+    at = at.copy()
+    at[own] += sds * fit.windows.prior.uncertainty[:2]
+    both = replace(there, fit=replace(there.fit, at=at))
+    worse = replace(there.fit, deviance=there.fit.deviance + 2.0)
+    monkeypatch.setattr(searching, "_with_freed", lambda _, __, ___, one: Trial((), worse, freed=one))
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    assert (searching.with_wrong_constant(bench, known, both, both).freed is not None) == told
+
+
 def test_constants_are_sought_within_twice_and_half_of_what_is_declared(bench: BeltBench) -> None:
     """Masses, springs and a gain may shrink together: a fit went to a quarter of a block, and found nothing else."""
     numbers = {one.name: one for one in bench.windows().numbers}

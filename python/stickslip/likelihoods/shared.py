@@ -127,4 +127,12 @@ class Prior:
         """Return -2 log prior at `at`, without constants."""
         away = self._away(at)
         z = self.whiten @ away[self.group]
-        return float(self.alone @ away**2 + (self.tail + 1) * np.log1p(z**2 / self.tail).sum())
+        return float(self.alone @ away**2 + self._tails(z))
+
+    def forgiven(self, at: Floats) -> float:
+        """Return by how much the tails lower -2 log prior at `at`: what they forgive constants that are far off."""
+        z = self.whiten @ self._away(at)[self.group]
+        return float(z @ z - self._tails(z))
+
+    def _tails(self, z: Floats) -> float:
+        return float((self.tail + 1) * np.log1p(z**2 / self.tail).sum())

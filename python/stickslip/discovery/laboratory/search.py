@@ -183,7 +183,7 @@ def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: T
         if every and every[0].beyond:
             first = replace(every[0], rivals=tuple(every[1:]))
             rivals.append(_with_freed(bench, known, one, first))
-    return min(rivals, key=Trial.whole)
+    return min(rivals, key=Trial.strict)
 
 
 def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) -> Trial:

@@ -78,6 +78,15 @@ class Trial:
         """Return the same less what of its gain is no finding: by it one passes the gate."""
         return self.whole() + self.known
 
+    def strict(self) -> float:
+        """
+        Return the same with every constant as well known as declared, however far off: no tails forgive it.
+
+        With tails a hypothesis has all those in it where one or more constants are wrong; it does not stand against
+        one of them.
+        """
+        return self.whole() + self.fit.windows.prior.forgiven(self.fit.at)
+
     def over(self, other: Trial) -> float:
         """
         Return what it is worth beyond another hypothesis, whether events remember or not.
