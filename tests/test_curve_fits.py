@@ -1,17 +1,21 @@
 """A curve fitted beside law, constants and scatter: a block on a curved spring, all of whose runs pull one way."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from scattering import STIFFNESS, block_case
 from stickslip.discovery.laboratory import block
+from stickslip.discovery.laboratory import proven as proving
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import Term, terms_at
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.scaled import ALPHA
 
 CURVED = 25.0 * STIFFNESS  # N/m^2
@@ -69,3 +73,21 @@ def test_names_at_a_curves_place_stay_where_they_are(bench: BeltBench) -> None:
     assert found.gain > 0.0
     size = named.fit.values()["spring_cubic_k1.k"]
     assert after.fit.values()["spring_cubic_k1.k"] == pytest.approx(size, abs=1e-6)
+
+
+def test_a_curve_is_fitted_from_the_declared_constants_too(
+    bench: BeltBench, base: Trial, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A block that was 14 standard uncertainties too heavy held a quadratic spring's curve at nothing."""
+    curve = in_x1(bench, base)
+    _, after = proven(bench, base, curve)
+    begun: list[float] = []
+
+    def held(fit: Fit, *_: object, **__: object) -> Fit:
+        begun.append(fit.values()["mass"])
+        return replace(after.fit, deviance=1.0) if fit.values()["mass"] == pytest.approx(ALPHA) else fit
+
+    monkeypatch.setattr(proving, "fitted", held)
+    _, kept = proven(bench, base, curve)
+    assert begun == pytest.approx([base.fit.values()["mass"], ALPHA])
+    assert kept.fit.deviance == 1.0

@@ -123,6 +123,12 @@ class Prior:
         away = self._away(at)[self.group]
         return float(np.max(np.abs(away) / self.uncertainty, initial=0.0, where=self.uncertainty > 0))
 
+    def as_declared(self, at: Floats) -> Floats:
+        """Return `at` with every constant as declared, (p,)."""
+        out = at.copy()
+        out[self.group] = self.centre[self.group]
+        return out
+
     def penalty(self, at: Floats) -> float:
         """Return -2 log prior at `at`, without constants."""
         away = self._away(at)

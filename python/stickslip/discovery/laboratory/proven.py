@@ -15,6 +15,7 @@ from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.hypothesis import Bench, terms_at
 from stickslip.discovery.laboratory.learned import Learned
 from stickslip.discovery.laboratory.trials import Trial
+from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.remembered import remembered
@@ -76,8 +77,9 @@ def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
     """
     The hypothesis with a curve as a term, fitted from where it stands without it.
 
-    A curve does what a wrong constant does: beside it constants have no long tails. What names at its place explain it
-    could take any part of: they stay where they are.
+    A curve does what a wrong constant does: beside it constants have no long tails. Where they are far off without it
+    it is fitted from those declared, too, and the better is kept. What names at its place explain it could take any
+    part of: they stay where they are.
     """
     assert curve.effect is not None
     policy = replace(bench.policy, tail=GAUSSIAN)
@@ -92,5 +94,9 @@ def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
         replace(n, low=x - HELD, high=x + HELD) if n.name.rpartition(".")[0] in base.names else n
         for n, x in zip(windows.numbers, at.tolist(), strict=True)
     )
-    fit = fitted(replace(base.fit, windows=windows, at=at), policy, held=2)
+    starts = [at]
+    if windows.prior.farthest(at) > BEYOND:  # they do the curve's work, and hold it where it is nothing
+        starts.append(windows.prior.as_declared(at))
+    fits = [fitted(replace(base.fit, windows=windows, at=one), policy, held=2) for one in starts]
+    fit = min(fits, key=lambda one: one.deviance)
     return replace(base, terms=terms_at((*base.terms, term), windows, fit.at), fit=fit)
