@@ -54,36 +54,43 @@ def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = ma
     """
     first = begun(windows)
     if isinstance(windows, BodiesWindows):
-        fit = fitted(first, policy)
-        fit = fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
-        hides = twice and (lost(fit) or beyond_shown(fit))
-        return fitted(first, policy, held=policy.most_steps) if hides else fit
-    shown = shown_levels(windows, first.at)
-    if shown is None:
-        fit, there = fitted(first, policy), None
-    else:
+        fit = _of_bodies(first, policy)
+        if not twice:
+            return fit
+    elif (shown := shown_levels(windows, first.at)) is not None:
         begun_there = replace(first, population=shown_scatter(windows, shown), own=shown)
-        fit, there = each(
-            _called, (partial(fitted, first, policy), partial(_alone_first, begun_there, policy))
-        )
-    if twice and doubtful(fit, policy):
-        fit = _best(fit, fitted(replace(fit, population=windows.scatter()), policy))
-    if there is not None:
-        fits: list[Fit] = [fit, there]
-        if not explained(there) or swollen(there):  # a scatter that is free may take what a fit is short of
-            held = policy.most_steps
-            fits += each(
-                _called,
-                (
-                    partial(_alone_first, begun_there, policy, held),
-                    partial(fitted, begun_there, policy, held=held),
-                ),
-            )
-        fit = min(fits, key=_lost_first)
+        fit = _best_of_shown(first, begun_there, policy, twice, each)
         if unexplained(fit) >= policy.noise_left:
             return fit
+    else:
+        fit = _again(fitted(first, policy), policy, twice)
     hides = lost(fit) or (twice and beyond_shown(fit))
     return fitted(first, policy, held=policy.most_steps) if hides else fit
+
+
+def _of_bodies(first: Fit, policy: Policy) -> Fit:
+    """The fit of a rig of bodies; where it explains little, one from windows that settle alone may do better."""
+    fit = fitted(first, policy)
+    return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
+
+
+def _best_of_shown(first: Fit, shown: Fit, policy: Policy, twice: bool, each: Each) -> Fit:
+    """The best of the fits from the declared numbers and from what the readings of each window show of friction."""
+    fit, there = each(_called, (partial(fitted, first, policy), partial(_alone_first, shown, policy)))
+    fits: list[Fit] = [_again(fit, policy, twice), there]
+    if not explained(there) or swollen(there):  # a scatter that is free may take what a fit is short of
+        held = policy.most_steps
+        fits += each(
+            _called, (partial(_alone_first, shown, policy, held), partial(fitted, shown, policy, held=held))
+        )
+    return min(fits, key=_lost_first)
+
+
+def _again(fit: Fit, policy: Policy, twice: bool) -> Fit:
+    """The fit, or the better one from scatter as usual where it may not be the best there is and `twice` is asked."""
+    if not (twice and doubtful(fit, policy)):
+        return fit
+    return _best(fit, fitted(replace(fit, population=fit.windows.scatter()), policy))
 
 
 def _lost_first(fit: Fit) -> tuple[bool, float]:
