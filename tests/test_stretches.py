@@ -70,6 +70,20 @@ def test_a_stick_on_a_slower_belt_stays_one(slower: float, lasts: float) -> None
     assert all(one.stuck for one in stretches([run(stick_slip(slower, lasts))]))
 
 
+@pytest.mark.parametrize("rides", [0.6, 0.75, 1.25, 1.4])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_sticks_are_found_whatever_the_set_point_says(rides: float, sign: int) -> None:
+    """A belt that ran a fifth faster than declared left 9 windows of 37, and nothing was searched."""
+    every = stretches([run(sign * stick_slip(rides, 2.0), belt_speed=sign * BELT)])
+    assert len(every) >= POLICY.fewest_windows
+    assert all(one.stuck and one.rest > 1.8 for one in every)
+
+
+def test_a_swing_beside_runs_that_ride_elsewhere_is_no_stick() -> None:
+    sticks, swings = run(stick_slip(1.3, 2.0), "sticks"), run(swing(0.9), "swings")
+    assert {one.run for one in stretches([sticks, swings])} == {0}
+
+
 def test_a_run_without_sticks_is_left_out_where_others_are_enough() -> None:
     """Friction along the belt drives a swing all the time, which no window has numbers for."""
     sticks, swings = run(stick_slip(1.0, 2.0), "sticks"), run(swing(0.85), "swings")

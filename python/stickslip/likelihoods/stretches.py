@@ -13,6 +13,7 @@ from stickslip.fitted.data import Data, velocity_width
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.intervals import intervals
+from stickslip.measured.stick_speed import ridden_speed
 from stickslip.measured.sticks import BROKEN, CREEP, SURE, passes_by, rides, velocity_noise
 
 Floats = NDArray[np.float64]
@@ -58,10 +59,14 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
     Return the stretches of all runs.
 
     A cycle without a clear stick ends none and begins none: a block that swings up to nearly the belt's speed passes
-    it by. A run in which none begins is cut at its fastest slips, where those of the others are too few: friction that
-    differs along the belt drives a swing all the time, and no window has numbers for that.
+    it by. Sticks are sought at the belt's speed as declared, and at the rate at which the run rises most; the one that
+    shows more is taken. A run in which none begins is cut at its fastest slips, where those of the others are too few:
+    friction that differs along the belt drives a swing all the time, and no window has numbers for that.
     """
-    every = [_stuck(number, run, policy) for number, run in enumerate(data)]
+    every = [
+        max(_stuck(number, run, policy), _stuck(number, ridden, policy), key=len)
+        for number, (run, ridden) in enumerate(zip(data, _as_ridden(data), strict=True))
+    ]
     if sum(map(len, every)) < policy.fewest_windows:
         every = [
             one or _cycles(number, run, policy)
@@ -74,6 +79,28 @@ def cut(data: Sequence[Data], policy: Policy = POLICY) -> list[Data]:
     """Return the runs that stretches are in; all where none are in any."""
     held = {one.run for one in stretches(data, policy)}
     return [run for number, run in enumerate(data) if number in held or not held]
+
+
+def _as_ridden(data: Sequence[Data]) -> list[Data]:
+    """
+    Return the runs with the rate at which their sticks rise for the belt's speed.
+
+    A set-point, a gain or a spring may be off by as much as sets a stick apart from a swing. A run whose own rate does
+    not stand out rises as the others do.
+    """
+    shares = [_share(run) for run in data]
+    known = [one for one in shares if one is not None]
+    usual = float(np.median(known)) if known else 1.0
+    told = [usual if one is None else one for one in shares]
+    return [replace(run, belt_speed=one * run.belt_speed) for run, one in zip(data, told, strict=True)]
+
+
+def _share(run: Data) -> float | None:
+    """The rate at which the sticks of a run rise over its belt's speed; None where none stands out."""
+    if not run.belt_speed or not len(run.slips):
+        return None
+    rate = ridden_speed(run.t, run.readings[:, 0], run.cycle)
+    return rate / run.belt_speed if rate is not None and rate * run.belt_speed > 0 else None
 
 
 def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
