@@ -211,6 +211,37 @@ def test_a_wave_has_a_gate_of_its_own(
     assert (told.observed, told.threshold) == (gained, 58.0)
 
 
+@pytest.mark.parametrize(("gained", "named"), [(2.0, False), (40.0, True)])
+def test_a_name_stands_beside_the_wave_that_scatter_may_have_made(
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, gained: float, named: bool
+) -> None:
+    """Friction that follows the angle body was named where nothing acted; waves as scatter has explained far more."""
+    kinds = {one.name: one for one in bench.kinds()}
+    own = term(kinds["spring_cubic_k1"], {"k": 4.0})
+    seam = term(kinds["belt_seam"], {"a": 0.1, "L": 3.0, "phi": 0.0}, (0.0,) * len(bench.data))
+    null = Trial((), replace(fit, population=fit.windows.scatter()))
+
+    def made(terms: tuple[Term, ...], gain: float) -> Trial:
+        there = replace(fit, windows=bench.windows(terms), deviance=fit.deviance - gain)
+        return Trial(terms, there)
+
+    name, wave = made((own,), 40.0), made((seam,), 90.0)
+    monkeypatch.setattr(Trial, "remembered", 0.0)
+    monkeypatch.setattr(searching, "screened", lambda *_: Screen((), ()))
+    monkeypatch.setattr(searching, "all_full", lambda *_: ([wave, name], ()))
+    monkeypatch.setattr(searching, "leader_anew", lambda _, __, found, *___: found)
+    monkeypatch.setattr(searching, "again_from", lambda _, base, __: base)
+    monkeypatch.setattr(searching, "told_by_sizes", lambda _: math.inf)
+    monkeypatch.setattr(searching, "gate", lambda *_: Gate(np.array([5.0]), 6.0))
+    monkeypatch.setattr(searching, "refitted", lambda *_: Gate(np.array([5.0]), 99.0, 80.0))
+    monkeypatch.setattr(searching, "beside", lambda *_: made((seam, own), 90.0 + gained))
+    monkeypatch.setattr(searching, "with_wrong_constant", lambda *given: given[-1])
+    one = replace(bench, policy=replace(bench.policy, most_effects=1))
+    known = Uncertainty(bench.model.rig, {}, {}, {})
+    found = searching.search(one, known, lambda _: None, base=null)
+    assert found.chosen.terms == ((own,) if named else ())
+
+
 @pytest.mark.parametrize(
     ("named", "left", "alone", "told"),
     [

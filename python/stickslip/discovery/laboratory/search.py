@@ -21,6 +21,7 @@ from stickslip.discovery.laboratory.trials import (
     again_from,
     all_full,
     anew,
+    beside,
     from_near,
     held_against,
     leader_anew,
@@ -135,9 +136,23 @@ def _passing(
             step.waves[name] = refitted(
                 bench, base, step.screen, name, seed, base if _usual(base) else trial.fit, workers
             )
-        if step.passes(trial):
+        if step.passes(trial) and _stands_beside_waves(bench, step, trial):
             return trial
     return None
+
+
+def _stands_beside_waves(bench: Bench, step: Step, trial: Trial) -> bool:
+    """
+    Whether what is no wave passes its gate beside one that explains more, too, if there is one that did not pass.
+
+    Scatter may make such a wave. What is no better than that is no finding, unless it says something else.
+    """
+    waves = [t for t in step.trials if t.comes_and_goes and t.whole() < trial.whole()]
+    if trial.comes_and_goes or not waves:
+        return True
+    wave = min(waves, key=Trial.whole)
+    both = beside(bench, wave, trial.terms[-1])
+    return both is not None and both.over(wave) > step.gate.threshold
 
 
 def _leader(step: Step) -> Trial:

@@ -185,6 +185,16 @@ def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     return Trial(found, fit, base.known + known)
 
 
+def beside(bench: Bench, base: Trial, term: Term) -> Trial | None:
+    """Return a hypothesis with a term that was fitted elsewhere, fitted; None where no window can be simulated."""
+    windows = bench.windows((*base.terms, term))
+    p = len(base.fit.at)
+    at = windows.bounded(np.concatenate([base.fit.at, [n.start for n in windows.numbers[p:]]]))
+    own = own_in(base.fit.own, base.fit.windows, windows)
+    fit = from_near(bench, replace(base.fit, windows=windows, at=at, own=own))
+    return None if fit is None else trial_beside(bench, base, fit, term)
+
+
 def again_from(bench: Bench, base: Trial, best: Trial) -> Trial:
     """Return a hypothesis fitted anew from where its best rival stands, if that is better."""
     windows = base.fit.windows
