@@ -89,6 +89,24 @@ def test_a_number_at_its_bound_leaves_the_others_at_their_best() -> None:
     assert wide.deviance == free.deviance
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_number_that_the_windows_explain_whole_does_not_spoil_the_others(seed: int) -> None:
+    """What rounding left of its own product was less than nothing, and the search of the tutorial ended in nan."""
+    blocks, at = drawn(seed, 4, SCATTER)
+    for block in blocks:
+        assert block is not None
+        block[:, :, SHARED + OWN] *= 1e10
+        block[:, :, 0] = 3.0 * block[:, :, SHARED + OWN]
+    noise, root = np.ones(2), factor(SCATTER, PLACES)
+    windows = products(blocks, [0] * 4, SHARED, OWN, 2)
+    alone = solve(windows, root, noise, np.zeros(SHARED), np.diag([1e12, 0.0]), at)
+    bounds = (np.array([-1e-3, alone.shared[1] - 0.5]), np.array([1e-3, alone.shared[1] - 0.1]))
+    found = solve(windows, root, noise, np.zeros(SHARED), FLAT, at, bounds=bounds)
+    assert found.shared[1] == pytest.approx(bounds[1][1])
+    assert abs(found.shared[0]) <= 1e-3
+    assert np.isfinite(found.deviance)
+
+
 def test_what_little_the_windows_leave_of_a_number_is_not_lost_in_rounding() -> None:
     """Readings 100,000 times their noise, of which windows' own numbers explain all but the last millionth."""
     blocks, at = drawn(8, 3, SCATTER, noise=1e-10)

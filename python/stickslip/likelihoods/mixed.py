@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Bounds = tuple[Floats, Floats]
 TINY = 1e-9  # share added to a diagonal, against numbers that say the same
+ROUNDING = 1e-14  # share of a product that sums of many lose
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,9 @@ def solve(
     schur = (a[:, :p, :p] - cross.transpose(0, 2, 1) @ cross).sum(0) + precision
     schur[range(p), range(p)] *= 1.0 + damping + TINY
     schur[range(p), range(p)] += 1e-10
+    # where windows' own numbers explain a number whole rounding is left, which may be less than nothing
+    whole = np.diagonal(a[:, :p, :p], axis1=1, axis2=2).sum(0)
+    schur[range(p), range(p)] = np.maximum(np.diag(schur), ROUNDING * whole)
     pull = (a[:, :p, -1] - np.einsum("wlp,wl->wp", cross, right)).sum(0) + precision @ mean
     covariance = np.linalg.inv(schur)
     step = covariance @ pull

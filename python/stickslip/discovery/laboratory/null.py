@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.mixed import within
+from stickslip.likelihoods.mixed import ROUNDING, within
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.score import Columns
 
@@ -68,6 +68,7 @@ class Null:
         away, schur = prior.tight(fit.at) if tight else prior.at(fit.at)
         self.pull = schur @ away
         self.rows: list[Row | None] = []
+        whole = np.zeros(p)
         for i, block in enumerate(fit.blocks):
             if block is None or fit.linear.weight[i] == 0:
                 self.rows.append(None)
@@ -82,9 +83,10 @@ class Null:
             shared = x[:, :p] - local @ (hat @ x[:, :p])
             right = x[:, -1] + effects @ fit.random[i]
             schur = schur + x[:, :p].T @ shared
+            whole += (x[:, :p] ** 2).sum(axis=0)
             self.pull = self.pull + shared.T @ right
             self.rows.append(Row(effects, local, hat, shared, right))
-        schur[range(p), range(p)] *= 1 + TINY
+        schur[range(p), range(p)] = np.maximum(np.diag(schur) * (1 + TINY), ROUNDING * whole)
         bounds = fit.windows.steps(fit.at)
         at_bound = (bounds[0] >= 0) | (bounds[1] <= 0)
         free = ~(within(schur, self.pull, bounds)[1] & at_bound) if at_bound.any() else ~at_bound
