@@ -76,7 +76,8 @@ def count(case: Case, seeds: range, planted: Planted) -> dict[str, object]:
     measured = [measure(prepare(one)) for one in case.runs]
     process = process_of(measured)
     names: Counter[str] = Counter()
-    silent, errors, began = 0, [], time.process_time()
+    silent, covered, errors, began = 0, 0, [], time.process_time()
+    truth = {"sensor_gain": planted.gain, "rig_mass": planted.mass}
     for seed in seeds:
         rng = np.random.default_rng(seed)
         runs = [
@@ -86,6 +87,9 @@ def count(case: Case, seeds: range, planted: Planted) -> dict[str, object]:
         found = ss.discover(replace(case, runs=tuple(runs)), threads=1)
         silent += not found.effects
         names.update(one.name for one in found.effects)
+        for one in found.effects:
+            if truth.get(one.name):
+                covered += one.parameters["e"].low <= truth[one.name] <= one.parameters["e"].high
         errors.append((found.error.before, found.error.after, found.error.floor))
     seconds = (time.process_time() - began) / max(len(seeds), 1)
     return {
@@ -94,6 +98,7 @@ def count(case: Case, seeds: range, planted: Planted) -> dict[str, object]:
         "draws": len(seeds),
         "silent": silent,
         "named": dict(names),
+        "intervals that cover": covered,
         "error before, after, floor": np.median(errors, axis=0).tolist(),
         "seconds each": seconds,
     }

@@ -132,9 +132,7 @@ def solve(
     schur = (a[:, :p, :p] - cross.transpose(0, 2, 1) @ cross).sum(0) + precision
     schur[range(p), range(p)] *= 1.0 + damping + TINY
     schur[range(p), range(p)] += 1e-10
-    # where windows' own numbers explain a number whole rounding is left, which may be less than nothing
-    whole = np.diagonal(a[:, :p, :p], axis1=1, axis2=2).sum(0)
-    schur[range(p), range(p)] = np.maximum(np.diag(schur), ROUNDING * whole)
+    schur[range(p), range(p)] = beyond_rounding(schur, np.diagonal(a[:, :p, :p], axis1=1, axis2=2).sum(0))
     pull = (a[:, :p, -1] - np.einsum("wlp,wl->wp", cross, right)).sum(0) + precision @ mean
     covariance = np.linalg.inv(schur)
     step = covariance @ pull
@@ -159,6 +157,19 @@ def solve(
     return Solution(
         deviance + volume, step, covariance, numbers[:, :q], effects, volume, misfit, numbers[:, q:], inverse
     )
+
+
+def beyond_rounding(schur: Floats, whole: Floats) -> Floats:
+    """
+    Return the diagonal of products from which others were taken, (n,), where that left more than rounding.
+
+    Where windows' own numbers explain a number whole, rounding is left, which may be less than nothing.
+
+    Parameters
+    ----------
+    schur, whole : (n, n) what is left, and (n,) the diagonal that there was
+    """
+    return np.maximum(np.diag(schur), ROUNDING * whole)
 
 
 def within(schur: Floats, pull: Floats, bounds: Bounds) -> tuple[Floats, NDArray[np.bool_]]:

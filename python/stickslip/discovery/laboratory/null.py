@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.mixed import ROUNDING, within
+from stickslip.likelihoods.mixed import beyond_rounding, within
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.score import Columns
 
@@ -86,7 +86,7 @@ class Null:
             whole += (x[:, :p] ** 2).sum(axis=0)
             self.pull = self.pull + shared.T @ right
             self.rows.append(Row(effects, local, hat, shared, right))
-        schur[range(p), range(p)] = np.maximum(np.diag(schur) * (1 + TINY), ROUNDING * whole)
+        schur[range(p), range(p)] = beyond_rounding(schur, whole) * (1 + TINY)
         bounds = fit.windows.steps(fit.at)
         at_bound = (bounds[0] >= 0) | (bounds[1] <= 0)
         free = ~(within(schur, self.pull, bounds)[1] & at_bound) if at_bound.any() else ~at_bound

@@ -21,7 +21,7 @@ from stickslip.discovery.laboratory.trials import (
     again_from,
     all_full,
     anew,
-    beside,
+    fitted_beside,
     from_near,
     held_against,
     leader_anew,
@@ -151,7 +151,7 @@ def _stands_beside_waves(bench: Bench, step: Step, trial: Trial) -> bool:
     if trial.comes_and_goes or not waves:
         return True
     wave = min(waves, key=Trial.whole)
-    both = beside(bench, wave, trial.terms[-1])
+    both = fitted_beside(bench, wave, trial.terms[-1])
     return both is not None and both.over(wave) > step.gate.threshold
 
 

@@ -185,7 +185,7 @@ def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     return Trial(found, fit, base.known + known)
 
 
-def beside(bench: Bench, base: Trial, term: Term) -> Trial | None:
+def fitted_beside(bench: Bench, base: Trial, term: Term) -> Trial | None:
     """Return a hypothesis with a term that was fitted elsewhere, fitted; None where no window can be simulated."""
     windows = bench.windows((*base.terms, term))
     p = len(base.fit.at)
