@@ -122,9 +122,11 @@ def test_friction_and_a_position_that_two_sensors_read_tell_the_law(run: dict[st
     assert "offset.T_slider" in str(found)
 
 
-def test_a_load_cell_under_the_contact_tells_the_law_alone(run: dict[str, Floats]) -> None:
+@pytest.mark.parametrize("seed", [2, 4, 5])
+def test_a_load_cell_under_the_contact_tells_the_law_alone(run: dict[str, Floats], seed: int) -> None:
+    """A window that lets go some samples late has no slope that says so: it is sought."""
     found = ss.identify(
-        ss.load_recording(noisy(run, 2, T_slider=0.02), SLIDER, drive_speed=SPEED), friction=STARTS
+        ss.load_recording(noisy(run, seed, T_slider=0.02), SLIDER, drive_speed=SPEED), friction=STARTS
     )
     assert isinstance(found, ss.IdentifiedRig)
     for name, true in (("static", 4.0), ("kinetic", 2.4)):

@@ -144,15 +144,24 @@ def test_a_drive_goes_as_far_as_its_speed_says() -> None:
 def test_a_fit_with_a_number_at_its_bound_is_at_its_best() -> None:
     """A damping that is nothing wants to be less: fits crept on for hundreds, and whatever was fitted next gained."""
     case = CASES["chain"]()
-    own = bench(case, *recorded(case, 20, level=0.02, static=0.02, lasts=8.0))
+    own = bench(case, *recorded(case, 21, level=0.02, static=0.02, lasts=8.0))
     fit = null(own.windows(), POLICY)
     names = [one.name for one in fit.windows.numbers]
     off = np.array([0.1 * name.endswith("F_c") + 0.02 * name.endswith("stiffness") for name in names])
     again = fits.fitted(replace(fit, at=fit.at + off), POLICY)
-    assert again.deviance == pytest.approx(fit.deviance, abs=2.0)
+    assert again.deviance == pytest.approx(fit.deviance, abs=0.5)
     # a search's first step may lead beyond the bound; where no further one is better, the law kept a damping below 0
     beyond = fit.at.copy()
     damping = names.index("rubber.c")
     assert beyond[damping] == 0.0
     beyond[damping] = -0.02
     assert fits.fitted(replace(fit, at=beyond), POLICY, 0).at[damping] == 0.0
+
+
+def test_a_fit_goes_on_where_a_whole_step_does_not_hold() -> None:
+    """A tenth of a step that saves next to nothing says nothing of the best: one that is damped saved ten."""
+    case = CASES["chain"]()
+    own = bench(case, *recorded(case, 20, level=0.02, static=0.02, lasts=8.0))
+    fit = null(own.windows(), POLICY)
+    again = fits.fitted(fit, POLICY)
+    assert again.deviance == pytest.approx(fit.deviance, abs=1.0)

@@ -250,7 +250,7 @@ def test_the_likelihood_of_runs_never_used_decides_before_their_error(tmp_path: 
     assert not carries_over(refused)
     silent = instead(refused, dataclasses.replace(refused, verdict=Verdict.no_effect, effects=()))
     assert (
-        "runs never used are less likely with it, by 12 in -2 log likelihood over 9 forecasts (p = 0.01)"
+        "runs never used are less likely with it, by 12 in -2 log likelihood over 9 events (p = 0.01)"
         in silent.messages[0]
     )
     weak = dataclasses.replace(fell, likelihood=Likelihood(-12.0, 9, 0.3, spare=7.0))

@@ -2,18 +2,70 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
+import numpy as np
+import scipy
+
 from stickslip.declared.catalogue import KINDS
-from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Verdict
+from stickslip.discovery.result import ErrorBlock, Found, FoundEffect, Likelihood, Verdict
 
 FoundT = TypeVar("FoundT", bound=Found)
+FEWEST = 5  # events, the fewest whose ranks can speak against anything at 5 %
+
+
+def of_falls(falls: Sequence[float], spare: float | None = None, name: str = "") -> Likelihood | None:
+    """
+    Return how likely runs never used are; None of so few that they can speak against nothing.
+
+    Parameters
+    ----------
+    falls : by how much the -2 log likelihood of each of their events falls with what was found
+    spare, name : as the likelihood has them
+    """
+    if len(falls) < FEWEST:
+        return None
+    test = scipy.stats.wilcoxon(falls, alternative="less")
+    return Likelihood(float(np.sum(falls)), len(falls), float(test.pvalue), spare, name)
+
+
+def told_by(whole: Likelihood | None, each: Iterable[Likelihood | None]) -> Likelihood | None:
+    """Return what decides: the first of the effects, each beside the others, that does not carry over, or the whole."""
+    return next((one for one in each if one is not None and not one.carries), whole)
 
 
 def carries_over(found: Found) -> bool:
     """Whether what was found is claimed: runs never used do not speak against it."""
     return found.verdict is Verdict.no_effect or found.error.carries
+
+
+def claimed(found: FoundT, fewer: Iterable[FoundT], silent: Callable[[], FoundT]) -> FoundT:
+    """
+    Return what is claimed: all that was found, or of its effects what runs never used bear, or nothing.
+
+    Parameters
+    ----------
+    found : all of it
+    fewer : the same with fewer effects, the best first, each made when it is asked for
+    silent : makes the same with none
+    """
+    if carries_over(found):
+        return found
+    for less in fewer:
+        if carries_over(less):
+            return replace(less, messages=(_beside(found, less), *less.messages))
+    return instead(found, silent())
+
+
+def _beside(found: Found, less: Found) -> str:
+    """Why what does not carry over is not claimed beside what does."""
+    kept = {(one.name, one.where) for one in less.effects}
+    gone = [_called(one) for one in found.effects if (one.name, one.where) not in kept]
+    known = ", ".join(map(_called, less.effects))
+    names = ", ".join(gone)
+    return f"{names} would be named beside {known} by the train runs, but {doubt(found.error)}: not claimed"
 
 
 def instead(found: Found, silent: FoundT) -> FoundT:
@@ -33,11 +85,16 @@ def _called(one: FoundEffect) -> str:
 
 def doubt(error: ErrorBlock) -> str:
     """Return in words why what was found does not carry over."""
-    if (held := error.likelihood) is None:
-        return f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
+    held = error.likelihood
+    rises = f"the error on runs never used RISES from {error.before:.3g} to {error.after:.3g}"
+    if held is None:
+        return rises
+    it = held.name or "it"
     if held.against and held.gain > 0:  # a few forecasts gain more than most lose
-        return f"most of {held.forecasts} forecasts of runs never used are less likely with it (p = {held.chance:.2g})"
-    less = f"runs never used are less likely with it, by {-held.gain:.3g} in -2 log likelihood"
+        return f"most of {held.forecasts} events of runs never used are less likely with {it} (p = {held.chance:.2g})"
+    less = f"runs never used are less likely with {it}, by {-held.gain:.3g} in -2 log likelihood"
     if held.against:
-        return f"{less} over {held.forecasts} forecasts (p = {held.chance:.2g})"
-    return f"{less}: more than the {held.spare:.3g} by which the train runs pass the gate"
+        return f"{less} over {held.forecasts} events (p = {held.chance:.2g})"
+    if held.too_little:
+        return f"{less}: more than the {held.spare:.3g} by which the train runs pass the gate"
+    return f"{rises}, and they are no more likely with {it}"

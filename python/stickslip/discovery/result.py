@@ -243,18 +243,20 @@ class RunError:
 
 @dataclass(frozen=True)
 class Likelihood:
-    """How likely runs never fitted are with what was found, by forecasts of one cycle as ensembles.
+    """How likely runs never fitted are with what was found, event by event.
 
+    Of a rig of bodies or matrices an event has friction of its own; of others it is forecast, a cycle as an ensemble.
     `gain`: by how much their -2 log likelihood falls with it, over all `forecasts`; `chance`: how often it would fall
     by so little if they were as likely without, by ranks of the forecasts (Wilcoxon, one-sided):
     a single one in which much goes wrong decides nothing. `spare`: what the gain on the train runs has beyond the gate;
-    None for what has no gate.
+    None for what has no gate. `name`: the effect it is of, beside the others; "" for all that was found.
     """
 
     gain: float
     forecasts: int
     chance: float
     spare: float | None = None
+    name: str = ""
 
     @property
     def against(self) -> bool:
@@ -266,13 +268,19 @@ class Likelihood:
         """Whether its gain on all runs together, these included, does not pass the gate."""
         return self.spare is not None and self.spare + self.gain < 0
 
+    @property
+    def carries(self) -> bool:
+        """Whether runs never used leave what the train runs say of it."""
+        return not (self.against or self.too_little)
+
 
 @dataclass(frozen=True)
 class ErrorBlock:
     """`error` of report.json: one metric over all validate runs, and every run's table.
 
     `covered`: share of the validate runs' readings that the 95 % band of the model after holds; None without a band.
-    `likelihood` is that of the validate runs with what was found; None where nothing was, or it cannot be told.
+    `likelihood` is that of the validate runs with what was found, or with the effect that they speak against; None
+    where nothing was, or it cannot be told.
     """
 
     metric: str
@@ -293,11 +301,13 @@ class ErrorBlock:
         """
         Whether what was found carries over: runs never used are not clearly less likely with it.
 
-        Nor do they take back by how much the train runs pass the gate. Without their likelihood, that their error does
-        not rise. An error alone is a poor judge: most of it is friction of the next event, which no model knows.
+        Nor do they take back by how much the train runs pass the gate. Where they are no more likely, or nobody can
+        tell, their error must not rise. An error alone is a poor judge: most of it is friction of the next event, which
+        no model knows.
         """
         held = self.likelihood
-        return not self.rises if held is None else not (held.against or held.too_little)
+        speaks = held is not None and held.gain > 0
+        return (held is None or held.carries) and (speaks or not self.rises)
 
 
 @dataclass(frozen=True)

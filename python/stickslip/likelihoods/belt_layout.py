@@ -143,8 +143,8 @@ class BeltLayout(EventWindows[Data, Stretch]):
         """See `EventWindows.scatter`."""
         return start(self.policy)
 
-    def first(self) -> Floats:
-        """Return the windows' own numbers from the readings around their starts, (w, own)."""
+    def first(self, at: Floats | None = None) -> Floats:  # noqa: ARG002  # all is read
+        """See `EventWindows.first`."""
         own = np.zeros((len(self.stretches), self.own))
         for row, w in zip(own, self.stretches, strict=True):
             run, state = self.data[w.run], np.zeros(COUNT)

@@ -1,14 +1,14 @@
 """Windows of a rig of bodies or matrices linearised, each with friction and a belt speed of its own.
 
 Where a window begins, a contact that sticks moves with what it rubs on; all else of the state there is free. Friction
-of each contact differs from window to window, the static limit beside the kinetic force, and so does the belt's speed
-where it is a number. Derivatives are the core's.
+of each contact differs from window to window and changes within it, the static limit differs beside the kinetic force,
+and so does the belt's speed where it is a number. Derivatives are the core's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +24,16 @@ from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
-from stickslip.likelihoods.contact_scatter import KINETIC, STATIC, ContactScatter, differing, scattering
+from stickslip.likelihoods.bodies_starts import Start, scales_of, start_of
+from stickslip.likelihoods.contact_scatter import (
+    MIDDLE,
+    OWN,
+    RATE,
+    ContactScatter,
+    differing,
+    kinds,
+    scattering,
+)
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import Motion
 from stickslip.likelihoods.policy import POLICY, Policy
@@ -44,8 +53,8 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
     What they share are numbers of the laws, of the rig over what is declared of them, and gains.
 
     A window's own numbers are the state that it begins with, (q, v) in units of how far the run moves, of v what no
-    contact in stick takes; then its random effects: of each contact relative kinetic and static friction, and the
-    belt's relative speed.
+    contact in stick takes; then its random effects: of each contact relative kinetic and static friction and what both
+    change by from the middle of the window to its end, and the belt's relative speed.
 
     Raises
     ------
@@ -75,7 +84,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.effects = len(self.differs.of)
         self.own = self.begins + self.effects
         laws = self.lowered[0].own.laws
-        contacts = [j for j, law in enumerate(laws) for _ in range(1 if law.compliant else 2)]
+        contacts = [j for j, law in enumerate(laws) for _ in kinds(law)]
         self.contact_of = (
             *contacts,
             *[-1] * (self.effects - len(contacts)),
@@ -86,8 +95,12 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         kinetic = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".kinetic")]
         self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
         self.kinetics = tuple([k] for k in kinetic)
+        changes = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".change")]
+        self.changes = tuple(
+            zip(kinetic, changes, strict=True)
+        )  # of each contact, beside its kinetic friction
         self.places = [np.zeros(0)] * len(self.data)
-        self.scales = [_scales(run) for run in data]
+        self.scales = [scales_of(run) for run in data]
         self.reads = _reads(data[0].reads, own.equations.names)
         self.sensed = tuple(name for name in data[0].reads if name in own.equations.sensed)
         self.offsets = tuple(f"offset.{name}" for name in data[0].channels)
@@ -99,7 +112,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         return self.differs.moved(self.differs.usual(self.policy)[0])
 
     @cached_property
-    def starts(self) -> list[_Start]:
+    def starts(self) -> list[Start]:
         """How each window's state at its start follows from its own numbers."""
         out = []
         for w in self.stretches:
@@ -107,18 +120,26 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
             rows = [j for j, mode in enumerate(w.modes) if mode == 0]
             D = own.directions[rows]
             belted = np.array([own.contacts[j].against == "belt" for j in rows], dtype=float)
-            out.append(_start(D, belted * float(run.belt(run.t[w.start])), self.scales[w.run]))
+            out.append(start_of(D, belted * float(run.belt(run.t[w.start])), self.scales[w.run]))
         return out
 
-    def first(self) -> Floats:
-        """Return the windows' own numbers from the motion that the readings show at their starts, (w, own)."""
+    def first(self, at: Floats | None = None) -> Floats:
+        """See `EventWindows.first`; of the motion that the readings show."""
+        model = self.model if at is None else self._at(at)
         out = np.zeros((len(self.stretches), self.own))
         n = self.dimension
         for row, w, start in zip(out, self.stretches, self.starts, strict=True):
             run = self.data[w.run]
-            row[:n] = (run.q[w.start] + let_go(run, w, self.lowered[w.run].own, self.model)) / start.scale_q
+            row[:n] = (run.q[w.start] + let_go(run, w, self.lowered[w.run].own, model)) / start.scale_q
             row[n : 2 * n] = start.free.T @ ((run.v[w.start] - start.held) / start.scale_v)
         return out
+
+    def _at(self, at: Floats) -> Model:
+        """The model with laws as fitted; as declared where a fit has gone where no law is."""
+        laws, model = self.model.friction.numbers, self.model
+        with suppress(InputError):
+            model = model.replace({name: x for name, x in self.values(at).items() if name in laws})
+        return model
 
     def values(self, at: Floats, run: int = 0) -> dict[str, float]:
         """Return all numbers of a run by name."""
@@ -170,40 +191,6 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         """See `EventWindows.motions`."""
         points = [Point(self, run, at, []) for run in range(len(self.data))]
         return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
-
-
-@dataclass(frozen=True)
-class _Start:
-    """v = held + scale_v * (free @ numbers): what sticks moves with what it rubs on."""
-
-    scale_q: Floats
-    scale_v: Floats
-    free: Floats  # (n, n); a column of zeros for what sticks
-    held: Floats  # (n,)
-
-
-def _start(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> _Start:
-    scale_q, scale_v = scales
-    n = len(scale_q)
-    if not len(D):
-        return _Start(scale_q, scale_v, np.eye(n), np.zeros(n))
-    scaled = D * scale_v
-    _, _, turned = np.linalg.svd(scaled)
-    free = np.zeros((n, n))
-    free[:, : n - len(D)] = turned[len(D) :].T
-    return _Start(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
-
-
-def _finite(x: Floats) -> Floats:
-    """Numbers that the core takes; where some are not finite the window fails anyway."""
-    return x if np.isfinite(x).all() else np.nan_to_num(x)
-
-
-def _scales(run: BodiesData) -> tuple[Floats, Floats]:
-    """How far each coordinate moves in a radian of the natural period, and how fast."""
-    v = np.std(run.v, axis=0)
-    v = np.maximum(v, 1e-3 * max(float(v.max()), 1e-300))
-    return v * run.periods[0] / (2 * np.pi), v
 
 
 def _reads(quantities: Sequence[str], names: Sequence[str]) -> list[int | str]:
@@ -265,7 +252,7 @@ class Point:
         row[self._place(one.name)] = 1.0
         return row
 
-    def _own_rows(self, start: _Start) -> tuple[Floats, Floats]:
+    def _own_rows(self, start: Start) -> tuple[Floats, Floats]:
         """Seeds of a window's own numbers, (own, size); what of the start they do not move is in the values."""
         of, n = self.of, self.of.dimension
         rows = np.zeros((of.own, len(self.base)))
@@ -293,12 +280,20 @@ class Point:
     def effect_places(self) -> list[int | None]:
         """Places of the random effects among the values; None of the belt's."""
         out: list[int | None] = []
-        names = self.lowered.places
         for j, law in enumerate(self.lowered.own.laws):
-            kinds = (KINETIC,) if law.compliant else (KINETIC, STATIC)
-            ours = [next(full for full in names if full.endswith(f"{kind}{j}")) for kind in kinds]
-            out += [self._place(name) for name in ours]
+            out += [self._of_contact(OWN[kind], j) for kind in kinds(law)]
         return out + [None] * (self.of.effects - len(out))
+
+    @cached_property
+    def spans(self) -> list[tuple[int, int]]:
+        """Places of the middle of a window and of its rate, of each contact."""
+        return [
+            (self._of_contact(MIDDLE, j), self._of_contact(RATE, j))
+            for j in range(len(self.lowered.own.laws))
+        ]
+
+    def _of_contact(self, number: str, contact: int) -> int:
+        return self._place(next(name for name in self.lowered.places if name.endswith(f"{number}{contact}")))
 
     def started(self, i: int, own: Floats) -> tuple[Floats, Floats]:
         """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
@@ -309,13 +304,18 @@ class Point:
         seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
         layout = self.lowered.layout
         self.begins.put(values, seeds, float(self.data.t[w.start]))
+        begin, end = float(self.data.t[w.start]), float(self.data.t[w.stop - 1])
+        for middle, rate in self.spans:
+            values[middle], values[rate] = 0.5 * (begin + end), 2.0 / (end - begin)
         values[layout["dwell"] : layout["dwell"] + len(w.dwell)] = w.dwell
         return values, seeds
 
     def _simulated(self, i: int, own: Floats, seeds: bool) -> tuple[Mapping[str, Any], bool]:
         """Run the core from the start of a window; whether it came to the end."""
         of, w = self.of, self.of.stretches[i]
-        values, rows = (_finite(one) for one in self.started(i, own))
+        values, rows = map(
+            np.nan_to_num, self.started(i, own)
+        )  # where some is not finite the window fails anyway
         t = self.data.t[w.start : w.stop]
         raw: Mapping[str, Any] = _core.simulate_bodies(
             **self.lowered.arguments,

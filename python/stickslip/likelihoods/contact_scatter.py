@@ -17,7 +17,10 @@ from stickslip.likelihoods.population import LEAST, MOST
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]
-KINETIC, STATIC = "own_kinetic_", "own_static_"  # of a contact by its place: numbers that no law has
+# of a contact by its place: numbers that no law has
+KINETIC, STATIC, CHANGE = "own_kinetic_", "own_static_", "own_change_"
+MIDDLE, RATE = "own_middle_", "own_rate_"  # of a window in time: (t - middle) rate goes from -1 to 1
+OWN = {"kinetic": KINETIC, "static": STATIC, "change": CHANGE}
 AT_REST = {"u": 0.0, "t": 0.0, "dwell": 0.0}
 
 
@@ -28,7 +31,8 @@ class ContactScatter:
 
     Parameters
     ----------
-    names : of what differs: "<law>.static" beside what it shares with "<law>.kinetic", and "belt"
+    names : of what differs: "<law>.static" beside what it shares with "<law>.kinetic", "<law>.change" within a window,
+        and "belt"
     sizes : a standard deviation each
     of : (effects,) which of them each random effect of a window has
     """
@@ -73,7 +77,12 @@ class ContactScatter:
 
     def usual(self, policy: Policy) -> tuple[Floats, Floats]:
         """Return centre and width of the prior of the coordinates, (k,) each."""
-        sizes = {"static": policy.static_sd, "kinetic": policy.level_sd, "belt": policy.belt_sd}
+        sizes = {
+            "static": policy.static_sd,
+            "kinetic": policy.level_sd,
+            "change": policy.curve_sd,
+            "belt": policy.belt_sd,
+        }
         centre = np.log([sizes[name.rpartition(".")[2]] for name in self.names])
         return centre, np.full(len(self.names), policy.scatter_spread)
 
@@ -87,6 +96,8 @@ def scattering(law: LawForm, place: int) -> LawForm:
     """
     Return a law that each window has its own of: 1 + own_kinetic times as large, the limit 1 + own_static times more.
 
+    Beyond that it grows in time by own_change from the middle of the window to its end: friction of an event is no one
+    number along the way slipped.
     Where sliding begins at the static limit (`stribeck`), both have one number, and that is what differs.
 
     Parameters
@@ -94,8 +105,12 @@ def scattering(law: LawForm, place: int) -> LawForm:
     law : of a contact
     place : of the contact
     """
-    kinetic, static = f"{KINETIC}{place}", f"{STATIC}{place}"
-    level: Tree = Apply("add", (Constant(1.0), Name(kinetic)))
+    kinetic, static, change, middle, rate = (
+        f"{one}{place}" for one in (KINETIC, STATIC, CHANGE, MIDDLE, RATE)
+    )
+    since: Tree = Apply("multiply", (Apply("subtract", (Name("t"), Name(middle))), Name(rate)))
+    own: Tree = Apply("add", (Name(kinetic), Apply("multiply", (Name(change), since))))
+    level: Tree = Apply("add", (Constant(1.0), own))
     more: Tree = Apply("add", (Constant(1.0), Name(static)))
 
     def times(by: Tree, tree: Tree) -> Tree:
@@ -113,15 +128,20 @@ def scattering(law: LawForm, place: int) -> LawForm:
             slides = substituted(slides, {limit.name: times(more, limit)})
         return BranchForm(times(level, slides), times(level, times(more, limit)), rates=one.rates)
 
-    numbers = {**law.numbers, kinetic: 0.0, static: 0.0}
+    numbers = {**law.numbers, kinetic: 0.0, static: 0.0, change: 0.0, middle: 0.0, rate: 0.0}
     return LawForm(branch(law.minus), branch(law.plus), numbers, law.states)
+
+
+def kinds(law: LawForm) -> tuple[str, ...]:
+    """Return what of a contact's friction differs, by names of `ContactScatter`."""
+    return tuple(OWN) if not law.compliant else tuple(kind for kind in OWN if kind != "static")
 
 
 def differing(own: General, belted: bool) -> ContactScatter:
     """Return what differs: contacts of one law differ alike, each by itself; without stick there is no static limit."""
     names, of = list[str](), list[int]()
     for contact, law in zip(own.equations.contacts, own.laws, strict=True):
-        for kind in ("kinetic",) if law.compliant else ("kinetic", "static"):
+        for kind in kinds(law):
             name = f"{contact.law or 'friction'}.{kind}"
             if name not in names:
                 names.append(name)

@@ -117,8 +117,14 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         """Return what differs from window to window, where an estimate of it starts."""
 
     @abstractmethod
-    def first(self) -> Floats:
-        """Return the windows' own numbers as the readings show them around their starts, (w, own)."""
+    def first(self, at: Floats | None = None) -> Floats:
+        """
+        Return the windows' own numbers as the readings show them around their starts, (w, own).
+
+        Parameters
+        ----------
+        at : (p,) coordinates of the shared numbers, for what is not read there; as declared by default
+        """
 
     @abstractmethod
     def values(self, at: Floats, run: int) -> dict[str, float]:

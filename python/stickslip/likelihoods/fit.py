@@ -149,7 +149,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     """
     held = policy.held if held is None else held
     most = policy.most_steps if most is None else most
-    fit, damping, calm = replace(fit, at=fit.windows.bounded(fit.at)), 0.0, 0
+    fit, damping = replace(fit, at=fit.windows.bounded(fit.at)), 0.0
     moved, failed = True, False
     for step in range(most):
         if moved:
@@ -158,9 +158,12 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
             sought = lifted(rescued(fit))
             if sought is not fit:
                 fit = _linearised(sought, policy)
-        trial, cost = _stepped(fit, policy, damping, free=step >= held)
+        trial, cost, whole = _stepped(fit, policy, damping, free=step >= held)
         moved = trial is not None
-        if trial is None:
+        if trial is not None:
+            fit = replace(trial, steps=step + 1)
+        little = cost < policy.settled
+        if little and not whole:  # a step that holds in part alone says nothing of where the best is
             damping, failed = max(damping * 10, 1e-2), True
             if damping > 10:
                 break
@@ -168,9 +171,7 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
         if not failed:  # what has just been needed is needed again
             damping = damping / 10 if damping > 1e-5 else 0.0
         failed = False
-        fit = replace(trial, steps=step + 1)
-        calm = calm + 1 if cost < policy.settled else 0
-        if calm and step > held:
+        if little and step > held:
             break
     return _closed(_linearised(fit, policy) if moved else fit, policy, LAST_TURNS if held < most else 0)
 
@@ -253,9 +254,9 @@ def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
     )
 
 
-def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float]:
+def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit | None, float, bool]:
     """
-    The fit a step on and the deviance that it saves; None where no step saves any.
+    The fit a step on, the deviance that it saves, and whether the whole step does; None where none saves any.
 
     A population that is free may follow the linearised windows where the windows themselves do not: it moves with a
     step that lowers the deviance, its own part included, or where that fails without one, as far as scatter is usual.
@@ -264,7 +265,7 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     stay = _estimate(fit, policy, 0)
     if not free:
         trial = _tried(fit, stay, _freed_noise(fit, stay), damping)
-        return (None, 0.0) if trial is None else trial
+        return trial or (None, 0.0, False)
     here = _deviance(fit, stay)
     found = _estimate(fit, policy, TURNS)
     if (moved := _tried(fit, found, found.noise, damping, STEPS[:2], here)) is not None:
@@ -272,10 +273,10 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     apart = _apart(fit, found, here, policy)
     if apart is None:
         trial = _tried(fit, stay, fit.noise, damping, STEPS, here)
-        return (None, 0.0) if trial is None else trial
+        return trial or (None, 0.0, False)
     there, stay, saved = apart
     trial = _tried(there, stay, there.noise, damping, STEPS, here - saved)
-    return (there, saved) if trial is None else (trial[0], saved + trial[1])
+    return (there, saved, False) if trial is None else (trial[0], saved + trial[1], trial[2])
 
 
 def _deviance(fit: Fit, stay: Estimate[Any]) -> float:
@@ -307,8 +308,8 @@ def _tried(
     damping: float,
     sizes: Sequence[float] = STEPS,
     deviance: float | None = None,
-) -> tuple[Fit, float] | None:
-    """The fit a step on under some population, and what that saves of a deviance, or of the cost under it."""
+) -> tuple[Fit, float, bool] | None:
+    """The fit a step on under some population, what that saves of a deviance or a cost, and if the step is whole."""
     assert fit.linear is not None
     windows, population, solution = fit.windows, found.population, found.solution
     if damping or deviance is None:
@@ -337,7 +338,8 @@ def _tried(
             own = np.where((other < new)[:, None], alone, own)
             then += float(np.minimum(other - new, 0.0).sum())
         if then + added < least - 1e-3:
-            return replace(fit, at=at, own=own, population=population, noise=noise), least - then - added
+            there = replace(fit, at=at, own=own, population=population, noise=noise)
+            return there, least - then - added, size == 1.0
     return None
 
 

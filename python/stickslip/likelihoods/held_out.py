@@ -7,13 +7,36 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit_state import Fit, soft
 from stickslip.likelihoods.mixed import solve
-from stickslip.likelihoods.population import Population, factor
+from stickslip.likelihoods.population import Population, Scatter, factor
 
 Floats = NDArray[np.float64]
 FOLDS = 3
 EXACT = 1e12  # precision of what is known from the other windows
+
+
+def deviances(fit: Fit, population: Scatter, noise: Floats) -> Floats:
+    """
+    Return -2 log marginal likelihood of each window, (w,), to first order about a fit without shared numbers.
+
+    A window counts by its logarithm beyond the knee, as in a fit: one that goes astray says no more than that. NaN of
+    one that cannot be simulated.
+
+    Parameters
+    ----------
+    fit : of windows that a model was not fitted to
+    population, noise : what scatter and noise are, as the model has them
+    """
+    assert fit.linear is not None
+    windows, good = fit.windows, fit.linear.weight > 0
+    linear = replace(fit.linear, weight=good.astype(np.float64))
+    none = np.zeros(len(windows.numbers))
+    known = none, EXACT * np.eye(len(none))
+    found = solve(linear, factor(population, windows.places), noise, *known, fit.random)
+    chi = soft((found.misfit / noise).sum(axis=1), windows.policy.knee * windows.sizes * windows.channels)
+    volume = linear.count @ np.log(noise) - np.linalg.slogdet(found.inverse)[1]
+    return np.where(good, chi + (found.white**2).sum(axis=1) + volume, np.nan)
 
 
 def held_out(fit: Fit, population: Population, noise: Floats) -> float:

@@ -15,6 +15,10 @@ from stickslip.likelihoods.shown_levels import shown_levels
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 HIDDEN = 1.0  # squares over the noise that a usual static friction moves the readings by: they do not show it
+LET_GO = np.setdiff1d(
+    np.round(np.linspace(-0.06, 0.06, 25), 3), [0.0]
+)  # static friction of one that still is
+SOUGHT = 1.5  # cost per reading from which it is
 SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is sought anew with
 
 
@@ -71,7 +75,7 @@ def rescued(fit: Fit) -> Fit:
     if not lost.any():
         return fit
     best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
-    fresh = windows.first()
+    fresh = windows.first(fit.at)
     shown = shown_levels(windows, fit.at)
     near, q = _neighbours(windows, lost), windows.begins
     starts = [*SHIFTS, 0.0] if shown is not None else SHIFTS
@@ -88,7 +92,33 @@ def rescued(fit: Fit) -> Fit:
         found = np.add(*cost.of(made, trial))
         better = lost & (found < least) & stand(fit.blocks, made)
         best[better], least[better] = trial[better], found[better]
-    return replace(fit, own=best)
+    still = lost & (least > SOUGHT * np.maximum(windows.sizes * windows.channels, 1))
+    return replace(fit, own=_let_go(fit, cost, best, least, still) if still.any() else best)
+
+
+def _let_go(fit: Fit, cost: Cost, own: Floats, least: Floats, lost: Mask) -> Floats:
+    """
+    Own numbers with static friction of lost windows sought over all that is usual.
+
+    When a contact lets go decides what follows, and readings that jump there have no slope that says so.
+    """
+    windows = fit.windows
+    statics = windows.begins + np.array(windows.statics, dtype=np.int64)
+    if not len(statics):
+        return own
+    found, nearest = least.copy(), own.copy()
+    for shift in LET_GO:
+        trial = own.copy()
+        trial[np.ix_(lost, statics)] += shift
+        made = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
+        better = lost & (made < found)
+        nearest[better], found[better] = trial[better], made[better]
+    moved = found < least
+    if not moved.any():
+        return own
+    trial = polished(fit, cost, nearest, moved, 8)
+    made = np.add(*cost.of(windows.blocks(fit.at, trial, moved, shared=(), local=False), trial))
+    return np.where((moved & (made < found))[:, None], trial, nearest)
 
 
 def lifted(fit: Fit) -> Fit:

@@ -179,7 +179,8 @@ class GeneralBench(Bench):
                     wandering = members[belt[members]]
                     out[wandering, k] = size * rng.standard_normal((len(wandering), draws))
                     continue
-                found = like[1] if name.endswith(".static") else like[0]
+                _, _, kind = name.rpartition(".")
+                found = {"kinetic": like[0], "static": like[1]}.get(kind, np.zeros(draws))
                 out[members, k] = size * chain(len(members), found, rng)
         return out
 

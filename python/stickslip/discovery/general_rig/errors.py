@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.discovery.carry_over import of_falls, told_by
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_ahead import Ahead, one_ahead
 from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.contact_scatter import ContactScatter
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.held_out import deviances
 from stickslip.likelihoods.own_phases import with_own_drive, with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
@@ -29,6 +33,7 @@ METRIC = (
 )
 WHO = ("before", "after", "floor")
 NONE = dict.fromkeys(WHO, math.nan)
+NOTHING: Mapping[str, Any] = {}
 
 
 @dataclass(frozen=True)
@@ -40,10 +45,13 @@ class Told:
     ----------
     model : of the rig
     sensors : gains less 1 and offsets, as "gain.<channel>" and "offset.<channel>", among other numbers
+    scatter, noise : of what differs from event to event, and (channels,) of the readings over what is declared
     """
 
     model: Model
     sensors: Mapping[str, float]
+    scatter: ContactScatter
+    noise: Floats
 
     def of(self, kind: str, run: BodiesData) -> Floats:
         """Return the gains less 1, or the offsets, of a run's channels, (c,)."""
@@ -51,21 +59,45 @@ class Told:
 
 
 def error_block(
-    before: Told, after: Told, runs: Sequence[BodiesData], recordings: Sequence[Recording]
+    before: Told,
+    after: Told,
+    runs: Sequence[BodiesData],
+    recordings: Sequence[Recording],
+    less: Mapping[str, tuple[Told, float]] = NOTHING,
 ) -> tuple[ErrorBlock, list[tuple[Ahead, Ahead]]]:
     """
     Return `error` of the report, and the forecasts that it rests on.
 
     The floor is what noise of the readings alone leaves; that friction of the next event is not known comes on top.
+    How likely the runs are is told by their events, each with friction of its own.
+
+    Parameters
+    ----------
+    before, after : what is held against each other
+    runs, recordings : never fitted
+    less : what there is without each of several effects, by name, and by how much that one passes its gate
     """
-    rows, kept = [], []
+    rows, kept, falls = [], [], list[float]()
+    each: dict[str, list[float]] = {name: [] for name in less}
     for run, recording in zip(runs, recordings, strict=True):
-        now = ahead(after, run)
-        was = now if before == after else ahead(before, run)
+        now, deviance = ahead(after, run)
+        was = now
+        if before is not after:
+            was, other = ahead(before, run)
+            falls += _falls(other, deviance)
+        for name, (one, _) in less.items():
+            each[name] += _falls(ahead(one, run)[1], deviance)
         kept.append((was, now))
         rows.append(_row(run, recording, was, now))
     mean = {who: float(np.nanmean([row.one_cycle[who] for row in rows])) for who in WHO}
-    return ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows)), kept
+    block = ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows))
+    alone = [of_falls(each[name], spare, name) for name, (_, spare) in less.items()]
+    return replace(block, likelihood=told_by(of_falls(falls), alone)), kept
+
+
+def _falls(was: Floats, now: Floats) -> list[float]:
+    """By how much that of what both make of a run falls."""
+    return [float(one) for one in was - now if np.isfinite(one)]
 
 
 def two_windows(run: BodiesData) -> list[Cut]:
@@ -84,9 +116,9 @@ def two_windows(run: BodiesData) -> list[Cut]:
     return cut
 
 
-def ahead(told: Told, run: BodiesData) -> Ahead:
+def ahead(told: Told, run: BodiesData) -> tuple[Ahead, Floats]:
     """
-    Return what is forecast of a run, one window ahead.
+    Return what is forecast of a run, one window ahead, and how likely each window is, as of `deviances`.
 
     Its sensors have the gains and offsets found: of an angle that grows a small error of the gain is soon a large one.
 
@@ -101,8 +133,10 @@ def ahead(told: Told, run: BodiesData) -> Ahead:
     run = replace(run, readings=true, weight=run.weight * gain, noise=run.noise / gain)
     run = with_own_drive(told.model, run, cut)
     own = with_own_phases(told.model, run, cut)
-    made = one_ahead(null(BodiesWindows(own, [run], cut, [], Declared()), POLICY), run)
-    return replace(made, off=made.off * gain, readings=made.readings * gain + offset)
+    fit = null(BodiesWindows(own, [run], cut, [], Declared()), POLICY)
+    made = one_ahead(fit, run)
+    made = replace(made, off=made.off * gain, readings=made.readings * gain + offset)
+    return made, deviances(fit, told.scatter, told.noise)
 
 
 def _row(run: BodiesData, recording: Recording, was: Ahead, now: Ahead) -> RunError:

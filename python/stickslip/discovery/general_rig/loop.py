@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.carry_over import carries_over, instead
+from stickslip.discovery.carry_over import claimed
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
 from stickslip.discovery.general_rig.errors import Told, error_block, two_windows
 from stickslip.discovery.general_rig.result import GeneralFound, RigView
 from stickslip.discovery.laboratory import outcome as usual
+from stickslip.discovery.laboratory.fewer import beside_others, fewer
 from stickslip.discovery.laboratory.search import Searched, search
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.residual import spectrum
 from stickslip.discovery.result import Verdict
 from stickslip.discovery.workers import ALONE, Workers
@@ -63,6 +65,11 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
         found = search(bench, case.uncertainty, tell, seed, workers=workers)
+        again = of_single_events(bench, found.chosen.fit) if found.chosen.terms else bench
+        if len(again.stretches) < len(bench.stretches):  # what was missing hid them
+            tell("windows stand out from what was found: once more without them")
+            bench = again
+            found = search(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"
@@ -72,10 +79,13 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         words = "laws of this kind do not move the rig like the readings; are rig, units and speeds right?"
         raise StickslipError(words)
     so_far = (began, len(every.stretches) - len(bench.stretches))
-    out = _found(case, bench, found, validate, tell, so_far)
-    if carries_over(out):
-        return out
-    return instead(out, _found(case, bench, replace(found, chosen=found.null), validate, tell, so_far))
+
+    def said(some: Searched) -> GeneralFound:
+        return _found(case, bench, some, validate, tell, so_far)
+
+    return claimed(
+        said(found), (said(less) for less in fewer(found)), lambda: said(replace(found, chosen=found.null))
+    )
 
 
 def _moving(runs: Sequence[BodiesData]) -> None:
@@ -96,9 +106,23 @@ def _found(
     declared, chosen, (began, out) = case.model(), found.chosen, so_far
     before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
     tell("forecasting the validate runs")
-    was, now = Told(before, outcome.sensors(bench, found.null)), Told(after, outcome.sensors(bench, chosen))
-    error, forecasts = error_block(was, now, validate, case.validate)
+
+    def told(one: Trial) -> Told:
+        made = (
+            before if one is found.null else after if one is chosen else outcome.model(bench, one, declared)
+        )
+        return Told(made, outcome.sensors(bench, one), one.fit.population, one.fit.noise)
+
+    was = now = told(chosen)
+    if chosen is not found.null:
+        was = told(found.null)
+    less = {outcome.said(k): (told(one), spare) for k, (one, spare) in beside_others(found).items()}
+    error, forecasts = error_block(was, now, validate, case.validate, less)
     effects = outcome.effects(bench, found)
+    proof = usual.gate(found)
+    if chosen.terms and error.likelihood is not None and error.likelihood.spare is None:
+        spare = max(proof.observed - proof.threshold, 0.0)
+        error = replace(error, likelihood=replace(error.likelihood, spare=spare))
     left = [outcome.left(bench, one.fit) for one in (found.null, chosen)]
     return GeneralFound(
         title=case.title,
@@ -113,7 +137,7 @@ def _found(
         error=error,
         ranking=outcome.ranking(found),
         experiments=(),
-        gate=usual.gate(found),
+        gate=proof,
         runs=(),
         spectrum=spectrum(*left),
         messages=(*_left_out(out, bench), *outcome.remarks(bench, chosen)),

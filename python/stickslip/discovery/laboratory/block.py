@@ -14,14 +14,16 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import LONG
 from stickslip.declared.scale import percent
 from stickslip.declared.uncertainty import GAINS
-from stickslip.discovery.carry_over import carries_over, instead
+from stickslip.discovery.carry_over import claimed
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.discovery.laboratory.block_errors import error_block
 from stickslip.discovery.laboratory.block_views import Motion, validate_view, view
 from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, ridden, set_point
+from stickslip.discovery.laboratory.carried import likelihood
 from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.fewer import beside_others
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.scaled import found as in_declared
@@ -101,9 +103,11 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     case, unused = with_windows(case, bench.data, bench.stretches, left_out)
     verdicts, said = _verdicts(bench, case, tell, seed, workers)
     searched = Search(case, units, data, verdicts)
-    found = _found(searched, tell, began)
-    if not carries_over(found):
-        found = instead(found, _found(replace(searched, verdicts=verdicts.silent()), tell, began))
+    found = claimed(
+        _found(searched, tell, began, seed, workers),
+        (_found(replace(searched, verdicts=less), tell, began, seed, workers) for less in verdicts.fewer()),
+        lambda: _found(replace(searched, verdicts=verdicts.silent()), tell, began, seed, workers),
+    )
     return replace(found, messages=(*said, *unused, *found.messages))
 
 
@@ -186,7 +190,7 @@ def _displaced(units: Scaled, run: Data) -> Data:
     return replace(units.data(run), readings=run.readings * units.scales.length)
 
 
-def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
+def _found(search: Search, tell: Callable[[str], None], began: float, seed: int, workers: Workers) -> Found:
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
     chosen = search.verdicts.told
@@ -209,6 +213,14 @@ def _found(search: Search, tell: Callable[[str], None], began: float) -> Found:
     }
     tell("forecasting the validate runs")
     error, forecasts, words = error_block(case, before, after, validate, _errors(events, units))
+    used = [run for run in search.data[len(bench.data) :] if run.name not in astray]
+    less = (
+        {} if curve is not None else {k: (one.fit, spare) for k, (one, spare) in beside_others(found).items()}
+    )
+    held = likelihood(chosen.fit, search.verdicts.without(base), less, used, workers, seed)
+    if held is not None and held.spare is None and chosen.terms:
+        held = replace(held, spare=search.verdicts.spare())
+    error = replace(error, likelihood=held)
     effects = _effects(search, chosen)
     data = [units.data(run) for run in bench.data]
     was, now = (left(bench, one.fit, data) for one in (base, chosen))

@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery import errors
+from stickslip.discovery.carry_over import of_falls, told_by
 from stickslip.discovery.errors import Measured
 from stickslip.discovery.result import ErrorBlock, Likelihood, RunError
 from stickslip.discovery.workers import Workers
@@ -25,7 +25,7 @@ from stickslip.measured.case import Recording
 
 Floats = NDArray[np.float64]
 Samples = NDArray[np.int64]
-FEWEST = 5  # forecasts, the fewest whose ranks can speak against anything at 5 %
+NOTHING: Mapping[str, tuple[Fit, float]] = {}
 METRIC = (
     "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone and events to come as they scatter; "
     "mean over validate runs"
@@ -40,6 +40,7 @@ def error_block(
     recordings: Sequence[Recording],
     workers: Workers,
     seed: int,
+    less: Mapping[str, tuple[Fit, float]] = NOTHING,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """
     Return `error` of the report, and the forecasts it rests on.
@@ -52,14 +53,15 @@ def error_block(
     without : what is told where nothing is named; None where nothing is
     runs, recordings : never fitted
     workers, seed : make the forecasts
+    less : the fit without each of several effects, by name, and by how much that one passes its gate
     """
     same = fits[0] is fits[1]
     third = () if without is None or any(without is one for one in fits) else (without,)
-    every = (*(fits[1:] if same else fits), *third)
+    every = (*(fits[1:] if same else fits), *third, *(fit for fit, _ in less.values()))
     light = tuple(replace(one, blocks=[], linear=None, solution=None) for one in every)
     tasks = [(fit, run) for run in runs for fit in light]
     done = iter(workers.map(partial(_made, seed=seed), tasks))
-    falls = []
+    falls, each = list[float](), {name: list[float]() for name in less}
     table: list[RunError] = []
     kept: dict[str, tuple[Measured, Measured]] = {}
     for run, recording in zip(runs, recordings, strict=True):
@@ -73,23 +75,61 @@ def error_block(
         (was, _), (now, floor) = made[0], made[-1]
         kept[run.name] = (was, now)
         table.append(errors.row(run, recording, (was, now, floor)))
-        if without is not None and (held := flown[-1 if third else 0]) is not None:
+        count = len(flown) - len(less)
+        if without is not None and (held := flown[count - 1 if third else 0]) is not None:
             falls += _falls(held[0].deviance, now.deviance)
+        for own, one in zip(each.values(), flown[count:], strict=True):
+            own += [] if one is None else _falls(one[0].deviance, now.deviance)
     block = replace(errors.block(METRIC, table), covered=_covered(runs, kept))
-    return replace(block, likelihood=_likelihood(falls)), kept
+    alone = [of_falls(each[name], spare, name) for name, (_, spare) in less.items()]
+    return replace(block, likelihood=told_by(of_falls(falls), alone)), kept
+
+
+def likelihood(
+    now: Fit,
+    without: Fit | None,
+    less: Mapping[str, tuple[Fit, float]],
+    runs: Sequence[Data],
+    workers: Workers,
+    seed: int,
+) -> Likelihood | None:
+    """
+    Return how likely runs never fitted are with what was found, by forecasts of a cycle.
+
+    Parameters
+    ----------
+    now, without : the fit with all of it, and with none; None where nothing was found
+    less, runs, workers, seed : as of `error_block`
+    """
+    if without is None:
+        return None
+    every = [
+        replace(one, blocks=[], linear=None, solution=None)
+        for one in (now, without, *(f for f, _ in less.values()))
+    ]
+    made = iter(workers.map(partial(_foretold, seed=seed), [(fit, run) for run in runs for fit in every]))
+    falls: list[list[float]] = [[] for _ in every[1:]]
+    for _ in runs:
+        own = next(made)
+        for one in falls:
+            one += _falls(next(made), own)
+    alone = [
+        of_falls(one, spare, name) for one, (name, (_, spare)) in zip(falls[1:], less.items(), strict=True)
+    ]
+    return told_by(of_falls(falls[0]), alone)
+
+
+def _foretold(task: tuple[Fit, Data], *, seed: int) -> dict[int, float]:
+    """-2 log density of the readings of each cycle of a run that a fit forecasts, by its first sample."""
+    fit, run = task
+    noise, knee = (run.noise * np.sqrt(fit.noise))[:2], fit.windows.policy.knee
+    every = ahead(fit, run, 1.0, seed)
+    return {one.start: _deviance(one, run, _first(one, run)[1], noise, knee) for one in every}
 
 
 def _falls(was: Mapping[int, float], now: Mapping[int, float]) -> list[float]:
     """By how much that of what both forecast falls."""
     return [each - now[at] for at, each in was.items() if at in now]
-
-
-def _likelihood(falls: Sequence[float]) -> Likelihood | None:
-    """What forecasts say whose -2 log likelihoods fall by so much each."""
-    if len(falls) < FEWEST:
-        return None
-    test = scipy.stats.wilcoxon(falls, alternative="less")
-    return Likelihood(float(np.sum(falls)), len(falls), float(test.pvalue))
 
 
 def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[Measured, Measured]]) -> float | None:

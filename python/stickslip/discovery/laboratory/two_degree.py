@@ -11,11 +11,12 @@ import numpy as np
 from stickslip.declared.model import Model
 from stickslip.declared.si import scales_of
 from stickslip.discovery import messages, rig_numbers
-from stickslip.discovery.carry_over import carries_over, instead
+from stickslip.discovery.carry_over import claimed
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.laboratory import outcome, readings
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.carried import error_block
+from stickslip.discovery.laboratory.fewer import beside_others
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
@@ -92,8 +93,11 @@ def discover(
     case, unused = with_windows(case, used, stretches(used))
     asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
     notes = (*notes, *unused, *said)
-    found = _found(asked, verdicts, notes, began)
-    return found if carries_over(found) else instead(found, _found(asked, verdicts.silent(), notes, began))
+    return claimed(
+        _found(asked, verdicts, notes, began),
+        (_found(asked, less, notes, began) for less in verdicts.fewer()),
+        lambda: _found(asked, verdicts.silent(), notes, began),
+    )
 
 
 def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
@@ -182,14 +186,15 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
         case.validate,
         asked.workers,
         asked.seed,
+        {}
+        if curve is not None
+        else {k: (one.fit, spare) for k, (one, spare) in beside_others(found).items()},
     )
     effects, gate = outcome.effects(bench, found), outcome.gate(found)
-    spare = gate.observed - gate.threshold
     if curve is not None:
         effects = (outcome.unlisted(found, curve, chosen),)
-        spare = curve.worth(len(bench.stretches)) - curve.threshold
-    if chosen.terms and error.likelihood is not None:
-        error = replace(error, likelihood=replace(error.likelihood, spare=max(spare, 0.0)))
+    if chosen.terms and error.likelihood is not None and error.likelihood.spare is None:
+        error = replace(error, likelihood=replace(error.likelihood, spare=verdicts.spare()))
     looks = [rig_numbers.remark(case.rig, one.curve) for one in effects if one.curve is not None]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (left(bench, one.fit) for one in (base, chosen))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, TypeVar
 
 from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import leading
+from stickslip.discovery.laboratory.fewer import fewer
 from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
@@ -79,6 +81,22 @@ class Verdicts(Generic[BenchT]):
         if self.told.terms:
             return self.searched.null.fit
         return before.fit if self.told.freed is not None else None
+
+    def spare(self) -> float:
+        """Return by how much what is told passes its gate."""
+        if self.curve is not None:
+            return max(self.curve.worth(len(self.bench.stretches)) - self.curve.threshold, 0.0)
+        gate = outcome.gate(self.searched)
+        return max(gate.observed - gate.threshold, 0.0)
+
+    def fewer(self) -> Iterator[Verdicts[BenchT]]:
+        """Yield the same with fewer names told, the best first: without a curve beside them, then some of them."""
+        alone = replace(self, curve=None, after=self.searched.chosen, beside=False)
+        if self.curve is None or self.beside:
+            if self.beside:
+                yield alone
+            for found in fewer(self.searched):
+                yield replace(alone, searched=found, after=found.chosen)
 
     def silent(self) -> Verdicts[BenchT]:
         """Return the same with nothing told."""

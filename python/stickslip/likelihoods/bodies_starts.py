@@ -1,0 +1,50 @@
+"""Where windows of a rig of bodies begin: how far and how fast a run moves, and what sticks there leaves free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.fitted.bodies_data import BodiesData
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Start:
+    """v = held + scale_v * (free @ numbers): what sticks moves with what it rubs on."""
+
+    scale_q: Floats
+    scale_v: Floats
+    free: Floats  # (n, n); a column of zeros for what sticks
+    held: Floats  # (n,)
+
+
+def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> Start:
+    """
+    Return how the velocities follow from a window's own numbers.
+
+    Parameters
+    ----------
+    D : (sticking, n) directions of the contacts that stick
+    speeds : (sticking,) of what each of them rubs on
+    scales : as of `scales_of`
+    """
+    scale_q, scale_v = scales
+    n = len(scale_q)
+    if not len(D):
+        return Start(scale_q, scale_v, np.eye(n), np.zeros(n))
+    scaled = D * scale_v
+    _, _, turned = np.linalg.svd(scaled)
+    free = np.zeros((n, n))
+    free[:, : n - len(D)] = turned[len(D) :].T
+    return Start(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
+
+
+def scales_of(run: BodiesData) -> tuple[Floats, Floats]:
+    """How far each coordinate moves in a radian of the natural period, and how fast."""
+    v = np.std(run.v, axis=0)
+    v = np.maximum(v, 1e-3 * max(float(v.max()), 1e-300))
+    return v * run.periods[0] / (2 * np.pi), v
