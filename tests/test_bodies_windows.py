@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import way
 from stickslip.likelihoods import fit as fits
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
-from stickslip.likelihoods.bodies_cuts import STATE
+from stickslip.likelihoods.bodies_cuts import STATE, cuts
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import POLICY
@@ -165,3 +165,23 @@ def test_a_fit_goes_on_where_a_whole_step_does_not_hold() -> None:
     fit = null(own.windows(), POLICY)
     again = fits.fitted(fit, POLICY)
     assert again.deviance == pytest.approx(fit.deviance, abs=1.0)
+
+
+def test_a_stick_too_short_to_begin_in_parts_two_events() -> None:
+    """Behind a lag most sticks showed for three samples, and one window held five slips."""
+    case = CASES["pin"]()
+    run = bench(case, *recorded(case, 5, level=0.02, static=0.02, lasts=3.0)).data[0]
+    usual = cuts([run])
+    long = [w.start for w in usual if w.modes == (0,)]
+    period = round(run.periods[0] / case.dt)
+    between = next(a + (b - a) // 2 for a, b in zip(long[:-1], long[1:], strict=True) if b - a > 1.2 * period)
+    stuck = run.stuck.copy()
+    stuck[between - 1 : between + 2] = True
+    stuck[between + 6 : between + 9] = True  # the same stick, broken by noise
+    parted = cuts([replace(run, stuck=stuck)])
+    (one,) = {(w.start, w.modes) for w in parted} - {(w.start, w.modes) for w in usual}
+    assert abs(one[0] - between) <= 8
+    assert one[1] == (STATE,)
+    stuck[between - 1 : between + 9] = run.stuck[between - 1 : between + 9]
+    stuck[between] = True  # a single sample is noise
+    assert cuts([replace(run, stuck=stuck)]) == usual

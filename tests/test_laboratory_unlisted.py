@@ -202,6 +202,26 @@ def test_names_that_stand_fall_only_to_what_is_better_by_as_much_as_is_asked(ben
     assert verdicts.curve_alone(bent.bench, alone, 0, more=2.0 * gain) is None
 
 
+def test_a_curve_that_adds_nothing_to_names_is_not_fitted_in_their_place(
+    bent: Left, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fitting curves that could not replace a right name took longer than to find it."""
+    x = np.linspace(-1.0, 1.0, 5)
+    scored = [
+        Learned("block", variable, 900.0, x, x, x, 4, [], threshold=10.0) for variable in ("x1", "x2", "t")
+    ]
+    monkeypatch.setattr(verdicts, "leading", lambda *_: scored)
+    asked = list[str]()
+    monkeypatch.setattr(verdicts, "proven", lambda _, __, one: asked.append(one.variable) or (one, bent.null))
+    alone = Searched(bent.null, bent.null)
+    over = [replace(scored[0], gain=12.0), replace(scored[1], gain=60.0)]
+    verdicts.curve_alone(bent.bench, alone, 0, more=20.0, over=over)
+    assert set(asked) == {"x2", "t"}  # of the last nothing is known
+    asked.clear()
+    verdicts.curve_alone(bent.bench, alone, 0, over=over)
+    assert set(asked) == {"x1", "x2", "t"}
+
+
 @pytest.mark.parametrize(
     ("where", "variable", "name", "share"),
     [("block", "x2", "block_viscous_damping.c", -1.0), ("x1 channel", "t", "sensor_drift.r", 1.0)],

@@ -271,12 +271,13 @@ def test_names_that_leave_no_curve_over_stand(
     chosen = Trial((term(kind, {"k": 4.0}),), fit) if named else null
     monkeypatch.setattr(verdicts, "search", lambda *_: Searched(null, chosen))
     monkeypatch.setattr(verdicts, "closed", lambda one, _: one)
+    monkeypatch.setattr(BeltBench, "curves", lambda *_: [])
     monkeypatch.setattr(verdicts, "left_over", lambda *_: None if left is None else (left, fit))
     better = {"a little better": 1.0, "far better": 2 * bench.policy.noticed}
     monkeypatch.setattr(
         verdicts,
         "curve_alone",
-        lambda *given: (alone, fit) if alone is not None and better[alone] > given[-1] else None,
+        lambda *given: (alone, fit) if alone is not None and better[alone] > given[4] else None,
     )
     found = verdicts.searched(bench, Uncertainty(bench.model.rig, {}, {}, {}), lambda _: None, 0, base=null)
     assert (found.curve, found.beside) == told

@@ -20,6 +20,8 @@ COVERED = (
     0.6  # share of a run's time that windows from stick to stick must hold; else the run is cut by the clock
 )
 LONGEST = 6.0  # windows by the clock's lengths that one from stick to stick may last; beyond, it is cut by the clock
+BRIEF = 2  # samples of a stick that parts two events
+APART = 0.5  # natural periods between such a stick and another
 PERIODS = 1.2  # natural periods that a window by the clock lasts
 SEARCHED = 0.25  # of such a window, to both sides of its end, where a quiet place for the cut is sought
 
@@ -72,6 +74,7 @@ def _of_run(number: int, run: BodiesData, policy: Policy) -> list[Cut]:
     sticks = _all_sticks(run, policy)
     length, end = PERIODS * run.periods[0], len(run.t) - 1
     places = _stabbed([_inner(*one) for own in sticks for one in own])
+    places = sorted([*places, *_brief(run, places)])
     if len(places) < 2 or run.t[places[-1]] - run.t[places[0]] < COVERED * run.t[-1]:
         places = [0, *places, end]
     out = [places[0]]
@@ -85,6 +88,21 @@ def _of_run(number: int, run: BodiesData, policy: Policy) -> list[Cut]:
         for a, b in zip(out[:-1], out[1:], strict=True)
         if b - a >= policy.fewest_stuck
     ]
+
+
+def _brief(run: BodiesData, places: Sequence[int]) -> list[int]:
+    """
+    Places in sticks too short for a window to begin in stick, as far from all others as a slip lasts.
+
+    What lets go after one has friction of its own; the window begins as the state there says.
+    """
+    every = [_sticks(run.stuck[:, j], BRIEF) for j in range(run.stuck.shape[1])]
+    out, known = list[int](), list(places)
+    for place in _stabbed(sorted(one for own in every for one in own)):
+        if all(abs(run.t[place] - run.t[other]) > APART * run.periods[0] for other in known):
+            out.append(place)
+            known.append(place)
+    return out
 
 
 def _inner(a: int, b: int) -> tuple[int, int]:

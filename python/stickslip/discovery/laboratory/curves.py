@@ -22,6 +22,7 @@ def leading(
     workers: Workers = ALONE,
     least: float = 0.0,
     names: float = 0.0,
+    every: Sequence[Learned] | None = None,
 ) -> list[Learned]:
     """
     Return the best curves beside a hypothesis, best first, with the gate that draws set for all curves.
@@ -37,9 +38,11 @@ def leading(
     workers : score them
     least : what a curve is worth at least; without one no gate is drawn
     names : the gate of names beside the hypothesis
+    every : the curves beside it, if they are scored already
     """
     fit, count = beside.fit, len(bench.stretches)
-    every = bench.curves(fit, beside.terms, workers)
+    if every is None:
+        every = bench.curves(fit, beside.terms, workers)
     worthy = [one for one in every if one.worth(count) > least]
     if not worthy:
         return []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -131,11 +132,12 @@ def searched(
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
     tell("looking for a curve that no name explains")
-    left = left_over(bench, found, seed, workers)
     chosen = found.chosen
+    over = bench.curves(chosen.fit, chosen.terms, workers) if chosen.terms else ()
+    left = left_over(bench, found, seed, workers, over)
     # names that leave nothing over fall only to what explains the runs better than they do by more than a little
     stand = chosen.terms and left is None and not lost(chosen.fit)
-    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed if stand else 0.0)
+    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed if stand else 0.0, over)
     if alone is not None:
         return Verdicts(bench, found, *alone)
     if left is not None:
@@ -161,36 +163,51 @@ def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
 
 
 def curve_alone(
-    bench: Bench, found: Searched, seed: int, workers: Workers = ALONE, more: float = 0.0
+    bench: Bench,
+    found: Searched,
+    seed: int,
+    workers: Workers = ALONE,
+    more: float = 0.0,
+    over: Sequence[Learned] = (),
 ) -> _Told | None:
-    """The curve that explains more than every name does, its shapes paid for; by so much `more`."""
+    """
+    The curve that explains more than every name does, its shapes paid for; by so much `more`.
+
+    The names with a curve beside them explain what the curve does alone. One that gains less than `more` beside names
+    that stand, as scored among those `over`, is not fitted.
+    """
     alone, chosen = found.null, found.chosen
     # as explanations they are held against each other whole: what of a wave scatter has too is the gate's question
     # names beside which friction scatters without bound explain nothing
     named = 0.0 if lost(chosen.fit) else alone.whole() - chosen.whole()
     least = max(named + more, 0.0)
     promised = least if more else 0.0  # names that stand are not doubted where no curve promises more
-    return _proven(
-        bench,
-        alone,
-        leading(bench, alone, chosen.fit, seed, workers, promised, gate_of(found.steps[:1])),
-        workers,
-        least,
-    )
+    every = leading(bench, alone, chosen.fit, seed, workers, promised, gate_of(found.steps[:1]))
+    beside = {(one.where, one.variable): one.gain for one in over if more}
+    every = [one for one in every if beside.get((one.where, one.variable), math.inf) > more]
+    return _proven(bench, alone, every, workers, least)
 
 
-def left_over(bench: Bench, found: Searched, seed: int, workers: Workers = ALONE) -> _Told | None:
+def left_over(
+    bench: Bench,
+    found: Searched,
+    seed: int,
+    workers: Workers = ALONE,
+    over: Sequence[Learned] | None = None,
+) -> _Told | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
 
-    One that is next to nothing beside what they explain is what the model of the measurement is short of.
+    One that is next to nothing beside what they explain is what the model of the measurement is short of. `over` are
+    the curves beside the names, if they are scored already.
     """
     chosen = found.chosen
     if not chosen.terms:
         return None
     # names that passed are not doubted for less
     gate = gate_of(found.steps) + bench.policy.noticed
-    left = _proven(bench, chosen, leading(bench, chosen, chosen.fit, seed, workers, names=gate), workers)
+    every = leading(bench, chosen, chosen.fit, seed, workers, names=gate, every=over)
+    left = _proven(bench, chosen, every, workers)
     if left is None or left[0].gain < bench.policy.stands_in**2 * explained_by_names(bench, found):
         return None
     return left
