@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_ahead import Ahead
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import lost
 from stickslip.measured.case import Case
 
@@ -64,11 +66,10 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     try:
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
-        found = search(bench, case.uncertainty, tell, seed, workers=workers)
-        again = of_single_events(bench, found.chosen.fit) if found.chosen.terms else bench
-        if len(again.stretches) < len(bench.stretches):  # what was missing hid them
+        found = search(bench, case.uncertainty, tell, seed, workers=workers, ends=partial(_stand_out, bench))
+        if found.chosen.terms and _stand_out(bench, found.chosen.fit):
             tell("windows stand out from what was found: once more without them")
-            bench = again
+            bench = of_single_events(bench, found.chosen.fit)
             found = search(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
@@ -86,6 +87,11 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     return claimed(
         said(found), (said(less) for less in fewer(found)), lambda: said(replace(found, chosen=found.null))
     )
+
+
+def _stand_out(bench: GeneralBench, fit: Fit) -> bool:
+    """Whether what was missing hid windows in which more happens than one event."""
+    return len(of_single_events(bench, fit).stretches) < len(bench.stretches)
 
 
 def _moving(runs: Sequence[BodiesData]) -> None:

@@ -95,6 +95,7 @@ def search(
     seed: int = 0,
     base: Trial | None = None,
     workers: Workers = ALONE,
+    ends: Callable[[Fit], bool] = lambda _: False,
 ) -> Searched:
     """
     Return what the runs say of every effect, alone and beside others, and of the declared constants.
@@ -105,6 +106,7 @@ def search(
     tell, seed : told what is being done; of the gate's draws
     base : the declared model as fitted; None: it is fitted first
     workers : do what does not wait for one another; what is found does not depend on how many they are
+    ends : whether nothing more is to be sought beside what a step found, as it is to be sought anew
     """
     if base is None:
         tell("fitting the declared law, its constants and its scatter")
@@ -120,6 +122,8 @@ def search(
         if found is None:
             break
         base = found
+        if ends(base.fit):
+            break
         screen = step.beside if base is _leader(step) else None
     out.chosen = with_wrong_constant(bench, known, out.null, _back(bench, base, out, tell, workers))
     return out
