@@ -33,7 +33,7 @@ def test_a_constant_is_wrong_only_beside_a_model_of_the_windows(
     """A fit whose friction scattered by 22 % had a mass of its own, and told that the declared one is wrong."""
     off = Freed("alpha1", 0.2, 0.01, 0.01, 900.0, bench.declared)
     monkeypatch.setattr(searching, "freed", lambda *_: [off])
-    monkeypatch.setattr(searching, "_with_freed", lambda _, __, trial, wrong: replace(trial, freed=wrong))
+    monkeypatch.setattr(searching, "with_freed", lambda _, __, trial, wrong: replace(trial, freed=wrong))
     monkeypatch.setattr(Trial, "whole", lambda one: -900.0 if one.freed else 0.0)
     known = Uncertainty(bench.model.rig, {}, {}, {})
     usual = Trial((), replace(fit, population=fit.windows.scatter()))
@@ -56,7 +56,7 @@ def test_two_constants_that_do_the_work_of_one_do_not_hide_it(
     at[own] += sds * fit.windows.prior.uncertainty[:2]
     both = replace(there, fit=replace(there.fit, at=at))
     worse = replace(there.fit, deviance=there.fit.deviance + 2.0)
-    monkeypatch.setattr(searching, "_with_freed", lambda _, __, ___, one: Trial((), worse, freed=one))
+    monkeypatch.setattr(searching, "with_freed", lambda _, __, ___, one: Trial((), worse, freed=one))
     known = Uncertainty(bench.model.rig, {}, {}, {})
     assert (searching.with_wrong_constant(bench, known, both, both).freed is not None) == told
 

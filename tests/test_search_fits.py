@@ -137,7 +137,7 @@ def test_a_wave_that_its_own_gate_cannot_let_pass_is_not_fitted(
     wave = Candidate(term(kinds["harmonic_forcing"], {"a": 0.1, "w": W, "phi": 0.0}), 0.0, 7, step)
     wave = replace(wave, gain=times * wave.price(len(bench.stretches)))
     spring = Candidate(term(kinds["spring_cubic_k1"], {"k": 4.0}), 10.0, 1, step)
-    monkeypatch.setattr(searching, "_usual", lambda _: usual)
+    monkeypatch.setattr(searching, "is_usual", lambda _: usual)
     worthy = searching.worth_fitting(bench, Trial((), fit), Screen((wave, spring), ()))
     assert [one.term.name for one in worthy] == names
 

@@ -289,7 +289,7 @@ def test_what_a_wave_shares_with_events_that_remember_is_counted_once(
     """A force worth 5,000 was worth nothing: memory that it took from the null was no finding, and was so twice."""
     (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
     seam = term(kind, {"a": 0.1, "L": 3.0, "phi": 0.0}, (0.0,) * len(bench.data))
-    monkeypatch.setattr(trials, "_of_scatter", lambda *_: 40.0)
+    monkeypatch.setattr(trials, "of_scatter", lambda *_: 40.0)
     for remembers, known in ((60.0, 0.0), (30.0, 10.0), (0.0, 40.0)):
         fits = {True: fit, False: replace(fit, windows=bench.windows((seam,)))}
         gains = {id(fits[True]): remembers, id(fits[False]): 0.0}

@@ -351,7 +351,7 @@ def test_the_slower_of_two_that_make_a_store_goes_on_with_it(
     over, out = {"belt_speed": [0.1, 0.2]}, tmp_path / "a.zarr"
     first = ss.sweep(MODEL, over, t_end=2, out=out).load()
     # a race cannot be had at will: it was not there when it was looked for
-    monkeypatch.setattr(sweep_store, "_exists", lambda _: False)
+    monkeypatch.setattr(sweep_store, "there_is", lambda _: False)
     xr.testing.assert_identical(ss.sweep(MODEL, over, t_end=2, out=out).load(), first)
     with pytest.raises(ss.InputError, match="holds a sweep with another t_end"):
         ss.sweep(MODEL, over, t_end=3, out=out)

@@ -138,7 +138,7 @@ def _passing(
             name, base = trial.names[-1], step.base.fit
             tell(f"asking what scatter alone would gain of {name}")
             step.waves[name] = refitted(
-                bench, base, step.screen, name, seed, base if _usual(base) else trial.fit, workers
+                bench, base, step.screen, name, seed, base if is_usual(base) else trial.fit, workers
             )
         if step.passes(trial) and _stands_beside_waves(bench, step, trial):
             return trial
@@ -201,12 +201,12 @@ def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: T
         every = freed(bench, one.fit, known)
         if every and every[0].beyond:
             first = replace(every[0], rivals=tuple(every[1:]))
-            rivals.append(_with_freed(bench, known, one, first))
+            rivals.append(with_freed(bench, known, one, first))
     return min(rivals, key=Trial.strict)
 
 
-def _with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) -> Trial:
-    """A hypothesis fitted with one constant free; itself if that constant is as declared after all."""
+def with_freed(bench: Bench, known: Uncertainty, trial: Trial, wrong: Freed) -> Trial:
+    """Return a hypothesis fitted with one constant free; itself if that constant is as declared after all."""
     free = replace(bench, declared=wrong.declared)
     first = replace(trial.fit, windows=free.windows(trial.terms))
     fit = from_near(bench, first)
@@ -256,7 +256,7 @@ def _forward(
     tell("asking what scatter alone would gain")
     step = Step(base, screen, trials, Gate(np.zeros(0), math.inf))
     best = _leader(step)
-    if swollen(base.fit) and _usual(best.fit):
+    if swollen(base.fit) and is_usual(best.fit):
         # what scatter would do to motions that are not those of the readings, nobody asks
         step.beside = _scored(bench, best, tell, workers)
         step.gate = gate(bench, best.fit, step.beside, seed, best.fit)
@@ -265,8 +265,8 @@ def _forward(
     return step, base
 
 
-def _usual(fit: Fit) -> bool:
-    """Whether a fit is a model of its windows, with no more scatter than friction has."""
+def is_usual(fit: Fit) -> bool:
+    """Return whether a fit is a model of its windows, with no more scatter than friction has."""
     return explained(fit) and not swollen(fit)
 
 
@@ -282,7 +282,7 @@ def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
     A wave pays its price once more at its own gate (`refitted`), which asks a score: beside a model of the windows one
     that does not gain as much by its score cannot pass.
     """
-    count, usual = len(bench.stretches), _usual(base.fit)
+    count, usual = len(bench.stretches), is_usual(base.fit)
     ranked = [
         one
         for one in screen.ranked

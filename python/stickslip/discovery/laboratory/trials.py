@@ -140,7 +140,7 @@ def all_full(
 
 def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
     """The deviance that a candidate's score promises, less what of it is no finding."""
-    return base.fit.deviance - candidate.gain + _of_scatter(bench, base.fit, candidate.term, candidate.gain)
+    return base.fit.deviance - candidate.gain + of_scatter(bench, base.fit, candidate.term, candidate.gain)
 
 
 def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
@@ -179,7 +179,7 @@ def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
 def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
     """A hypothesis and one term more, as fitted."""
     found = terms_at((*base.terms, term), fit.windows, fit.at)
-    known = _of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
+    known = of_scatter(bench, fit, found[-1], base.fit.deviance - fit.deviance)
     if known > 0:  # what events that remember make of waves is no finding, but is counted once
         known = max(known - max(base.remembered - remembered(fit), 0.0), 0.0)
     return Trial(found, fit, base.known + known)
@@ -295,9 +295,9 @@ def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
     yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
 
 
-def _of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
+def of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:
     """
-    What of a wave's gain is no finding: it may be one of the waves that scatter is made of.
+    Return what of a wave's gain is no finding: it may be one of the waves that scatter is made of.
 
     What tells a wave from those is its amplitude over theirs, squared, in each run.
     """

@@ -160,7 +160,7 @@ class ZarrSink:
     def __init__(self, request: Request, path: Path) -> None:
         self.request, self.path = request, path
         module = _zarr()
-        if _exists(path) or not _made(module, request, path):
+        if there_is(path) or not _made(module, request, path):
             _same_sweep(module, request, path)
         self.group = module.open_group(str(path), mode="r+")
         _mended(self.group, request)
@@ -242,7 +242,15 @@ def _sum(values: np.ndarray[Any, Any]) -> str:
     return hashlib.sha256(np.ascontiguousarray(values).tobytes()).hexdigest()
 
 
-def _exists(path: Path) -> bool:
+def there_is(path: Path) -> bool:
+    """
+    Return whether there is something at a path.
+
+    Raises
+    ------
+    InputError
+        No file can be called that.
+    """
     try:
         return path.exists()
     except (OSError, ValueError) as error:  # a name too long, or none that a file can have
