@@ -196,10 +196,9 @@ class _Members:
         effects = own[self.begins :].copy()
         cut = self.windows.stretches[0]
         t, modes, end = float(self.data.t[cut.start]), list(cut.modes), float(self.future[-1])
-        now = float(self.data.t[cut.stop - 1])
         out = np.full((len(self.future), self.windows.channels), np.nan)
         for _ in range(RESTARTS):
-            until = min(t + self.ahead, end if t >= now else now)
+            until = min(t + self.ahead, end)
             asked = self.future[(self.future > t) & (self.future <= until)]
             raw = self._simulated(values, modes, t, until, asked)
             if raw is None:
@@ -220,8 +219,6 @@ class _Members:
             if again is not None:
                 before = raw["transition_before"][again]
                 self._draw(k, values, effects, np.flatnonzero((before != 0) & (after == 0)))
-            if t < now <= stop:
-                self._stays(values)
             t, modes = stop, [int(one) for one in after]
             if t >= end:
                 return out
@@ -263,22 +260,9 @@ class _Members:
             place = layout["dwell"] + j
             values[place] = values[place] + span if one == 0 and then == 0 else 0.0
 
-    def _stays(self, values: Floats) -> None:
-        """Let friction of the last window stay what it is at its end: how it goes on changing nobody knows."""
-        places = self.point.effect_places
-        for kinetic, change in self.windows.changes:
-            level, slope = places[kinetic], places[change]
-            assert level is not None
-            assert slope is not None
-            values[level] += values[slope]
-            values[slope] = 0.0
-
     def _draw(self, k: int, values: Floats, effects: Floats, contacts: NDArray[np.intp]) -> None:
         """Give contacts that came to rest the friction of their next event."""
         fresh = self.mean[k] + self.wide[k] * self.rng.standard_normal(len(effects))
-        for kinetic, change in self.windows.changes:  # of a window at some time of it
-            fresh[kinetic] += self.rng.uniform(-1.0, 1.0) * fresh[change]
-            fresh[change] = 0.0
         for i, place in enumerate(self.point.effect_places):
             if place is not None and self.windows.contact_of[i] in contacts:
                 values[place] = effects[i] = fresh[i]

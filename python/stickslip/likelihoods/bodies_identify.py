@@ -19,7 +19,9 @@ from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.identified_rig import Constant, IdentifiedRig
+from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.policy import POLICY
+from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.variances import Deviance
 from stickslip.measured.case import Case
 from stickslip.measured.recording import Recording
@@ -106,15 +108,17 @@ def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
     count = float((fit.linear.count * fit.linear.weight[:, None]).sum())
     freedom = max(count - float(fit.freedom.sum()) - len(fit.at), 1.0)
     places = [i for i, one in enumerate(fit.windows.numbers) if one.name in names]
+    known = _known(fit)
+    estimates, constants = _estimates(bench, fit, known, values), _constants(bench, fit, known)
     return IdentifiedRig(
         model=model,
         declared=bench.model,
-        estimates=_estimates(bench, fit, values),
+        estimates=estimates,
         names=tuple(fit.windows.numbers[i].name for i in places),
-        covariance=_turned(fit, places),
+        covariance=_turned(fit, known, places),
         scatter=scatter(fit),
-        constants=_constants(bench, fit),
-        offsets=_offsets(bench, fit),
+        constants=constants,
+        offsets=_offsets(bench, fit, known),
         noise=dict(
             zip(
                 bench.data[0].channels, np.median([r.noise for r in bench.data], axis=0).tolist(), strict=True
@@ -123,7 +127,7 @@ def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
         reduced_chi2=left / freedom,
         windows=len(bench.stretches),
         fastest=_fastest(bench),
-        messages=_messages(bench, fit, values),
+        messages=_messages(bench, fit, estimates, constants),
     )
 
 
@@ -132,17 +136,17 @@ def after(model: Model, values: Mapping[str, float]) -> Model:
     return model.replace({name: values[name] for name in model.parameters if name in values})
 
 
-def _turned(fit: Fit, places: Sequence[int]) -> Floats:
-    """Covariance of numbers, from that of their coordinates."""
-    assert fit.solution is not None
+def _turned(fit: Fit, known: Floats, places: Sequence[int]) -> Floats:
+    """Covariance of numbers, from that of their coordinates, `known`."""
     slopes = np.array([fit.windows.numbers[i].slope(float(fit.at[i])) for i in places])
-    part = fit.solution.covariance[np.ix_(places, places)]
+    part = known[np.ix_(places, places)]
     return np.asarray(slopes[:, None] * part * slopes, dtype=np.float64)
 
 
-def _estimates(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> dict[str, Estimate]:
-    """Every number of the laws; one that was not fitted is as declared."""
-    assert fit.solution is not None
+def _estimates(
+    bench: BodiesBench, fit: Fit, known: Floats, values: Mapping[str, float]
+) -> dict[str, Estimate]:
+    """Every number of the laws, within its bounds; one that was not fitted is as declared."""
     out = {}
     places = {one.name: i for i, one in enumerate(fit.windows.numbers)}
     for name, start in bench.model.friction.numbers.items():
@@ -151,24 +155,25 @@ def _estimates(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> dic
             continue
         i = places[name]
         number = fit.windows.numbers[i]
-        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        sd = math.sqrt(float(known[i, i]))
         share = min((sd / number.sd) ** 2, 1.0)
         std = sd * number.slope(float(fit.at[i]))
         made = estimate(values[name], std, share, start)
-        out[name] = Estimate(made.value, made.low, made.high, made.std, made.status, start)
+        least = -math.inf if number.low == -math.inf else number.value(number.low)
+        low = None if made.low is None else max(made.low, least)
+        out[name] = Estimate(made.value, low, made.high, made.std, made.status, start)
     return out
 
 
-def _offsets(bench: BodiesBench, fit: Fit) -> dict[str, Estimate]:
+def _offsets(bench: BodiesBench, fit: Fit, known: Floats) -> dict[str, Estimate]:
     """What must be added to sensors' columns: what is declared, less what the fit finds them to read too much."""
-    assert fit.solution is not None
     out, channel_of = {}, {f"offset.{name}": name for name in bench.data[0].offsets}
     for i, one in enumerate(fit.windows.numbers):
         if one.name not in channel_of:
             continue
         name = channel_of[one.name]
         declared, size = bench.data[0].offsets[name]
-        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        sd = math.sqrt(float(known[i, i]))
         value, share = declared - float(fit.at[i]), (sd / size) ** 2  # of the information that is declared
         status: Status = (
             "unidentified" if share >= TOLD_ALREADY else "weak" if share > HARDLY else "identified"
@@ -177,15 +182,14 @@ def _offsets(bench: BodiesBench, fit: Fit) -> dict[str, Estimate]:
     return out
 
 
-def _constants(bench: BodiesBench, fit: Fit) -> dict[str, Constant]:
+def _constants(bench: BodiesBench, fit: Fit, covariance: Floats) -> dict[str, Constant]:
     """What the runs say of constants and gains."""
-    assert fit.solution is not None
     out = {}
     for i, one in enumerate(fit.windows.numbers):
         if one.name not in bench.declared.names:
             continue
         k = bench.declared.names.index(one.name)
-        sd = math.sqrt(float(fit.solution.covariance[i, i]))
+        sd = math.sqrt(float(covariance[i, i]))
         gain = one.name in bench.declared.gains
         declared = 1.0 if gain else bench.model.parameters[one.name]
         size = 1.0 + one.value(float(fit.at[i])) if gain else one.value(float(fit.at[i]))
@@ -197,6 +201,15 @@ def _constants(bench: BodiesBench, fit: Fit) -> dict[str, Constant]:
 
 def scatter(fit: Fit) -> dict[str, Spread]:
     """Return what differs from window to window, with intervals by the curvature of the deviance."""
+    covariance, out = _of_sizes(fit), {}
+    for i, name in enumerate(fit.population.names):
+        sd, value = math.sqrt(float(covariance[i, i])), fit.population.sizes[i]
+        out[name] = Spread(value, value * math.exp(-Z * sd), value * math.exp(Z * sd))
+    return out
+
+
+def _of_sizes(fit: Fit) -> Floats:
+    """Covariance of the logarithms of what differs and of the noise's factors, (k + channels, k + channels)."""
     population, noise = fit.population, fit.noise
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
@@ -209,12 +222,36 @@ def scatter(fit: Fit) -> dict[str, Spread]:
         step[i] = NEARBY
         curvature[i] = (free(x + step)[1] - free(x - step)[1]) / (2 * NEARBY)
     size, turn = np.linalg.eigh(0.5 * (curvature + curvature.T))
-    covariance = 2 * (turn / np.maximum(size, 2e-2)) @ turn.T
-    out = {}
-    for i, name in enumerate(population.names):
-        sd, value = math.sqrt(float(covariance[i, i])), population.sizes[i]
-        out[name] = Spread(value, value * math.exp(-Z * sd), value * math.exp(Z * sd))
-    return out
+    return np.asarray(2 * (turn / np.maximum(size, 2e-2)) @ turn.T)
+
+
+def _known(fit: Fit) -> Floats:
+    """
+    Covariance of the shared numbers' coordinates, (p, p), scatter as well known as the windows tell it.
+
+    A level that no reading shows follows from how much it would scatter, if that were known.
+    """
+    assert fit.linear is not None
+    assert fit.solution is not None
+    at, prior, bounds = fit.population.coordinates(), fit.windows.prior.at(fit.at), fit.windows.steps(fit.at)
+    moves = np.zeros((len(fit.at), len(at)))
+    for i in range(len(at)):
+        step = np.zeros(len(at))
+        step[i] = NEARBY
+        sides = (
+            solve(
+                fit.linear,
+                factor(fit.population.moved(at + side * step), fit.windows.places),
+                fit.noise,
+                *prior,
+                fit.random,
+                bounds=bounds,
+            ).shared
+            for side in (1, -1)
+        )
+        moves[:, i] = np.subtract(*sides) / (2 * NEARBY)
+    sizes = _of_sizes(fit)[: len(at), : len(at)]
+    return np.asarray(fit.solution.covariance + moves @ sizes @ moves.T)
 
 
 def _fastest(bench: BodiesBench) -> dict[str, float]:
@@ -227,7 +264,9 @@ def _fastest(bench: BodiesBench) -> dict[str, float]:
     return out
 
 
-def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tuple[str, ...]:
+def _messages(
+    bench: BodiesBench, fit: Fit, estimates: Mapping[str, Estimate], constants: Mapping[str, Constant]
+) -> tuple[str, ...]:
     assert fit.linear is not None
     out = []
     lost = int(sum(block is None for block in fit.blocks))
@@ -253,13 +292,13 @@ def _messages(bench: BodiesBench, fit: Fit, values: Mapping[str, float]) -> tupl
     )
     if unseen:
         out.append(f"the motion at {', '.join(unseen)} is not read: it is found from the other coordinates")
-    for name, one in _constants(bench, fit).items():
+    for name, one in constants.items():
         if one.beyond and unexplained(fit) <= POLICY.noise_left:
             words = (
                 f"{name} is {one.value:.4g}, {abs(one.off):.2g} standard uncertainties from what is declared"
             )
             out.append(f"{words}: it, or what acts like it, is not {one.declared:.4g}")
-    low = [n for n, e in _estimates(bench, fit, values).items() if e.status == "weak"]
+    low = [n for n, e in estimates.items() if e.status == "weak"]
     if low:
         out.append(f"the readings say little of {', '.join(low)}")
     return tuple(out)

@@ -1,8 +1,8 @@
 """Windows of a rig of bodies or matrices linearised, each with friction and a belt speed of its own.
 
 Where a window begins, a contact that sticks moves with what it rubs on; all else of the state there is free. Friction
-of each contact differs from window to window and changes within it, the static limit differs beside the kinetic force,
-and so does the belt's speed where it is a number. Derivatives are the core's.
+of each contact differs from window to window, the static limit beside the kinetic force, and so does the belt's speed
+where it is a number. Derivatives are the core's.
 """
 
 from __future__ import annotations
@@ -26,9 +26,7 @@ from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
 from stickslip.likelihoods.bodies_starts import Start, scales_of, start_of
 from stickslip.likelihoods.contact_scatter import (
-    MIDDLE,
     OWN,
-    RATE,
     ContactScatter,
     differing,
     kinds,
@@ -53,8 +51,8 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
     What they share are numbers of the laws, of the rig over what is declared of them, and gains.
 
     A window's own numbers are the state that it begins with, (q, v) in units of how far the run moves, of v what no
-    contact in stick takes; then its random effects: of each contact relative kinetic and static friction and what both
-    change by from the middle of the window to its end, and the belt's relative speed.
+    contact in stick takes; then its random effects: of each contact relative kinetic and static friction, and the
+    belt's relative speed.
 
     Raises
     ------
@@ -95,10 +93,6 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         kinetic = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".kinetic")]
         self.kinetic = slice(kinetic[0], kinetic[0] + 1) if kinetic else slice(0, 0)
         self.kinetics = tuple([k] for k in kinetic)
-        changes = [k for k, one in enumerate(self.differs.of) if self.differs.names[one].endswith(".change")]
-        self.changes = tuple(
-            zip(kinetic, changes, strict=True)
-        )  # of each contact, beside its kinetic friction
         self.places = [np.zeros(0)] * len(self.data)
         self.scales = [scales_of(run) for run in data]
         self.reads = _reads(data[0].reads, own.equations.names)
@@ -284,14 +278,6 @@ class Point:
             out += [self._of_contact(OWN[kind], j) for kind in kinds(law)]
         return out + [None] * (self.of.effects - len(out))
 
-    @cached_property
-    def spans(self) -> list[tuple[int, int]]:
-        """Places of the middle of a window and of its rate, of each contact."""
-        return [
-            (self._of_contact(MIDDLE, j), self._of_contact(RATE, j))
-            for j in range(len(self.lowered.own.laws))
-        ]
-
     def _of_contact(self, number: str, contact: int) -> int:
         return self._place(next(name for name in self.lowered.places if name.endswith(f"{number}{contact}")))
 
@@ -304,9 +290,6 @@ class Point:
         seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
         layout = self.lowered.layout
         self.begins.put(values, seeds, float(self.data.t[w.start]))
-        begin, end = float(self.data.t[w.start]), float(self.data.t[w.stop - 1])
-        for middle, rate in self.spans:
-            values[middle], values[rate] = 0.5 * (begin + end), 2.0 / (end - begin)
         values[layout["dwell"] : layout["dwell"] + len(w.dwell)] = w.dwell
         return values, seeds
 

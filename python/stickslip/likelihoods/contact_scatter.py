@@ -17,10 +17,8 @@ from stickslip.likelihoods.population import LEAST, MOST
 from stickslip.simulated.general import General
 
 Floats = NDArray[np.float64]
-# of a contact by its place: numbers that no law has
-KINETIC, STATIC, CHANGE = "own_kinetic_", "own_static_", "own_change_"
-MIDDLE, RATE = "own_middle_", "own_rate_"  # of a window in time: (t - middle) rate goes from -1 to 1
-OWN = {"kinetic": KINETIC, "static": STATIC, "change": CHANGE}
+KINETIC, STATIC = "own_kinetic_", "own_static_"  # of a contact by its place: numbers that no law has
+OWN = {"kinetic": KINETIC, "static": STATIC}
 AT_REST = {"u": 0.0, "t": 0.0, "dwell": 0.0}
 
 
@@ -31,8 +29,7 @@ class ContactScatter:
 
     Parameters
     ----------
-    names : of what differs: "<law>.static" beside what it shares with "<law>.kinetic", "<law>.change" within a window,
-        and "belt"
+    names : of what differs: "<law>.static" beside what it shares with "<law>.kinetic", and "belt"
     sizes : a standard deviation each
     of : (effects,) which of them each random effect of a window has
     """
@@ -77,12 +74,7 @@ class ContactScatter:
 
     def usual(self, policy: Policy) -> tuple[Floats, Floats]:
         """Return centre and width of the prior of the coordinates, (k,) each."""
-        sizes = {
-            "static": policy.static_sd,
-            "kinetic": policy.level_sd,
-            "change": policy.curve_sd,
-            "belt": policy.belt_sd,
-        }
+        sizes = {"static": policy.static_sd, "kinetic": policy.level_sd, "belt": policy.belt_sd}
         centre = np.log([sizes[name.rpartition(".")[2]] for name in self.names])
         return centre, np.full(len(self.names), policy.scatter_spread)
 
@@ -96,8 +88,6 @@ def scattering(law: LawForm, place: int) -> LawForm:
     """
     Return a law that each window has its own of: 1 + own_kinetic times as large, the limit 1 + own_static times more.
 
-    Beyond that it grows in time by own_change from the middle of the window to its end: friction of an event is no one
-    number along the way slipped.
     Where sliding begins at the static limit (`stribeck`), both have one number, and that is what differs.
 
     Parameters
@@ -105,12 +95,8 @@ def scattering(law: LawForm, place: int) -> LawForm:
     law : of a contact
     place : of the contact
     """
-    kinetic, static, change, middle, rate = (
-        f"{one}{place}" for one in (KINETIC, STATIC, CHANGE, MIDDLE, RATE)
-    )
-    since: Tree = Apply("multiply", (Apply("subtract", (Name("t"), Name(middle))), Name(rate)))
-    own: Tree = Apply("add", (Name(kinetic), Apply("multiply", (Name(change), since))))
-    level: Tree = Apply("add", (Constant(1.0), own))
+    kinetic, static = f"{KINETIC}{place}", f"{STATIC}{place}"
+    level: Tree = Apply("add", (Constant(1.0), Name(kinetic)))
     more: Tree = Apply("add", (Constant(1.0), Name(static)))
 
     def times(by: Tree, tree: Tree) -> Tree:
@@ -128,7 +114,7 @@ def scattering(law: LawForm, place: int) -> LawForm:
             slides = substituted(slides, {limit.name: times(more, limit)})
         return BranchForm(times(level, slides), times(level, times(more, limit)), rates=one.rates)
 
-    numbers = {**law.numbers, kinetic: 0.0, static: 0.0, change: 0.0, middle: 0.0, rate: 0.0}
+    numbers = {**law.numbers, kinetic: 0.0, static: 0.0}
     return LawForm(branch(law.minus), branch(law.plus), numbers, law.states)
 
 

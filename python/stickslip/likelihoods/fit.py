@@ -150,15 +150,16 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
     held = policy.held if held is None else held
     most = policy.most_steps if most is None else most
     fit, damping = replace(fit, at=fit.windows.bounded(fit.at)), 0.0
-    moved, failed = True, False
+    moved, failed, free = True, False, False
     for step in range(most):
+        free = free or step >= held
         if moved:
             fit = _linearised(fit, policy)
         if step in (3, 7, 11, 15):
             sought = lifted(rescued(fit))
             if sought is not fit:
                 fit = _linearised(sought, policy)
-        trial, cost, whole = _stepped(fit, policy, damping, free=step >= held)
+        trial, cost, whole = _stepped(fit, policy, damping, free)
         moved = trial is not None
         if trial is not None:
             fit = replace(trial, steps=step + 1)
@@ -166,7 +167,9 @@ def fitted(fit: Fit, policy: Policy, most: int | None = None, held: int | None =
         if little and not whole:  # a step that holds in part alone says nothing of where the best is
             damping, failed = max(damping * 10, 1e-2), True
             if damping > 10:
-                break
+                if free or held >= most:
+                    break
+                free, damping = True, 0.0  # with scatter as it is nothing is to be gained
             continue
         if not failed:  # what has just been needed is needed again
             damping = damping / 10 if damping > 1e-5 else 0.0

@@ -12,16 +12,18 @@ from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import Population, Scatter, factor
 
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 FOLDS = 3
 EXACT = 1e12  # precision of what is known from the other windows
 
 
-def deviances(fit: Fit, population: Scatter, noise: Floats) -> Floats:
+def deviances(fit: Fit, population: Scatter, noise: Floats) -> tuple[Floats, Mask]:
     """
     Return -2 log marginal likelihood of each window, (w,), to first order about a fit without shared numbers.
 
     A window counts by its logarithm beyond the knee, as in a fit: one that goes astray says no more than that. NaN of
-    one that cannot be simulated.
+    one that cannot be simulated. The second says which windows are explained, (w,): what no hypothesis explains speaks
+    for none.
 
     Parameters
     ----------
@@ -34,9 +36,11 @@ def deviances(fit: Fit, population: Scatter, noise: Floats) -> Floats:
     none = np.zeros(len(windows.numbers))
     known = none, EXACT * np.eye(len(none))
     found = solve(linear, factor(population, windows.places), noise, *known, fit.random)
-    chi = soft((found.misfit / noise).sum(axis=1), windows.policy.knee * windows.sizes * windows.channels)
+    left, count = (found.misfit / noise).sum(axis=1), windows.sizes * windows.channels
+    chi = soft(left, windows.policy.knee * count)
     volume = linear.count @ np.log(noise) - np.linalg.slogdet(found.inverse)[1]
-    return np.where(good, chi + (found.white**2).sum(axis=1) + volume, np.nan)
+    out = np.where(good, chi + (found.white**2).sum(axis=1) + volume, np.nan)
+    return out, good & (left <= windows.policy.noise_left * count)
 
 
 def held_out(fit: Fit, population: Population, noise: Floats) -> float:

@@ -179,8 +179,7 @@ class GeneralBench(Bench):
                     wandering = members[belt[members]]
                     out[wandering, k] = size * rng.standard_normal((len(wandering), draws))
                     continue
-                _, _, kind = name.rpartition(".")
-                found = {"kinetic": like[0], "static": like[1]}.get(kind, np.zeros(draws))
+                found = like[1] if name.endswith(".static") else like[0]
                 out[members, k] = size * chain(len(members), found, rng)
         return out
 

@@ -27,6 +27,7 @@ from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
 
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 METRIC = (
     "error of the readings one window (a stick and the slips after it) ahead of where the window before ends, with "
     "friction of the mean event, over how far they move in it; mean over validate runs"
@@ -77,27 +78,28 @@ def error_block(
     runs, recordings : never fitted
     less : what there is without each of several effects, by name, and by how much that one passes its gate
     """
-    rows, kept, falls = [], [], list[float]()
+    rows, kept, fell = [], [], list[float]()
     each: dict[str, list[float]] = {name: [] for name in less}
     for run, recording in zip(runs, recordings, strict=True):
         now, deviance = ahead(after, run)
         was = now
         if before is not after:
             was, other = ahead(before, run)
-            falls += _falls(other, deviance)
+            fell += falls(other, deviance)
         for name, (one, _) in less.items():
-            each[name] += _falls(ahead(one, run)[1], deviance)
+            each[name] += falls(ahead(one, run)[1], deviance)
         kept.append((was, now))
         rows.append(_row(run, recording, was, now))
     mean = {who: float(np.nanmean([row.one_cycle[who] for row in rows])) for who in WHO}
     block = ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows))
     alone = [of_falls(each[name], spare, name) for name, (_, spare) in less.items()]
-    return replace(block, likelihood=told_by(of_falls(falls), alone)), kept
+    return replace(block, likelihood=told_by(of_falls(fell), alone)), kept
 
 
-def _falls(was: Floats, now: Floats) -> list[float]:
-    """By how much that of what both make of a run falls."""
-    return [float(one) for one in was - now if np.isfinite(one)]
+def falls(was: tuple[Floats, Mask], now: tuple[Floats, Mask]) -> list[float]:
+    """Return by how much -2 log likelihood of windows falls which both can simulate, and one of them explains."""
+    fell = was[0] - now[0]
+    return [float(one) for one in fell[np.isfinite(fell) & (was[1] | now[1])]]
 
 
 def two_windows(run: BodiesData) -> list[Cut]:
@@ -116,7 +118,7 @@ def two_windows(run: BodiesData) -> list[Cut]:
     return cut
 
 
-def ahead(told: Told, run: BodiesData) -> tuple[Ahead, Floats]:
+def ahead(told: Told, run: BodiesData) -> tuple[Ahead, tuple[Floats, Mask]]:
     """
     Return what is forecast of a run, one window ahead, and how likely each window is, as of `deviances`.
 

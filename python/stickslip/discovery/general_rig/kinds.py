@@ -30,7 +30,6 @@ from stickslip.likelihoods.scaled import ALPHA, STATIC
 Floats = NDArray[np.float64]
 DEFLECTION = STATIC / ALPHA  # the largest one in numbers like those of (2.1)
 LARGEST = 0.995  # quantile that counts as the largest
-LINEAR = "block_viscous_damping"
 
 
 @dataclass(frozen=True)
@@ -194,13 +193,9 @@ def _pushed(kind: EffectKind, read: set[str], sizes: Sizes) -> Iterator[tuple[st
     if isinstance(rig, BodiesRig) and (rate or spring):
         for i, one in enumerate(rig.link):
             row, of_drive = rig.deflection(i)
-            known = (
-                kind.name == LINEAR and float(one.damping) != 0
-            )  # a declared constant, held against it anyway
             if (rate and not of_drive) or (spring and float(one.stiffness) != 0):
                 rows.append(row)
-                if not known:
-                    yield f"link_{i + 1}", sizes.link(i)
+                yield f"link_{i + 1}", sizes.link(i)
     if isinstance(rig, BodiesRig) and spring:
         return
     for i, name in enumerate(own.names):
@@ -208,8 +203,7 @@ def _pushed(kind: EffectKind, read: set[str], sizes: Sizes) -> Iterator[tuple[st
             _along(one.direction, i) for one in own.contacts if one.against == "ground"
         ):
             continue  # such a drag is friction by speed, and of what rests it is a kink that never passes
-        known = kind.name == LINEAR and not isinstance(rig, BodiesRig) and own.C[i, i] != 0
-        if not known and not any(_along(row, i) for row in rows):
+        if not any(_along(row, i) for row in rows):
             yield name, sizes.coordinate(i)
 
 
