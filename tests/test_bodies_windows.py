@@ -1,6 +1,7 @@
 """Windows of rigs of bodies and matrices: cut, linearised, and fitted to records of a simulator written apart."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 import stickslip as ss
 from bodies_cases import CASES, Case, recorded, recording
 from differences import held_against_differences
+from stickslip import _core
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import way
@@ -185,3 +187,25 @@ def test_a_stick_too_short_to_begin_in_parts_two_events() -> None:
     stuck[between - 1 : between + 9] = run.stuck[between - 1 : between + 9]
     stuck[between] = True  # a single sample is noise
     assert cuts([replace(run, stuck=stuck)]) == usual
+
+
+def test_numbers_that_are_no_rig_s_cost_no_more_than_some_motions_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Friction six times what it was took 20,000 steps in every window, and one candidate seven minutes."""
+    case = CASES["drill"]()
+    windows = bench(case, *recorded(case, 5, level=0.02, static=0.02, lasts=6.0)).windows()
+    asked: list[tuple[float, int]] = []
+    plain = _core.simulate_bodies
+
+    def simulated(**given: Any) -> Any:
+        asked.append((given["t_end"] - given["t_start"], given["max_steps"]))
+        return plain(**given)
+
+    monkeypatch.setattr(_core, "simulate_bodies", simulated)
+    at, own = windows.start, windows.first()
+    usual = windows.blocks(at, own, shared=(), local=False)
+    assert all(one is not None for one in usual)
+    shortest = windows.data[0].periods[1]
+    assert all(1000 <= most <= max(1000, 300 * lasts / shortest) for lasts, most in asked)
+    assert max(most for _, most in asked) < 0.5 * POLICY.most_integration_steps

@@ -42,6 +42,10 @@ from stickslip.simulated.sensed import everything, everything_moves, weights_mov
 
 Floats = NDArray[np.float64]
 BELT = "belt_speed"
+STEPS_A_PERIOD, LEAST_STEPS = (
+    300,
+    1000,
+)  # of the integration, in the shortest natural period; motions take 65 at most
 
 
 class BodiesWindows(EventWindows[BodiesData, Cut]):
@@ -312,10 +316,15 @@ class Point:
             locator=_core.Locator.henon,
             seeds=rows if seeds else rows[: len(rows) - of.own],
             max_transitions=of.policy.most_transitions,
-            max_steps=of.policy.most_integration_steps,
+            max_steps=self._most_steps(float(t[-1] - t[0])),
             sensed=bool(of.sensed),
         )
         return raw, raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
+
+    def _most_steps(self, lasts: float) -> int:
+        """Steps of a window, some times as many as the rig's motions take: what asks for more is none of them."""
+        usual = max(STEPS_A_PERIOD * lasts / self.data.periods[1], LEAST_STEPS)
+        return int(min(usual, self.of.policy.most_integration_steps))
 
     def read(self, raw: Mapping[str, Any], own: Floats, local: bool) -> tuple[Floats, Floats]:
         """Return readings (n, channels) and their slopes (n, channels, columns)."""
