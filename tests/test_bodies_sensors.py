@@ -122,6 +122,23 @@ def test_friction_and_a_position_that_two_sensors_read_tell_the_law(run: dict[st
     assert "offset.T_slider" in str(found)
 
 
+def test_a_level_that_no_reading_shows_is_known_no_better_than_its_scatter(run: dict[str, Floats]) -> None:
+    """
+    Of velocities alone: what is seen is how far static friction is above kinetic, and by how much that differs.
+
+    With scatter held where it is the upper end of the interval was 1.56 times the lower one.
+    """
+    found = ss.identify(
+        ss.load_recording(noisy(run, 2, v_slider=1e-4), SLIDER, drive_speed=SPEED), friction=STARTS
+    )
+    assert isinstance(found, ss.IdentifiedRig)
+    static, kinetic = found.estimates["static"], found.estimates["kinetic"]
+    assert static.value - kinetic.value == pytest.approx(1.6, rel=0.2)
+    assert static.low is not None
+    assert static.high is not None
+    assert static.high > 1.8 * static.low
+
+
 @pytest.mark.parametrize("seed", [2, 4, 5])
 def test_a_load_cell_under_the_contact_tells_the_law_alone(run: dict[str, Floats], seed: int) -> None:
     """A window that lets go some samples late has no slope that says so: it is sought."""
