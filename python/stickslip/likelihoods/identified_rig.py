@@ -91,7 +91,7 @@ class IdentifiedRig(SavedResult):
     >>> recording = ss.load_recording({"t": t, "x": x}, pin, belt_speed=0.05, noise={"x": 1e-5})
     >>> found = ss.identify(recording, friction=law)
     >>> print(f"{found.estimates['kinetic'].value:.2f} N from {found.windows} windows")
-    2.00 N from 9 windows
+    2.00 N from 10 windows
     """
 
     model: Model
