@@ -15,11 +15,8 @@ from stickslip.likelihoods.shown_levels import shown_levels
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 HIDDEN = 1.0  # squares over the noise that a usual static friction moves the readings by: they do not show it
-LET_GO = np.setdiff1d(
-    np.round(np.linspace(-0.06, 0.06, 25), 3), [0.0]
-)  # static friction of one that still is
-SOUGHT = 1.5  # cost per reading from which it is
 SHIFTS = (0.0, 0.0, 0.03, -0.03, -0.08)  # static friction that a lost window is sought anew with
+LET_GO = 0.005 * np.array([*range(-12, 0), *range(1, 13)])  # and one that is lost all the same
 
 
 def polished(fit: Fit, cost: Cost, own: Floats, select: Mask, turns: int) -> Floats:
@@ -71,7 +68,8 @@ def rescued(fit: Fit) -> Fit:
     cost = Cost(fit, fit.population, fit.noise)
     _, unlike = cost.of(fit.blocks, fit.own)  # one that fits by friction like no other's is lost, too
     per = (misfits(fit) + unlike) / np.maximum(fit.windows.sizes * windows.channels, 1)
-    lost = per > max(1.5 * float(np.median(per)), 1.3)
+    limit = max(1.5 * float(np.median(per)), 1.3)
+    lost = per > limit
     if not lost.any():
         return fit
     best, least = fit.own.copy(), np.add(*cost.of(fit.blocks, fit.own))
@@ -92,7 +90,7 @@ def rescued(fit: Fit) -> Fit:
         found = np.add(*cost.of(made, trial))
         better = lost & (found < least) & stand(fit.blocks, made)
         best[better], least[better] = trial[better], found[better]
-    still = lost & (least > SOUGHT * np.maximum(windows.sizes * windows.channels, 1))
+    still = lost & (least > limit * np.maximum(windows.sizes * windows.channels, 1))
     return replace(fit, own=_let_go(fit, cost, best, least, still) if still.any() else best)
 
 
@@ -110,8 +108,9 @@ def _let_go(fit: Fit, cost: Cost, own: Floats, least: Floats, lost: Mask) -> Flo
     for shift in LET_GO:
         trial = own.copy()
         trial[np.ix_(lost, statics)] += shift
-        made = np.add(*cost.of(windows.blocks(fit.at, trial, lost, shared=(), local=False), trial))
-        better = lost & (made < found)
+        blocks = windows.blocks(fit.at, trial, lost, shared=(), local=False)
+        made = np.add(*cost.of(blocks, trial))
+        better = lost & (made < found) & stand(fit.blocks, blocks)
         nearest[better], found[better] = trial[better], made[better]
     moved = found < least
     if not moved.any():
