@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.discovery.carry_over import claimed, of_falls, told_by
+from stickslip.discovery.carry_over import claimed, deciding, of_falls
 from stickslip.discovery.laboratory.fewer import beside_others, fewer
 from stickslip.discovery.laboratory.gate import Gate
 from stickslip.discovery.laboratory.hypothesis import Term
@@ -111,10 +111,14 @@ def test_few_events_say_nothing_and_many_say_it_by_their_ranks() -> None:
 
 
 def test_one_effect_that_does_not_carry_over_decides() -> None:
-    whole, good, bad = (Likelihood(g, 9, 0.5, 1.0) for g in (900.0, 5.0, -2.0))
-    assert told_by(whole, [good, bad]) is bad
-    assert told_by(whole, [good, None]) is whole
-    assert told_by(None, []) is None
+    whole, good, bad, few = [90.0] * 9, [5.0] * 9, [-2.0] * 9, [-9.0] * 4
+    one = deciding(whole, 1.0, {"lag": (good, 3.0), "drift": (bad, 2.0)})
+    assert one is not None
+    assert (one.name, one.gain, one.spare) == ("drift", -18.0, 2.0)
+    every = deciding(whole, 1.0, {"lag": (good, 3.0), "drift": (few, 2.0)})
+    assert every is not None
+    assert (every.name, every.gain, every.spare) == ("", 810.0, 1.0)
+    assert deciding([], None, {}) is None
 
 
 @dataclass(frozen=True)

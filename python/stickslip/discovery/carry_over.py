@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -31,9 +31,19 @@ def of_falls(falls: Sequence[float], spare: float | None = None, name: str = "")
     return Likelihood(float(np.sum(falls)), len(falls), float(test.pvalue), spare, name)
 
 
-def told_by(whole: Likelihood | None, each: Iterable[Likelihood | None]) -> Likelihood | None:
-    """Return what decides: the first of the effects, each beside the others, that does not carry over, or the whole."""
-    return next((one for one in each if one is not None and not one.carries), whole)
+def deciding(
+    falls: Sequence[float], spare: float | None, each: Mapping[str, tuple[Sequence[float], float]]
+) -> Likelihood | None:
+    """
+    Return what decides: the first of several effects that does not carry over beside the others, or all together.
+
+    Parameters
+    ----------
+    falls, spare : of all that was found, as of `of_falls`
+    each : the same of each effect, by name
+    """
+    alone = (of_falls(own, beyond, name) for name, (own, beyond) in each.items())
+    return next((one for one in alone if one is not None and not one.carries), of_falls(falls, spare))
 
 
 def carries_over(found: Found) -> bool:

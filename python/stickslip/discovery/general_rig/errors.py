@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.carry_over import of_falls, told_by
+from stickslip.discovery.carry_over import deciding
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
@@ -34,7 +33,6 @@ METRIC = (
 )
 WHO = ("before", "after", "floor")
 NONE = dict.fromkeys(WHO, math.nan)
-NOTHING: Mapping[str, Any] = {}
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,8 @@ def error_block(
     after: Told,
     runs: Sequence[BodiesData],
     recordings: Sequence[Recording],
-    less: Mapping[str, tuple[Told, float]] = NOTHING,
+    spare: float | None,
+    less: Mapping[str, tuple[Told, float]],
 ) -> tuple[ErrorBlock, list[tuple[Ahead, Ahead]]]:
     """
     Return `error` of the report, and the forecasts that it rests on.
@@ -76,6 +75,7 @@ def error_block(
     ----------
     before, after : what is held against each other
     runs, recordings : never fitted
+    spare : by how much what was found passes its gate; None for what has none
     less : what there is without each of several effects, by name, and by how much that one passes its gate
     """
     rows, kept, fell = [], [], list[float]()
@@ -92,8 +92,8 @@ def error_block(
         rows.append(_row(run, recording, was, now))
     mean = {who: float(np.nanmean([row.one_cycle[who] for row in rows])) for who in WHO}
     block = ErrorBlock(METRIC, mean["before"], mean["after"], mean["floor"], tuple(rows))
-    alone = [of_falls(each[name], spare, name) for name, (_, spare) in less.items()]
-    return replace(block, likelihood=told_by(of_falls(fell), alone)), kept
+    held = {name: (each[name], beyond) for name, (_, beyond) in less.items()}
+    return replace(block, likelihood=deciding(fell, spare, held)), kept
 
 
 def falls(was: tuple[Floats, Mask], now: tuple[Floats, Mask]) -> list[float]:

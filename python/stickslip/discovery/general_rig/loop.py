@@ -123,12 +123,9 @@ def _found(
     if chosen is not found.null:
         was = told(found.null)
     less = {outcome.said(k): (told(one), spare) for k, (one, spare) in beside_others(found).items()}
-    error, forecasts = error_block(was, now, validate, case.validate, less)
-    effects = outcome.effects(bench, found)
-    proof = usual.gate(found)
-    if chosen.terms and error.likelihood is not None and error.likelihood.spare is None:
-        spare = max(proof.observed - proof.threshold, 0.0)
-        error = replace(error, likelihood=replace(error.likelihood, spare=spare))
+    proof, effects = usual.gate(found), outcome.effects(bench, found)
+    spare = max(proof.observed - proof.threshold, 0.0) if chosen.terms else None
+    error, forecasts = error_block(was, now, validate, case.validate, spare, less)
     left = [outcome.left(bench, one.fit) for one in (found.null, chosen)]
     return GeneralFound(
         title=case.title,

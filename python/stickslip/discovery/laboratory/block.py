@@ -23,7 +23,6 @@ from stickslip.discovery.laboratory.block_views import Motion, validate_view, vi
 from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, ridden, set_point
 from stickslip.discovery.laboratory.carried import likelihood
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.fewer import beside_others
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.scaled import found as in_declared
@@ -214,12 +213,8 @@ def _found(search: Search, tell: Callable[[str], None], began: float, seed: int,
     tell("forecasting the validate runs")
     error, forecasts, words = error_block(case, before, after, validate, _errors(events, units))
     used = [run for run in search.data[len(bench.data) :] if run.name not in astray]
-    less = (
-        {} if curve is not None else {k: (one.fit, spare) for k, (one, spare) in beside_others(found).items()}
-    )
-    held = likelihood(chosen.fit, search.verdicts.without(base), less, used, workers, seed)
-    if held is not None and held.spare is None and chosen.terms:
-        held = replace(held, spare=search.verdicts.spare())
+    told = search.verdicts
+    held = likelihood(chosen.fit, told.without(base), told.spare(), told.beside_others(), used, workers, seed)
     error = replace(error, likelihood=held)
     effects = _effects(search, chosen)
     data = [units.data(run) for run in bench.data]

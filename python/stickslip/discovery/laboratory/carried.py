@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.discovery import errors
-from stickslip.discovery.carry_over import of_falls, told_by
+from stickslip.discovery.carry_over import deciding
 from stickslip.discovery.errors import Measured
 from stickslip.discovery.result import ErrorBlock, Likelihood, RunError
 from stickslip.discovery.workers import Workers
@@ -40,6 +40,7 @@ def error_block(
     recordings: Sequence[Recording],
     workers: Workers,
     seed: int,
+    spare: float | None = None,
     less: Mapping[str, tuple[Fit, float]] = NOTHING,
 ) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
     """
@@ -53,6 +54,7 @@ def error_block(
     without : what is told where nothing is named; None where nothing is
     runs, recordings : never fitted
     workers, seed : make the forecasts
+    spare : by how much what was found passes its gate; None for what has none
     less : the fit without each of several effects, by name, and by how much that one passes its gate
     """
     same = fits[0] is fits[1]
@@ -81,13 +83,14 @@ def error_block(
         for own, one in zip(each.values(), flown[count:], strict=True):
             own += [] if one is None else _falls(one[0].deviance, now.deviance)
     block = replace(errors.block(METRIC, table), covered=_covered(runs, kept))
-    alone = [of_falls(each[name], spare, name) for name, (_, spare) in less.items()]
-    return replace(block, likelihood=told_by(of_falls(falls), alone)), kept
+    beside = {name: (each[name], beyond) for name, (_, beyond) in less.items()}
+    return replace(block, likelihood=deciding(falls, spare, beside)), kept
 
 
 def likelihood(
     now: Fit,
     without: Fit | None,
+    spare: float | None,
     less: Mapping[str, tuple[Fit, float]],
     runs: Sequence[Data],
     workers: Workers,
@@ -99,7 +102,7 @@ def likelihood(
     Parameters
     ----------
     now, without : the fit with all of it, and with none; None where nothing was found
-    less, runs, workers, seed : as of `error_block`
+    spare, less, runs, workers, seed : as of `error_block`
     """
     if without is None:
         return None
@@ -113,10 +116,8 @@ def likelihood(
         own = next(made)
         for one in falls:
             one += _falls(next(made), own)
-    alone = [
-        of_falls(one, spare, name) for one, (name, (_, spare)) in zip(falls[1:], less.items(), strict=True)
-    ]
-    return told_by(of_falls(falls[0]), alone)
+    beside = {name: (own, beyond) for own, (name, (_, beyond)) in zip(falls[1:], less.items(), strict=True)}
+    return deciding(falls[0], spare, beside)
 
 
 def _foretold(task: tuple[Fit, Data], *, seed: int) -> dict[int, float]:

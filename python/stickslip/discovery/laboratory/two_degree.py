@@ -16,7 +16,6 @@ from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.laboratory import outcome, readings
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.carried import error_block
-from stickslip.discovery.laboratory.fewer import beside_others
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
@@ -186,15 +185,12 @@ def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...],
         case.validate,
         asked.workers,
         asked.seed,
-        {}
-        if curve is not None
-        else {k: (one.fit, spare) for k, (one, spare) in beside_others(found).items()},
+        verdicts.spare(),
+        verdicts.beside_others(),
     )
     effects, gate = outcome.effects(bench, found), outcome.gate(found)
     if curve is not None:
         effects = (outcome.unlisted(found, curve, chosen),)
-    if chosen.terms and error.likelihood is not None and error.likelihood.spare is None:
-        error = replace(error, likelihood=replace(error.likelihood, spare=verdicts.spare()))
     looks = [rig_numbers.remark(case.rig, one.curve) for one in effects if one.curve is not None]
     verdict = Verdict.unlisted_effect if curve is not None else Verdict.effect_found
     was, now = (left(bench, one.fit) for one in (base, chosen))

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import leading
-from stickslip.discovery.laboratory.fewer import fewer
+from stickslip.discovery.laboratory.fewer import beside_others, fewer
 from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.learned import Learned
@@ -83,12 +83,20 @@ class Verdicts(Generic[BenchT]):
             return self.searched.null.fit
         return before.fit if self.told.freed is not None else None
 
-    def spare(self) -> float:
-        """Return by how much what is told passes its gate."""
+    def spare(self) -> float | None:
+        """Return by how much what is told passes its gate; None where that has none, as a wrong constant alone."""
+        if not self.told.terms:
+            return None
         if self.curve is not None:
             return max(self.curve.worth(len(self.bench.stretches)) - self.curve.threshold, 0.0)
         gate = outcome.gate(self.searched)
         return max(gate.observed - gate.threshold, 0.0)
+
+    def beside_others(self) -> dict[str, tuple[Fit, float]]:
+        """Return the fit without each of several names, and by how much that one passes its gate; none with a curve."""
+        if self.curve is not None:
+            return {}
+        return {name: (one.fit, spare) for name, (one, spare) in beside_others(self.searched).items()}
 
     def fewer(self) -> Iterator[Verdicts[BenchT]]:
         """Yield the same with fewer names told, the best first: without a curve beside them, then some of them."""
