@@ -160,15 +160,6 @@ def test_a_fit_with_a_number_at_its_bound_is_at_its_best() -> None:
     assert fits.fitted(replace(fit, at=beyond), POLICY, 0).at[damping] == 0.0
 
 
-def test_a_fit_goes_on_where_a_whole_step_does_not_hold() -> None:
-    """A tenth of a step that saves next to nothing says nothing of the best: one that is damped saved ten."""
-    case = CASES["chain"]()
-    own = bench(case, *recorded(case, 20, level=0.02, static=0.02, lasts=8.0))
-    fit = null(own.windows(), POLICY)
-    again = fits.fitted(fit, POLICY)
-    assert again.deviance == pytest.approx(fit.deviance, abs=1.0)
-
-
 def test_a_stick_too_short_to_begin_in_parts_two_events() -> None:
     """Behind a lag most sticks showed for three samples, and one window held five slips."""
     case = CASES["pin"]()
