@@ -75,6 +75,9 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     """
     Return forecasts of a run from every cycle on; none where it has no windows, or where nothing can be simulated.
 
+    None begins in a slip that goes on for longer than a window of the run: friction of its own is that of one event,
+    and is another by then.
+
     Parameters
     ----------
     fit : of other runs
@@ -92,9 +95,11 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     # the runs of the fit tell correlations poorly: every member has some that may be the true ones
     found, like = of_effects(fit, DRAWN + 1, rng)
     out = []
-    least = fit.windows.policy.fewest_stuck
+    least, longest = fit.windows.policy.fewest_stuck, max(one.stop - one.start for one in cut)
     for start, stop in _spans(run, cycles, min(one.start for one in cut) + least):
         tail, before = _tail(cut, start, least)
+        if tail.stop - tail.start > longest:
+            continue
         at, last = _of_past(known, before)
         windows = known.windows
         assert isinstance(windows, BeltWindows)

@@ -62,8 +62,10 @@ class BeltLayout(EventWindows[Data, Stretch]):
         *,
         loose: bool = False,
         common: Floats | None = None,
+        onward: Floats | None = None,
     ) -> None:
         super().__init__(model, data, stretches, numbers, declared, policy)
+        self.onward = np.full((len(stretches), COUNT), np.nan) if onward is None else onward
         self.sensors = sensors
         named = {one.name for one in model.effects}
         self.soft = "contact_compliance" in named  # it yields before it slips, so that it never sticks

@@ -26,7 +26,7 @@ from stickslip.likelihoods.static_limit import StaticLimit
 from stickslip.likelihoods.threads import threads
 from stickslip.measured.sticks import rides
 from stickslip.simulated.lowering import SLOTS, WIDTH, simulated_windows
-from stickslip.simulated.states import COUNT, DWELL, X2
+from stickslip.simulated.states import BELT, COUNT, DWELL, X2
 
 Floats = NDArray[np.float64]
 Values = dict[str, Any]  # numbers by name: floats, or (w,) of what each run has for itself
@@ -231,6 +231,11 @@ class BeltPoint:
         initial[:, DERIVED] = derived
         initial[:, self.of.beyond] += self.own[:, len(begins) : self.of.begins] * self.slips[:, None]
         initial[:, DWELL] = [w.dwell for w in self.places]
+        onward = self.of.onward[self.chosen]
+        initial[:, X2] += np.nan_to_num(
+            onward[:, BELT] - initial[:, BELT]
+        )  # it rides what the belt is slower by
+        initial = np.where(np.isnan(onward), initial, onward)
         raw = simulated_windows(
             [self.of.lowered[r] for r in self.runs],
             parameters=np.nan_to_num(self._parameters()),

@@ -18,9 +18,10 @@ from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import window_posterior
 from stickslip.likelihoods.stretches import Stretch
 from stickslip.likelihoods.symmetric_root import symmetric_root
-from stickslip.simulated.states import X1
+from stickslip.simulated.states import BELT, COUNT, DWELL, LAGGED, X1, W, Z
 
 Floats = NDArray[np.float64]
+HIDING = [W, Z, BELT, LAGGED, DWELL]  # states that no event begins anew
 AHEAD = 2.0  # cycles that members are simulated at once
 
 
@@ -139,6 +140,7 @@ class Members:
             np.zeros((kept, n), dtype=np.int8),
         )
         own, at = own.copy(), [tail] * self.count
+        onward = np.full((self.count, COUNT), np.nan)
         going = np.ones(self.count, dtype=bool)
         first = tail.stop - tail.start + self.ahead
         while going.any():
@@ -147,7 +149,7 @@ class Members:
                 replace(at[k], stop=min(at[k].start + (first if at[k] is tail else self.ahead), end))
                 for k in who
             ]
-            motions = self._simulated(cut, own[who])
+            motions = self._simulated(cut, own[who], onward[who])
             slow = [
                 i
                 for i, (one, m) in enumerate(zip(cut, motions, strict=True))
@@ -155,17 +157,20 @@ class Members:
             ]
             if slow:  # no stick so soon
                 longer = [replace(cut[i], stop=end) for i in slow]
-                for i, one, m in zip(slow, longer, self._simulated(longer, own[who[slow]]), strict=True):
+                again = self._simulated(longer, own[who[slow]], onward[who[slow]])
+                for i, one, m in zip(slow, longer, again, strict=True):
                     cut[i], motions[i] = one, m
             for k, one, m in zip(who.tolist(), cut, motions, strict=True):
                 going[k] = self._kept(out, k, replace(one, start=one.start - tail.start), m, own)
                 if going[k]:
                     assert m is not None
-                    at[k] = Stretch(0, one.start + (_stuck_again(m) or 0), end, 0.0, self.rest)
+                    stick = _stuck_again(m) or 0
+                    at[k] = Stretch(0, one.start + stick, end, 0.0, self.rest)
+                    onward[k, HIDING] = m.state[stick, HIDING]
         return out
 
-    def _simulated(self, cut: Sequence[Stretch], own: Floats) -> list[Motion | None]:
-        return with_windows(self.windows, cut, self.data).motions(self.at, own)
+    def _simulated(self, cut: Sequence[Stretch], own: Floats, onward: Floats) -> list[Motion | None]:
+        return with_windows(self.windows, cut, self.data, onward=onward).motions(self.at, own)
 
     def _kept(self, out: Flown, k: int, one: Stretch, motion: Motion | None, own: Floats) -> bool:
         """Keep what was simulated up to the next stick, `one` counted from the first sample; whether more comes."""
@@ -189,9 +194,13 @@ class Members:
 
 
 def with_windows(
-    windows: BeltWindows, cut: Sequence[Stretch], run: Data, common: Floats | None = None
+    windows: BeltWindows,
+    cut: Sequence[Stretch],
+    run: Data,
+    common: Floats | None = None,
+    onward: Floats | None = None,
 ) -> BeltWindows:
-    """Return the same windows elsewhere, on one run; with something else in common, if that is given."""
+    """Return the same windows elsewhere, on one run; with something else in common or `onward`, if that is given."""
     return BeltWindows(
         windows.model,
         [run],
@@ -202,6 +211,7 @@ def with_windows(
         windows.policy,
         loose=windows.loose,
         common=windows.common if common is None else common,
+        onward=onward,
     )
 
 
