@@ -6,13 +6,14 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
 from scattering import SPEEDS, block_case
 from short_search import naming
 from stickslip.discovery.laboratory.block_bench import bench_of
-from stickslip.discovery.laboratory.unused import with_windows
+from stickslip.discovery.laboratory.unused import usable, with_windows
 from stickslip.likelihoods.policy import POLICY
 
 OFF = 0.94  # true over declared speed of one belt
@@ -43,21 +44,45 @@ def test_too_few_windows_are_said(tmp_path: Path) -> None:
     assert count < POLICY.fewest_windows
     found = ss.discover(one, threads=1)
     assert found.messages[0] == (
-        f"nothing is tried: {count} stretches from stick to stick in the train runs; 12 are needed to see how friction "
-        "scatters"
+        f"nothing is tried: {count} stretches from stick to stick, or from slip to slip, in the train runs; 12 are "
+        "needed to see how friction scatters"
     )
 
 
-def test_a_run_of_which_little_is_fitted_is_said(tmp_path: Path) -> None:
+def test_runs_without_sticks_are_said(tmp_path: Path) -> None:
     case = ss.load_case(block_case(tmp_path, few=True, seed=5))
-    bench, *_ = bench_of(case)
-    same, nothing = with_windows(case, bench.data, bench.stretches)
+    bench, _, data, why = bench_of(case)
+    assert why == {}
+    same, nothing = with_windows(case, bench.data, bench.stretches, why)
     assert same == case
     assert nothing == ()
-    first = [one for one in bench.stretches if one.run == 0]
-    name, cycles = bench.data[0].name, len(bench.data[0].slips) - 1
-    fewer = [*first[:2], *(one for one in bench.stretches if one.run)]
-    _, (said,) = with_windows(case, bench.data, fewer)
+    name = bench.data[0].name
+    swings = [one if one.run else replace(one, stuck=False) for one in bench.stretches]
+    _, said = with_windows(case, bench.data, swings, why)
     assert said == (
-        f"{name}: 2 of its {cycles} cycles are fitted: between the others the block does not clearly stick"
+        f"{name}: no stick is found in it: it is fitted from slip to slip, each from a start of its own",
     )
+    less, gone = with_windows(case, data[1:2], [], {name: "not of use"})
+    assert name not in {run.name for run in less.runs}
+    assert gone[0] == f"{name}: not of use"
+
+
+@pytest.mark.parametrize(
+    ("factor", "slips", "why"),
+    [(1.0, True, None), (100.0, True, "belt_speed is"), (1.0, False, "nothing in it rises at belt_speed")],
+)
+def test_a_run_is_of_use_if_its_set_point_may_be_right(
+    factor: float, slips: bool, why: str | None, tmp_path: Path
+) -> None:
+    path = block_case(tmp_path, few=True, seed=5)
+    data = bench_of(ss.load_case(path))[2][:2]
+    second = SPEEDS[data[1].name]
+    path.write_text(path.read_text().replace(f"belt_speed = {second}", f"belt_speed = {factor * second}"))
+    case = ss.load_case(path)
+    data[1] = replace(data[1], belt_speed=factor * data[1].belt_speed)
+    if not slips:
+        data[1] = replace(data[1], slips=np.zeros(0, dtype=np.int64))
+    used, reasons = usable(case.train, data)
+    assert [run.name for run in used] == [run.name for run in data[: 1 if why else 2]]
+    assert all(text.startswith(f"no slip is used: {why}") for text in reasons.values())
+    assert set(reasons) == ({data[1].name} if why else set())

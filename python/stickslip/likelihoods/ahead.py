@@ -75,8 +75,8 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     """
     Return forecasts of a run from every cycle on; none where it has no windows, or where nothing can be simulated.
 
-    None begins in a slip that goes on for longer than a window of the run: friction of its own is that of one event,
-    and is another by then.
+    None begins in a slip that goes on for a window's time after the next stick was due: friction of its own is that of
+    one event, and is another by then.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     cycles : that a forecast lasts
     seed : of the draws
     """
-    cut = stretches([run], fit.windows.policy)
+    cut = [one for one in stretches([run], fit.windows.policy) if one.stuck]  # where it next sticks is known
     known = _known(fit, run, cut)
     if known is None:
         return []
@@ -98,7 +98,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
     least, longest = fit.windows.policy.fewest_stuck, max(one.stop - one.start for one in cut)
     for start, stop in _spans(run, cycles, min(one.start for one in cut) + least):
         tail, before = _tail(cut, start, least)
-        if tail.stop - tail.start > longest:
+        if tail.stop - tail.start > 2 * longest:
             continue
         at, last = _of_past(known, before)
         windows = known.windows

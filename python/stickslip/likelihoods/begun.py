@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.stretches import Stretch
-from stickslip.simulated.states import BELT, LAGGED, X1, X2, Y1, Y2, Z
+from stickslip.simulated.states import BELT, LAGGED, X1, X2, Y1, Y2, W, Z
 
 Floats = NDArray[np.float64]
 
@@ -34,8 +34,14 @@ class Past:
     since: Floats
 
 
-DERIVED = (X2, BELT, LAGGED, Z)
-OF_EFFECTS = {BELT: "belt_load_droop.k", LAGGED: "sensor_lag.tau", Z: "contact_compliance.k"}
+DOUBLE = 1e-12  # that two exponentials differ by, where they would be one
+DERIVED = (X2, BELT, LAGGED, Z, W)
+OF_EFFECTS = {
+    BELT: "belt_load_droop.k",
+    LAGGED: "sensor_lag.tau",
+    Z: "contact_compliance.k",
+    W: "friction_memory.tau",
+}
 
 
 def acting(values: Mapping[str, float]) -> list[int]:
@@ -99,21 +105,22 @@ def derived(
     past: Callable[[float], Past],
 ) -> Floats:
     """
-    Return the states of `DERIVED`, (w, 4): speed, droop, lagged reading, bristle.
+    Return the states of `DERIVED`, (w, 5): speed of what sticks, droop, lagged reading, bristle, lagged slip.
 
     A belt droops under the force that it has carried: since the block sticks that of the springs, and before what the
-    readings tell, inertia included. A bristle carries what bends it.
+    readings tell, inertia included. A bristle carries what bends it. Where a window begins in a slip that is fastest
+    there: a lag is behind by its time constant, and a lagged slip is the slip.
 
     Parameters
     ----------
     values : all numbers by name
-    begun : (states, w) the states that are numbers of the windows
+    begun : (states, w) the states that are numbers of the windows; x2 is that of a slip, beyond what sticks
     belt_speed : of the run, or (w,)
     belt : (w,) relative speed of each window's own belt
     at : (w,) when the windows begin
     past : of a lag with some time constant
     """
-    x1, y1, y2 = begun[X1], begun[Y1], begun[Y2]
+    x1, y1, y2, slip = begun[X1], begun[Y1], begun[Y2], begun[X2]
     mass, stiff = (values.get("alpha1", 0.0) + values.get(name, 0.0) for name in ("mass", "stiffness"))
     mass, stiff = (
         one * (1 + values.get(f"{name}.e", 0.0))
@@ -130,11 +137,10 @@ def derived(
         before = past(tau)
         rate = (before.read - before.behind) / tau
         slow = stiff * before.behind[:, 0] + damping * rate.sum(axis=1) + before.behind[:, 1]
-        slow += mass * (belt_speed - rate[:, 0]) / tau
-        ramp = damping * belt_speed - tau * stiff * belt_speed
-        settled = stiff * before.read[:, 0] + before.read[:, 1] + ramp
-        force = stiff * x1 + damping * y2 + y1 + ramp
-        droop = -k * (force + np.exp(-before.since / tau) * (slow - settled))
+        slow += mass * (speed - rate[:, 0]) / tau
+        began = -k * slow / (1 + k * mass / tau)  # the block has the speed of the belt as it is
+        held = stiff * x1 + damping * y2 + y1
+        droop = _rode(k, tau + k * mass, stiff, damping, speed, speed + began, held, before.since) - speed
         speed = speed + droop
     bristle = np.zeros(len(belt))
     if "contact_compliance.k" in values:
@@ -143,5 +149,40 @@ def derived(
         bristle = -(stiff * x1 + damping * (speed + y2) + y1 + c * creep) / k
         speed = speed + creep
     tau, c = values.get("sensor_lag.tau", 0.0), values.get("sensor_crosstalk.c", 0.0)
-    behind_x1 = x1 + c * y1 - tau * (speed + c * y2)
-    return np.stack([speed, droop, behind_x1, bristle], axis=1)
+    behind_x1 = x1 + c * y1 - tau * (speed + slip + c * y2)
+    return np.stack([speed, droop, behind_x1, bristle, slip], axis=1)
+
+
+def _rode(
+    k: float,
+    tau: float,
+    stiff: float,
+    damping: float,
+    even: Floats,
+    began: Floats,
+    held: Floats,
+    since: Floats,
+) -> Floats:
+    """
+    Return the speed of a belt that has drooped since a block began to ride it, (w,).
+
+    That speed is u with tau u' = even - u - k F and F' = stiff u + damping u', so that it is a sum of two exponentials.
+    How the stick began tells one of them, the force there is now the other.
+
+    Parameters
+    ----------
+    k, tau : compliance of the belt's drive, and its time constant with what rides the belt
+    stiff, damping : of what holds the block
+    even, began : (w,) the belt's speed without a load, and where the stick began
+    held : (w,) the force that there is now, less that of damping
+    since : (w,) how long the block has stuck
+    """
+    root = np.sqrt(complex((1 + k * damping) ** 2 - 4 * tau * k * stiff) + DOUBLE)
+    slow, fast = ((root * sign - 1 - k * damping) / (2 * tau) for sign in (1, -1))
+    # back from now to where it began, over what grows fastest on that way
+    gone, ratio = np.exp(fast * since), np.exp((fast - slow) * since)
+    of_speed, of_slope = (fast * ratio - slow) / (fast - slow), (1 - ratio) / (fast - slow)
+    found = (began * gone + of_slope * (k * held - even) / tau) / (
+        of_speed - of_slope * (1 + k * damping) / tau
+    )
+    return np.asarray(found.real)

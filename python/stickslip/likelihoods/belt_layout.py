@@ -6,14 +6,14 @@ What a rig records, and where a window of it begins, its sensors say: see `stick
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.effect import effect, tabulated
+from stickslip.declared.effect import Tabulated, effect
 from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, BlockOnBelt
 from stickslip.fitted.data import Data
@@ -29,12 +29,18 @@ from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared, Number
 from stickslip.likelihoods.static_limit import StaticLimit
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
-from stickslip.simulated.lowering import SLOTS, lower
+from stickslip.simulated.lowering import SLOTS, Lowered, lower
 from stickslip.simulated.states import AT, COUNT, VISIBLE, X2, Z
 
 Floats = NDArray[np.float64]
-PROFILE = "tabulated_contact_x1"  # a window's own friction
 AT_ONCE = 0.02  # time constant of a static limit that is there as soon as the block sticks
+
+
+@dataclass(frozen=True)
+class _OwnFriction(Tabulated):
+    """A window's own friction, by whatever variable: no curve of the model."""
+
+    name = "own_friction"
 
 
 class BeltLayout(EventWindows[Data, Stretch]):
@@ -43,9 +49,11 @@ class BeltLayout(EventWindows[Data, Stretch]):
 
     A window's own numbers are the states that it begins with, then its random effects: relative static friction, a
     relative friction curve at `policy.knots` places of x1, the belt's relative speed at as many times less its mean,
-    and that mean. Where some begin in a slip, or a contact yields, the speed there is another state, as it is beyond
-    what follows from the others; `loose` has it so for all. Random effects are counted from what all windows have in
-    `common`, nothing unless it is given.
+    and that mean. In a slip that goes on the block passes a place again and again: there the curve is one of time.
+    Where some begin in a slip, or a contact yields, the speed there is another state, as it is beyond what follows from
+    the others; `loose` has it so for all. Random effects are counted from what all windows have in `common`, nothing
+    unless it is given. A window that goes on from a motion has that one's hidden states, (w, states): `onward`, NaN
+    where they follow from numbers and readings.
     """
 
     statics = (STATIC,)  # which random effects are a static limit's own
@@ -87,20 +95,15 @@ class BeltLayout(EventWindows[Data, Stretch]):
             if named & {"static_aging", "contact_compliance"}
             else (effect("static_aging", dT=0.0, tau=AT_ONCE),)
         )
-        self.lowered = [
-            lower(
-                Model(
-                    _own(model.rig, run.constants),
-                    friction=model.friction,
-                    effects=(*model.effects, *plain, tabulated("contact", "x1", k, np.zeros(policy.knots))),
-                ),
-                run.belt_speed,
-            )
-            for k, run in zip(self.knots, data, strict=True)
+        self.models = [
+            Model(_own(model.rig, run.constants), friction=model.friction, effects=(*model.effects, *plain))
+            for run in data
         ]
+        self.lowered = [self._lowered(r, "x1", self.knots[r]) for r in range(len(data))]
+        self.made = [self.lowered[w.run] if w.stuck else self._in_time(w) for w in stretches]
         # what springs have beside alpha1 is no number of a model by itself
         self.slots = {BESIDE: (SLOTS[BESIDE],), **self.lowered[0].slots}
-        self.curve = [self.slots[f"{PROFILE}.value_{i}"][0] for i in range(policy.knots)]
+        self.curve = [self.slots[f"{_OwnFriction.name}.value_{i}"][0] for i in range(policy.knots)]
         self.aging = None if self.soft else tuple(self.slots[f"static_aging.{k}"][0] for k in ("dT", "tau"))
         self.limits = {sign: StaticLimit(model.friction, sign > 0) for sign in (1, -1)}
         self.formulas, self.curves = formulas_of(model), curves_of(model)
@@ -109,6 +112,16 @@ class BeltLayout(EventWindows[Data, Stretch]):
         self.kept = np.array(sorted(read), dtype=np.int32)
         self.samples = PooledSamples.of(data, stretches)
 
+    def _lowered(self, run: int, variable: str, knots: Floats) -> Lowered:
+        """The model of a run, with what a window's own friction depends on."""
+        model = self.models[run]
+        own = _OwnFriction("contact", variable, tuple(knots.tolist()), (0.0,) * len(knots))
+        return lower(replace(model, effects=(*model.effects, own)), self.data[run].belt_speed)
+
+    def _in_time(self, w: Stretch) -> Lowered:
+        t = self.data[w.run].t
+        return self._lowered(w.run, "t", np.linspace(t[w.start], t[w.stop - 1], self.policy.knots))
+
     @cached_property
     def batches(self) -> list[NDArray[np.int64]]:
         """
@@ -116,13 +129,14 @@ class BeltLayout(EventWindows[Data, Stretch]):
 
         They have the same constants, and readings of one kind.
         """
-        alike: dict[Any, list[NDArray[np.int64]]] = {}
+        alike: dict[Any, list[int]] = {}
         for run, members in enumerate(self.by_run):
             one = self.data[run]
             constants = tuple(sorted(one.constants.items()))
-            apart = run if self.lowered[run].tapes is not None else -1
-            alike.setdefault((constants, one.half > 0, apart), []).append(members)
-        return [every for some in alike.values() if len(every := np.concatenate(some))]
+            for i in members.tolist():
+                apart = id(self.made[i]) if self.made[i].tapes is not None else -1
+                alike.setdefault((constants, one.half > 0, apart), []).append(i)
+        return [np.array(every, dtype=np.int64) for every in alike.values()]
 
     @cached_property
     def lines(self) -> list[tuple[Floats, Floats]]:

@@ -159,15 +159,18 @@ class BeltPoint:
         return chain
 
     def _derived(self, values: Values, own: Floats) -> Floats:
-        """Return the states at the start that follow from the numbers, (w, 4): see `derived`."""
+        """Return the states at the start that follow from the numbers, (w, 5): see `derived`."""
         begun = np.zeros((COUNT, len(own)))
-        begun[list(self.of.sensors.begins)] = own[:, : len(self.of.sensors.begins)].T
+        n = len(self.of.sensors.begins)
+        begun[list(self.of.sensors.begins)] = own[:, :n].T
+        if self.of.beyond:
+            begun[X2] = own[:, n] * self.slips
         past = partial(past_of, self.of.data, self.places)
         return derived(values, begun, self.belt_speed, own[:, -1], self.begins, past)
 
     def _parameters(self) -> Floats:
         """Return the core's numbers, one set a window."""
-        of, rows = self.of, np.array([self.of.lowered[r].parameters for r in self.runs])
+        of, rows = self.of, np.array([self.of.made[i].parameters for i in self.chosen])
         factors = of.lowered[0].factors
         for one in {one.name: one for one in of.numbers if one.name not in self.first.constants}.values():
             value = self.values[one.name]
@@ -237,7 +240,7 @@ class BeltPoint:
         )  # it rides what the belt is slower by
         initial = np.where(np.isnan(onward), initial, onward)
         raw = simulated_windows(
-            [self.of.lowered[r] for r in self.runs],
+            [self.of.made[i] for i in self.chosen],
             parameters=np.nan_to_num(self._parameters()),
             set=np.arange(len(self.places), dtype=np.int32),
             initial=np.nan_to_num(initial),
@@ -302,11 +305,11 @@ class BeltPoint:
 
     @cached_property
     def _rates(self) -> dict[int, Floats]:
-        """Derivatives of the derived states by column, (w, 4) each, where they are any."""
+        """Derivatives of the derived states by column, (w, 5) each, where they are any."""
         out = {}
         plain, last = simple(self.values), len(self.shared) + self.of.own - 1
         if plain:  # the speed is the belt's
-            return {last: np.tile([1.0, 0.0, 0.0, 0.0], (len(self.own), 1))} if self.local else {}
+            return {last: np.tile([1.0, 0.0, 0.0, 0.0, 0.0], (len(self.own), 1))} if self.local else {}
         here = self._derived(self.values, self.own)
         for i, name in enumerate(self.names):
             if name not in self.values or name in self.of.sensors.gains:
@@ -315,7 +318,8 @@ class BeltPoint:
             moved = self._derived({**self.values, name: self.values[name] + step}, self.own)
             if (moved != here).any():
                 out[i] = (moved - here) / np.reshape(step, (-1, 1))
-        for k in (*range(len(self.of.sensors.begins)), self.of.own - 1) if self.local else ():
+        states = len(self.of.sensors.begins) + bool(self.of.beyond)
+        for k in (*range(states), self.of.own - 1) if self.local else ():
             nudge = np.zeros(self.of.own)
             nudge[k] = NEARBY
             out[len(self.shared) + k] = (self._derived(self.values, self.own + nudge) - here) / NEARBY

@@ -17,7 +17,6 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.band import MEMBERS, band, standing
-from stickslip.likelihoods.belt_layout import PROFILE
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
@@ -69,7 +68,7 @@ def distribution(
     future : (n,) times after the past's, in its time
     seed : of the draws
     """
-    cut = stretches([run])
+    cut = [one for one in stretches([run]) if one.stuck]  # where it next sticks is known
     if len(cut) < FEWEST or not _has_windows(model):
         return None
     windows = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
@@ -105,9 +104,9 @@ def distribution(
 
 
 def _has_windows(model: Model) -> bool:
-    """Whether windows have a place for its effects: beside their own friction for one curve, and none like it."""
+    """Whether windows have a place for its effects: beside their own friction for one curve of the motion."""
     curves = [one for one in model.effects if isinstance(one, Tabulated)]
-    taken = len(curves) > 1 or any(one.of_reading or one.name == PROFILE for one in curves)
+    taken = len(curves) > 1 or any(one.of_reading for one in curves)
     return not taken and all(one.name != YIELDS for one in model.effects)
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit, unexplained
 from stickslip.likelihoods.population import MOST
 from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
 
 ENOUGH = 3  # windows of a run that may differ
+FENCE = 3.0  # quartiles' distances from the quartiles to Tukey's outer fences
 
 
 def lost(fit: Fit) -> bool:
@@ -51,6 +53,22 @@ def beyond_shown(fit: Fit) -> bool:
         return True
     shown, chance = shown_scatter(fit.windows, own), 1 + 2 / math.sqrt(2 * len(own))
     return bool(max(fit.population.friction) > chance * max(shown.friction))
+
+
+def unlike(fit: Fit) -> NDArray[np.bool_]:
+    """
+    Return which windows have friction or a belt like no other's, (w,): what is no stick was taken for one.
+
+    They are beyond Tukey's outer fences, where chance has one of 400,000.
+    """
+    u = fit.random
+    each = [u[:, list(fit.windows.statics)], u[:, fit.windows.kinetic].mean(axis=1, keepdims=True)]
+    if fit.windows.belt is not None:
+        each.append(u[:, [fit.windows.belt]])
+    numbers = np.concatenate(each, axis=1)
+    low, high = np.quantile(numbers, [0.25, 0.75], axis=0)
+    beyond = FENCE * (high - low)
+    return np.asarray(((numbers < low - beyond) | (numbers > high + beyond)).any(axis=1))
 
 
 def repeats(fit: Fit) -> bool:

@@ -39,7 +39,10 @@ def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
         if levels is None:
             return None
         static, kinetic = levels
-        if abs(run.belt_speed) < run.noise[0]:
+        if not w.stuck:
+            swing = run.readings[w.start : w.stop, 0] / scale
+            kinetic = 0.5 * stiffness * float(swing.max() + swing.min())
+        elif abs(run.belt_speed) < run.noise[0]:
             begun, away = _by_time(windows, w, run.readings[w.start : w.stop, 0] / scale)
             row[0], static = scale * begun, stiffness * away
         law = windows.model.friction
@@ -47,8 +50,8 @@ def shown_levels(windows: Windowed, at: Floats) -> Floats | None:
         level = kinetic / float(law.magnitude(-run.belt_speed)) - 1
         row[:q] /= scale
         row[q:][windows.kinetic] = level
-        # the level is of all friction, that at rest included
-        row[q] = static / (windows.limits[1 if run.belt_speed > 0 else -1].at(values) * (1 + level)) - 1
+        if w.stuck:  # the level is of all friction, that at rest included
+            row[q] = static / (windows.limits[1 if run.belt_speed > 0 else -1].at(values) * (1 + level)) - 1
     return own
 
 

@@ -60,25 +60,14 @@ def stretches(data: Sequence[Data], policy: Policy = POLICY) -> list[Stretch]:
 
     A cycle without a clear stick ends none and begins none: a block that swings up to nearly the belt's speed passes
     it by. Sticks are sought at the belt's speed as declared, and at the rate at which the run rises most; the one that
-    shows more is taken. A run in which none begins is cut at its fastest slips, where those of the others are too few:
-    friction that differs along the belt drives a swing all the time, and no window has numbers for that.
+    shows more is taken. In a run that never sticks every cycle from fastest slip to fastest slip is a stretch; between
+    sticks a cycle may have two events in it, each with friction of its own.
     """
     every = [
         max(_stuck(number, run, policy), _stuck(number, ridden, policy), key=len)
         for number, (run, ridden) in enumerate(zip(data, _as_ridden(data), strict=True))
     ]
-    if sum(map(len, every)) < policy.fewest_windows:
-        every = [
-            one or _cycles(number, run, policy)
-            for number, (one, run) in enumerate(zip(every, data, strict=True))
-        ]
-    return [one for some in every for one in some]
-
-
-def cut(data: Sequence[Data], policy: Policy = POLICY) -> list[Data]:
-    """Return the runs that stretches are in; all where none are in any."""
-    held = {one.run for one in stretches(data, policy)}
-    return [run for number, run in enumerate(data) if number in held or not held]
+    return [one for number, some in enumerate(every) for one in some or _cycles(number, data[number], policy)]
 
 
 def _as_ridden(data: Sequence[Data]) -> list[Data]:
@@ -115,11 +104,13 @@ def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
 
 
 def _cycles(number: int, run: Data, policy: Policy) -> list[Stretch]:
-    """The cycles of a run from fastest slip to fastest slip."""
+    """The cycles of a run from fastest slip to fastest slip, in which a swing stands out from the noise."""
+    dt, noise = float(np.median(np.diff(run.t))), float(run.noise[0])
+    sure = SURE * velocity_noise(velocity_width(run.t, noise, run.belt_speed), dt, noise)
     return [
-        Stretch(number, int(a), int(b), 0.0, 0.0, stuck=False)
-        for a, b in itertools.pairwise(run.slips)
-        if b - a >= policy.fewest_stuck
+        Stretch(number, a, b, 0.0, 0.0, stuck=False)
+        for a, b in itertools.pairwise(run.slips.tolist())
+        if b - a >= policy.fewest_stuck and np.ptp(run.v[a:b]) > 2 * sure
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -205,10 +205,7 @@ def of_single_events(bench: GeneralBench, fit: Fit) -> GeneralBench:
     bench, fit : the windows, and the declared model fitted to them
     """
     chi = misfits(fit) / (fit.windows.sizes * fit.windows.channels)
-    good = chi <= bench.policy.noise_left * np.median(chi)
-    if good.all() or good.mean() < 1 - bench.policy.lost_windows:
-        return bench
-    return replace(bench, stretches=[s for s, kept in zip(bench.stretches, good, strict=True) if kept])
+    return bench.less(chi > bench.policy.noise_left * np.median(chi))
 
 
 def bench_of(

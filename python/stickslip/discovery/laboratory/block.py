@@ -20,7 +20,7 @@ from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.discovery.laboratory.block_errors import error_block
 from stickslip.discovery.laboratory.block_views import Motion, validate_view, view
-from stickslip.discovery.laboratory.block_words import absorbed, experiments, idle, ridden, set_point
+from stickslip.discovery.laboratory.block_words import absorbed, experiments, ridden, set_point
 from stickslip.discovery.laboratory.carried import likelihood
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.left import left
@@ -44,7 +44,7 @@ from stickslip.discovery.result import (
 )
 from stickslip.discovery.set_points import doubtful_set_points
 from stickslip.discovery.workers import ALONE, Workers
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.table import Measured, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data
@@ -93,7 +93,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     Raises
     ------
     InputError
-        See `bench_of`; or no train run holds a stretch from stick to stick.
+        See `bench_of`.
     StickslipError
         No law of the declared kind moves the block like the readings.
     """
@@ -115,16 +115,14 @@ def _verdicts(
 ) -> tuple[Verdicts[BeltBench], tuple[str, ...]]:
     """What windows say, and why they say nothing where they are few, or where no law of this kind moves like them."""
     count, least = len(bench.stretches), bench.policy.fewest_windows
-    if not count:
-        raise InputError("no train run holds a stretch from one stick to the next; is belt_speed right?")
     if count < least and not _alike(alone := _untried(bench)):
-        few = f"{count} stretches from stick to stick in the train runs"
+        few = f"{count} stretches from stick to stick, or from slip to slip, in the train runs"
         return alone, (f"nothing is tried: {few}; {least} are needed to see how friction scatters",)
     try:
         verdicts = searched(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         verdicts = _untried(bench)
-    verdicts = _told_alone(beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit)))
+    verdicts = _told_alone(beside_a_hum(verdicts, left(verdicts.bench, verdicts.searched.null.fit)))
     return (verdicts, ()) if is_a_model(verdicts) else (verdicts.silent(), (_neither(verdicts.fit),))
 
 
@@ -244,7 +242,6 @@ def _found(search: Search, tell: Callable[[str], None], began: float, seed: int,
         spectrum=spectrum(was, now),
         messages=(
             *ridden(case, train, effects),
-            *idle(case.train, train),
             *doubtful_set_points(case, every, effects, after_all, error, wild(chosen.fit)),
             *outcome.remarks(chosen, error),
             *((NOT_AFTER,) if _hides_speed(search.verdicts) else ()),
@@ -339,11 +336,7 @@ def _train_views(
 ) -> list[RunView]:
     """The runs of the fit, before and after."""
     was, now = (_motions(search, trial, train) for _, trial in (before, after))
-    return [
-        view(m, before[0], after[0], one, other)
-        for m, one, other in zip(train, was, now, strict=True)
-        if len(m.events)
-    ]
+    return [view(m, before[0], after[0], *both) for m, *both in zip(train, was, now, strict=True)]
 
 
 def _motions(search: Search, trial: Trial, train: Sequence[Measured]) -> list[Motion]:

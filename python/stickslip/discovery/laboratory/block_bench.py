@@ -10,23 +10,19 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.block_words import idle
 from stickslip.discovery.laboratory.rival_kind import rival
+from stickslip.discovery.laboratory.unused import usable
 from stickslip.errors import InputError
-from stickslip.fitted.block_events.table import measure
-from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data, prepare
-from stickslip.likelihoods.block_windows import BlockSensors, drowned
+from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.declared_numbers import known
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import STATIC
 from stickslip.likelihoods.scaled import Scaled, scaled, start
 from stickslip.likelihoods.shown_levels import shown_levels
-from stickslip.likelihoods.stretches import cut, stretches
+from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 from stickslip.measured.constants import block_constants
-
-DROWNED = "left out: what passes for slips in it are peaks of noise"
 
 
 def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data], dict[str, str]]:
@@ -38,15 +34,11 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data], dict[str, str]]
     Raises
     ------
     InputError
-        A constant is in another unit, a belt stands still, or no train run shows a slip between sticks.
+        A constant is in another unit, a belt stands still, or no train run shows a slip.
     """
     rig = case.rig
     assert isinstance(rig, BlockOnBelt)
     block_constants(case)
-    measured = [measure(prepare_events(run)) for run in case.train]
-    if not any(len(one.events) for one in measured):
-        why = "".join(f"; {one}" for one in idle(case.train, measured))
-        raise InputError(f"no slip between two sticks is found in the train runs{why}")
     units, runs = scaled(rig, case.train), (*case.train, *case.validate)
     rigs = [run.rig for run in runs if isinstance(run.rig, BlockOnBelt)]  # a case has runs of one kind
     data = [
@@ -54,18 +46,20 @@ def bench_of(case: Case) -> tuple[BeltBench, Scaled, list[Data], dict[str, str]]
         for own, made in zip(rigs, prepare([units.run(one) for one in runs]), strict=True)
     ]
     train, validate = data[: len(case.train)], data[len(case.train) :]
-    left_out = {run.name: DROWNED for run in train if drowned(run)}
-    if len(left_out) == len(train):
-        raise InputError("; ".join(f"{name}: {why}" for name, why in left_out.items()))
+    used, why = usable(case.train, train)
+    cut = stretches(used)
+    if len(cut) < POLICY.fewest_windows and not any(one.stuck for one in cut):
+        reasons = "".join(f"; {name}: {one}" for name, one in why.items())
+        swings = f", and {len(cut)} swings of {POLICY.fewest_windows} that would do without" if cut else ""
+        raise InputError(f"no slip between two sticks is found in the train runs{swings}{reasons}")
     declared = Model(units.block(), friction=start(case.declared_law, units, case.train))
     channel = case.train[0].channel("x1")
     sensors = BlockSensors(
         (f"gain.{channel}",), declared.parameters["stiffness"] if channel == "spring_force" else None
     )
     rivals = tuple(rival(one, units.scales) for one in case.candidates)
-    used = cut([run for run in train if run.name not in left_out])
-    bench = BeltBench(declared, used, stretches(used), known(case), POLICY, sensors, rivals)
-    return as_shown(bench), units, [*used, *validate], left_out
+    bench = BeltBench(declared, used, cut, known(case), POLICY, sensors, rivals)
+    return as_shown(bench), units, [*used, *validate], why
 
 
 def as_shown(bench: BeltBench) -> BeltBench:

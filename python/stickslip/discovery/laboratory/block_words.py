@@ -12,20 +12,9 @@ from stickslip.discovery.result import Alternative, Experiment, FoundEffect, Z
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.fitted.block_events.table import Measured
 from stickslip.measured.case import Case
-from stickslip.measured.recording import Recording
-from stickslip.measured.stick_speed import why_idle
 
 STICKS = 5  # whose median has an error
 MEDIAN = 1.25  # standard error of a median over that of a mean
-
-
-def idle(recordings: Sequence[Recording], runs: Sequence[Measured]) -> tuple[str, ...]:
-    """Return every run that no slip is found in, with the reason."""
-    return tuple(
-        f"{recording.name}: no slip is used: {why_idle(recording, len(one.run.track.sticks))}"
-        for recording, one in zip(recordings, runs, strict=True)
-        if not len(one.events)
-    )
 
 
 def ridden(case: Case, runs: Sequence[Measured], effects: Sequence[FoundEffect]) -> tuple[str, ...]:

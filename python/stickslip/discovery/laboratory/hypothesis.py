@@ -23,6 +23,7 @@ from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.shared import Declared, Number
 
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 STRIDE_SHAPE, STRIDE_WAVE, STRIDE_PHASE = 0.3, 0.02, 0.6
 STRIDE_SIZE = 0.5  # of a size's own start
 LEAST = 1e-4  # of what is 1 in (2.1): a size that is next to nothing
@@ -120,6 +121,18 @@ class Bench(ABC):
     def timed(self, fit: Fit) -> Self:  # noqa: ARG002  # windows without hidden times stay as they are
         """Return the same with times that no reading shows as a fit has them."""
         return self
+
+    def less(self, out: Mask) -> Self:
+        """
+        Return the same without some windows; all stay where these are none, or so many that they are no exception.
+
+        Parameters
+        ----------
+        out : (w,) which of them
+        """
+        if not out.any() or out.mean() > self.policy.lost_windows:
+            return self
+        return replace(self, stretches=[s for s, gone in zip(self.stretches, out, strict=True) if not gone])
 
     def wobbles(self, kind: EffectKind) -> bool:
         """Whether an effect is a wave of what wobbles by itself in every window: the belt."""

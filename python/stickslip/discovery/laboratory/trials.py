@@ -14,6 +14,7 @@ from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, sizes_of, terms_at
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.laboratory.screen import Candidate
+from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted
@@ -150,7 +151,7 @@ def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
 
 def from_near(bench: Bench, start: Fit) -> Fit | None:
     """A start beside a hypothesis, fitted; None where it ends at numbers that no window can be simulated with."""
-    with suppress(FloatingPointError):
+    with suppress(FloatingPointError, np.linalg.LinAlgError):
         return fitted(start, bench.policy, bench.policy.candidate_steps, held=2)
     return None
 
@@ -246,15 +247,15 @@ def leader_anew(
 
 def anew(bench: Bench, start: Fit) -> Fit | None:
     """A start, fitted; None where no window can be simulated with it."""
-    with suppress(FloatingPointError):
+    with suppress(FloatingPointError, np.linalg.LinAlgError):
         return fitted(start, bench.policy)
     return None
 
 
 def _sought(bench: Bench, base: Trial, found: tuple[Fit, Term], workers: Workers = ALONE) -> Fit:
-    """A term's fit, or a better one from the readings; where two end alike no third is asked for."""
-    fit, term = found
-    for again in workers.ahead(partial(anew, bench), _afresh(bench, base, term)):
+    """A term's fit, or a better one from elsewhere; where two end alike no third is asked for."""
+    fit = found[0]
+    for again in workers.ahead(partial(anew, bench), _afresh(bench, base, found)):
         if again is None:
             continue
         apart = abs(again.deviance - fit.deviance)
@@ -288,8 +289,16 @@ def _fuller(bench: Bench, base: Trial, leader: Trial, more: dict[str, float]) ->
     return None if fit is None else trial_beside(bench, base, fit, term)
 
 
-def _afresh(bench: Bench, base: Trial, term: Term) -> Iterator[Fit]:
-    """Starts from the readings alone, with a size that is known: at the declared law, then at the null's."""
+def _afresh(bench: Bench, base: Trial, found: tuple[Fit, Term]) -> Iterator[Fit]:
+    """
+    Starts with a size that is known: from the readings alone, at the declared law, then at the null's.
+
+    Of a fit that has constants far from where they are declared the first is that fit with these as declared: without
+    the effect they did its work, and readings of a force are as they were where all forces and its gain move together.
+    """
+    fit, term = found
+    if fit.windows.prior.farthest(fit.at) > BEYOND:
+        yield replace(fit, at=fit.windows.prior.as_declared(fit.at))
     first = begun(bench.windows((*base.terms, term)))
     yield first
     yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))

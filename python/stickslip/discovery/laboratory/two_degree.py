@@ -19,7 +19,7 @@ from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.laboratory.unused import with_windows
+from stickslip.discovery.laboratory.unused import usable, with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -33,7 +33,7 @@ from stickslip.likelihoods.declared_numbers import known as declared_of
 from stickslip.likelihoods.fit import begun, fitted, null
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
-from stickslip.likelihoods.stretches import cut, stretches
+from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.case import Case
 
 FEWEST = 2  # windows, below which what one has of its own is all that is known
@@ -88,8 +88,10 @@ def discover(
         The train runs hold too little, or the declared rig is not theirs.
     """
     began, many = time.monotonic(), len(case.train)
-    used = cut(data[:many])
-    case, unused = with_windows(case, used, stretches(used))
+    used, why = usable(case.train, data[:many])
+    if not used:  # that there is nothing to cut is for others to say
+        used = list(data[:many])
+    case, unused = with_windows(case, used, stretches(used), why)
     asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
     notes = (*notes, *unused, *said)
     return claimed(
@@ -123,7 +125,7 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
         asked = replace(asked, data=data)
         base = _null(bench := asked.bench, asked.workers, base)
     verdicts = _verdicts(asked, bench, base)
-    last = left(bench, verdicts.told.fit)
+    last = left(verdicts.bench, verdicts.told.fit)
     data, more = cleaned(asked.data, last, asked.case.noise)
     if not thin:
         data, thin = readings.independent(asked.case, data, last)
@@ -164,8 +166,8 @@ def _null(bench: BeltBench, workers: Workers, near: Trial | None = None) -> Tria
 
 def _verdicts(asked: _Asked, bench: BeltBench, base: Trial) -> Verdicts[BeltBench]:
     verdicts = searched(bench, asked.case.uncertainty, asked.tell, asked.seed, base, asked.workers)
-    verdicts = beside_a_hum(verdicts, left(bench, verdicts.searched.null.fit))
-    messages.absurd(left(bench, verdicts.told.fit), bench.model.rig)
+    verdicts = beside_a_hum(verdicts, left(verdicts.bench, verdicts.searched.null.fit))
+    messages.absurd(left(verdicts.bench, verdicts.told.fit), bench.model.rig)
     return verdicts
 
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, TypeVar
 
+import numpy as np
+
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.curves import leading
@@ -24,7 +26,7 @@ from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit import closed, fitted, null
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.repeating import lost
+from stickslip.likelihoods.repeating import lost, unlike, wild
 from stickslip.likelihoods.shared import Declared
 
 BenchT = TypeVar("BenchT", bound=Bench)
@@ -139,6 +141,14 @@ def searched(
     bench = bench.timed(base.fit)
     there = closed(replace(base.fit, windows=bench.windows()), bench.policy)
     found = search(bench, known, tell, seed, replace(base, fit=there), workers)
+    if (
+        found.chosen.terms
+        and wild(found.chosen.fit)
+        and (alike := bench.less(unlike(found.chosen.fit))) is not bench
+    ):
+        tell("windows stand out from what was found: once more without them")
+        bench = alike
+        found = search(bench, known, tell, seed, workers=workers)
     tell("looking for a curve that no name explains")
     chosen = found.chosen
     over = bench.curves(chosen.fit, chosen.terms, workers) if chosen.terms else ()
@@ -261,6 +271,6 @@ def _proven(
 
 def _shown(bench: Bench, beside: Trial, one: Learned) -> _Told | None:
     """A curve with all else fitted beside it; None where that fails."""
-    with suppress(FloatingPointError):
+    with suppress(FloatingPointError, np.linalg.LinAlgError):
         return proven(bench, beside, one)
     return None
