@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,8 +11,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from scattering import block_case
+from scattering import FORCE_NOISE, KINETIC, MASS, STATIC, STIFFNESS, block_case
 from stickslip.discovery.laboratory.block_bench import bench_of
+from stickslip.discovery.laboratory.unused import stood_out
 from stickslip.likelihoods.repeating import unlike
 
 WINDOWS, KNOTS = 40, 3
@@ -47,3 +49,44 @@ def test_few_windows_go_and_many_stay(tmp_path: Path) -> None:
     assert bench.less(out).stretches == [*bench.stretches[:2], *bench.stretches[3:]]
     out[: int(0.3 * len(out))] = True
     assert bench.less(out) is bench
+
+
+def test_what_stood_out_is_said(tmp_path: Path) -> None:
+    every = bench_of(ss.load_case(block_case(tmp_path, few=True, seed=5)))[0].stretches
+    assert stood_out(every, every) == ()
+    (said,) = stood_out(every, every[2:])
+    assert said.startswith(f"2 of {len(every)} windows are not fitted: beside what was found their friction")
+
+
+@pytest.mark.study
+def test_a_ripple_is_found_without_what_was_no_stick(tmp_path: Path) -> None:
+    """Of a belt whose speed comes and goes a window may begin where the block only rides as fast for a while."""
+    rng, end = np.random.default_rng(1), 3.0
+    t = np.arange(0, end, 1.5e-3)
+    often = 2.7 * math.sqrt(STIFFNESS / MASS)
+    lines = [f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}']
+    for name, speed in {"a": 0.06, "b": 0.11, "c": 0.08}.items():
+        ripple = ss.effect("belt_speed_ripple", a=0.12, w=often, phi=rng.uniform(0, 6.28))
+        wanders = ss.tabulated("contact", "t", np.linspace(0, end, 24), 0.03 * rng.standard_normal(24))
+        model = ss.Model(
+            ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
+            friction=ss.CoulombFriction(static=STATIC, kinetic=KINETIC),
+            effects=[ripple, wanders],
+        )
+        run = ss.simulate(model, belt_speed=speed, initial=(0, speed), t_end=end, t_eval=t)
+        force = STIFFNESS * run.state[:, 0] + FORCE_NOISE * rng.standard_normal(len(t))
+        np.savetxt(
+            tmp_path / f"{name}.csv", np.column_stack([t, force]), delimiter=",", header="t,F", comments=""
+        )
+        role = "validate" if name == "c" else "train"
+        lines.append(f'[[run]]\nfile = "{name}.csv"\nrole = "{role}"\nbelt_speed = {speed}')
+    lines.append(f'[friction]\nkind = "coulomb"\nstatic = {STATIC}\nkinetic = {KINETIC}')
+    lines.append('[channels]\nt = { column = "t", unit = "s" }\nspring_force = { column = "F", unit = "N" }')
+    lines.append(f"[noise]\nspring_force = {FORCE_NOISE}")
+    (tmp_path / "rig.toml").write_text("\n".join(lines))
+    found = ss.discover(ss.load_case(tmp_path / "rig.toml"))
+    assert [one.name for one in found.effects] == ["belt_speed_ripple"]
+    numbers = found.effects[0].parameters
+    assert numbers["w"].value == pytest.approx(often, rel=0.01)
+    assert numbers["a"].value == pytest.approx(0.12, rel=0.05)
+    assert any("windows are not fitted: beside what was found" in one for one in found.messages)

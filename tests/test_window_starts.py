@@ -58,9 +58,7 @@ def test_a_belt_s_droop_is_that_of_the_load_it_has_carried() -> None:
     ).hidden["b"])  # fmt: skip
     late = t > 6 * DROOP.parameters["tau"]  # how it was before the record is not known
     assert late.sum() > 2
-    assert (
-        np.abs(found[late] - true[late]).max() < 0.06 * np.abs(true).max()
-    )  # a leg's force is held
+    assert np.abs(found[late] - true[late]).max() < 0.06 * np.abs(true).max()  # a leg's force is held
 
 
 @pytest.mark.parametrize(

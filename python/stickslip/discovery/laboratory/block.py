@@ -30,7 +30,7 @@ from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.single_events import NOWHERE, Single, single
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.laboratory.unused import with_windows
+from stickslip.discovery.laboratory.unused import stood_out, with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
 from stickslip.discovery.residual import spectrum
@@ -123,7 +123,8 @@ def _verdicts(
     except (FloatingPointError, np.linalg.LinAlgError):
         verdicts = _untried(bench)
     verdicts = _told_alone(beside_a_hum(verdicts, left(verdicts.bench, verdicts.searched.null.fit)))
-    return (verdicts, ()) if is_a_model(verdicts) else (verdicts.silent(), (_neither(verdicts.fit),))
+    out = stood_out(bench.stretches, verdicts.bench.stretches)
+    return (verdicts, out) if is_a_model(verdicts) else (verdicts.silent(), (*out, _neither(verdicts.fit)))
 
 
 def _alike(verdicts: Verdicts[BeltBench]) -> bool:

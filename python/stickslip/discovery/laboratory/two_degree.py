@@ -19,7 +19,7 @@ from stickslip.discovery.laboratory.carried import error_block
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
-from stickslip.discovery.laboratory.unused import usable, with_windows
+from stickslip.discovery.laboratory.unused import stood_out, usable, with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
 from stickslip.discovery.laboratory.views import train_views
 from stickslip.discovery.residual import spectrum
@@ -134,8 +134,9 @@ def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ..
         asked.tell("readings stand out from what is left: once more without them")
         asked, said = replace(asked, data=data), (*said, *more)
         verdicts = _verdicts(asked, bench := asked.bench, _null(bench, asked.workers))
+    gone = stood_out(bench.stretches, verdicts.bench.stretches)
     out = () if thin else readings.left_out(as_read, asked.data[: len(as_read)])
-    return asked, verdicts, thin or (*said, *out)
+    return asked, verdicts, thin or (*said, *gone, *out)
 
 
 def _changed(before: Sequence[Data], after: Sequence[Data]) -> bool:

@@ -58,3 +58,10 @@ def with_windows(
     words = [f"{name}: {why[name]}" for name in gone]
     words += [f"{run.name}: {SWINGS}" for run in used if run.name not in sticks]
     return replace(case, runs=tuple(run for run in case.runs if run.name not in gone)), tuple(words)
+
+
+def stood_out(every: Sequence[Stretch], fitted: Sequence[Stretch]) -> tuple[str, ...]:
+    """Return in words how many windows were left out beside what was found; nothing where none was."""
+    out = len(every) - len(fitted)
+    why = "beside what was found their friction or their belt is like no other's, so that they began in no stick"
+    return (f"{out} of {len(every)} windows are not fitted: {why}",) if out else ()
