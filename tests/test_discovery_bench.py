@@ -105,6 +105,32 @@ def test_order_does_not_matter_and_a_tie_counts_only_where_ties_do(tmp_path):
     assert not more.exact(ties=True)
 
 
+def test_a_constant_that_is_far_off_is_no_wrong_name(tmp_path):
+    import score
+
+    (tmp_path / "report.json").write_text(json.dumps(report("sensor_lag", "rig_c2")))
+    answer = {"case": "c", "effects": [{"name": "sensor_lag", "parameters": {}}]}
+    assert not score.score_case(answer, tmp_path).exact(ties=False)
+    assert score.score_case({**answer, "beyond": ["rig_c2"]}, tmp_path).exact(ties=False)
+
+
+def test_constants_beyond_three_uncertainties_are_known():
+    """Dampings add up: c2 = 1.11 where it is 1.81, as the two that it is the difference of are off by 21 and 5 %."""
+    import generate
+    import laboratory
+    from draw import Conditions, draw_case
+
+    case = draw_case(np.random.default_rng(1), [], replace(Conditions(), laboratory=1.0))
+    constants = dict.fromkeys(case.imperfections.constants, 1.0)
+    for off, found in ({}, []), ({"eta1": 1.21, "eta12": 0.95}, ["rig_c2"]), ({"alpha2": 1.06}, ["rig_J"]):
+        told = replace(case.imperfections, constants=constants | off, time=1.0)
+        values = case.values | {"eta1": 0.118, "eta12": 0.21}
+        scales = case.scales | {"on": True, "k2": 100.0, "w": 10.0, "r": 0.1, "L": 0.01}
+        assert generate.beyond(replace(case, imperfections=told, values=values, scales=scales)) == found
+    assert isinstance(told, laboratory.Imperfections)
+    assert generate.beyond(replace(case, imperfections=None)) == []
+
+
 def test_missing_report_is_a_failure_in_every_share(tmp_path):
     import score
 

@@ -41,6 +41,12 @@ ODD = {
     "odd_units": replace(ORDINARY, odd_units=True, si=True),
 }
 """Conditions out of the ordinary, by name."""
+BEYOND, STIFF, DAMPING = (
+    3.0,
+    0.015,
+    0.15,
+)  # what contradicts a declared constant, and how well it is known unsaid
+DAMPINGS = ("c1", "c2", "eta1", "eta12")
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "1": 1.0}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "1": 1.0}
 SPEED_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "1": 1.0}
@@ -121,6 +127,23 @@ def write_case(folder: Path, case: Case, rng: np.random.Generator) -> None:
     (folder / "rig.toml").write_text("\n".join(lines))
 
 
+def beyond(case: Case) -> list[str]:
+    """What reports call the declared constants that are off by more than three of the usual standard uncertainties."""
+    lab = case.imperfections
+    if lab is None:
+        return []
+    stated = {name: value * lab.constants.get(name, 1.0) for name, value in case.values.items()}
+    true, said = (
+        {
+            name: float(value)
+            for name, value in (line.split(" = ") for line in lines if not line.startswith("coup"))
+        }
+        for lines in (rig_lines(case.values, case.scales), rig_lines(stated, case.scales, lab.time))
+    )
+    usual = {name: DAMPING if name in DAMPINGS else STIFF for name in said}
+    return [f"rig_{n}" for n, size in said.items() if size and abs(true[n] / size - 1) > BEYOND * usual[n]]
+
+
 def answer_of(name: str, group: str, case: Case, seen: tuple[float, float] | None) -> dict[str, Any]:
     """The truth about one case, in the order a scorer wants it."""
     law = {RIG_NAMES.get(k, k): case.values[k] for k in (*RIG_NAMES, *LAW_NAMES)}
@@ -135,6 +158,7 @@ def answer_of(name: str, group: str, case: Case, seen: tuple[float, float] | Non
         "belt_recorded": case.runs[0].belt is not None,
         "phases": [r.phases for r in case.runs],
         "laboratory": None if case.imperfections is None else case.imperfections.told(),
+        "beyond": beyond(case),
         "surviving_chi2": seen and seen[0],
         "refit_chi2_per_sample": seen and seen[1],
     }

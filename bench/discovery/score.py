@@ -180,6 +180,8 @@ def score_case(answer: dict[str, Any], folder: Path) -> Scored:
     report = json.loads(file.read_text())
     scored.verdict = str(report["verdict"])
     for effect in report["effects"]:
+        if effect["name"] in answer.get("beyond", ()):  # a constant that is as far off as a finding must be
+            continue
         scored.named.append(str(effect["name"]))
         rivals = effect.get("alternatives") or []
         scored.tied.append([str(a["name"]) for a in rivals if a.get("tied", True)])

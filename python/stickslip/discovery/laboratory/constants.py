@@ -22,6 +22,9 @@ from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.shared import Declared
 
 Floats = NDArray[np.float64]
+# Two of them add up to a third, of which a large error of one is a share: to first order by what they are, not by their
+# logarithms.
+SUMMED = frozenset({"c1", "c2", "eta1", "eta12"})
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
         gain = 2 * (_evidence(covariance, information, pull) - none)
         free = replace(declared, covariance=covariance)
         sd = math.sqrt(max(left, 0.0))
-        if name in known.gains:  # a number of a fit as it is, not by its logarithm
+        if name in known.gains or name in SUMMED:  # as it is, not by its logarithm
             out.append(Freed(name, at, sd / (1 + at), own, gain, free))
         else:
             out.append(Freed(name, math.expm1(at), sd, own, gain, free))
@@ -100,7 +103,11 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
 
 
 def _told(fit: Fit, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """What the readings alone say of the constants: information (n, n), and information times estimate (n,)."""
+    """
+    What the readings alone say of the constants: information (n, n), and information times estimate (n,).
+
+    Of dampings that is their relative change, of other numbers of a rig the logarithm of it.
+    """
     assert fit.solution is not None
     place = {n.name: i for i, n in enumerate(fit.windows.numbers)}
     at = [place[name] for name in names]
@@ -108,7 +115,14 @@ def _told(fit: Fit, names: Sequence[str]) -> tuple[Floats, Floats]:
     precision = np.linalg.inv(fit.solution.covariance[np.ix_(at, at)])
     information = precision - prior[np.ix_(at, at)]
     size, turn = np.linalg.eigh(0.5 * (information + information.T))
-    return (turn * np.maximum(size, 0.0)) @ turn.T, precision @ -away[at]
+    information, off = (turn * np.maximum(size, 0.0)) @ turn.T, -away[at]
+    pull = precision @ off
+    added = np.array(
+        [name in SUMMED and fit.windows.numbers[i].logarithmic for name, i in zip(names, at, strict=True)]
+    )
+    slope = np.where(added, np.exp(-off), 1.0)
+    relative = np.where(added, np.expm1(off), off)
+    return slope[:, None] * information * slope, slope * (pull + information @ (slope * relative - off))
 
 
 def _evidence(covariance: Floats, information: Floats, pull: Floats) -> float:
