@@ -21,12 +21,19 @@ EACH = 2  # cases with an effect, and as many without, of each rig
 HEAD = "| case | acts | found | exact | interval covers | error before, after, floor | seconds |"
 
 
-def draw(cases: Path, seed: int) -> list[dict[str, Any]]:
-    """Draw what is not there yet."""
+def draw(cases: Path, seed: int, *, unlisted: bool = False) -> list[dict[str, Any]]:
+    """Draw what is not there yet; with `unlisted` a case of every effect on no list instead."""
     answers = cases / "answers.json"
     if answers.exists():
         return list(json.loads(answers.read_text())["cases"])
     truths = []
+    if unlisted:
+        for k, (name, plan) in enumerate(PLANS.items()):
+            for i in range(len(plan().unlisted)):
+                folder, own = cases / f"{name}_unlisted_{i + 1}", 1000 * seed + 500 + 10 * k + i
+                truths.append(write_case(folder, name, own, effect=False, unlisted=i))
+        answers.write_text(json.dumps({"cases": truths}, indent=1))
+        return truths
     for i in (0, EACH, *range(1, EACH), *range(EACH + 1, 2 * EACH)):
         for k, name in enumerate(PLANS):
             folder = cases / f"{name}_{i + 1}"

@@ -49,6 +49,20 @@ class Plan:
     settling: float
     effects: tuple[tuple[str, str, Callable[[np.random.Generator], Mapping[str, float]]], ...]
     start: Mapping[str, float] = field(default_factory=dict)
+    unlisted: tuple[
+        tuple[str, Callable[[np.random.Generator], Mapping[str, Any]]], ...
+    ] = ()  # place, and its formula
+
+
+def _of(
+    acts: str, formula: str, **ranges: tuple[float, float]
+) -> Callable[[np.random.Generator], Mapping[str, Any]]:
+    """Return what draws an effect that is on no list: what it does, by a formula, its numbers from their ranges."""
+
+    def drawn(rng: np.random.Generator) -> Mapping[str, Any]:
+        return {acts: formula, **{name: float(rng.uniform(*one)) for name, one in ranges.items()}}
+
+    return drawn
 
 
 def _sizes(**ranges: tuple[float, float]) -> Callable[[np.random.Generator], Mapping[str, float]]:
@@ -102,7 +116,13 @@ v_s = 1.2
         ("harmonic_forcing", "table", _sizes(a=(0.3, 0.5), w=(20.0, 30.0), phi=TURN)),
     )
     channels = {"table": ("deg", np.pi / 180), "bit": ("deg", np.pi / 180)}
-    return Plan(rig, laws, table, "drive_speed", 1.26, channels, 1e-3, 0.01, 10.0, 4.0, effects)
+    unlisted = (
+        ("link_1", _of("force", "-k*deflection*abs(deflection)", k=(30.0, 45.0))),
+        ("link_1", _of("force", "k*exp(-(deflection/d)**2)*deflection", k=(12.0, 18.0), d=(0.12, 0.2))),
+    )
+    return Plan(
+        rig, laws, table, "drive_speed", 1.26, channels, 1e-3, 0.01, 10.0, 4.0, effects, unlisted=unlisted
+    )
 
 
 def chain() -> Plan:
@@ -154,7 +174,14 @@ v_s = 0.25
         ("harmonic_forcing", "b", _sizes(a=(0.5, 0.9), w=(9.0, 14.0), phi=TURN)),
     )
     channels = {"a": ("mm", 1e-3), "b": ("mm", 1e-3)}
-    return Plan(rig, laws, table, "belt_speed", 0.1, channels, 1e-4, 0.01, 9.0, 4.0, effects)
+    unlisted = (
+        ("link_1", _of("force", "-k*max(deflection - d, 0)", k=(25.0, 40.0), d=(0.08, 0.1))),
+        ("link_3", _of("force", "-c*max(deflection_rate, 0)", c=(2.5, 4.0))),
+        ("a", _of("factor", "1 - h*exp(-((u - m)/w)**2)", h=(0.2, 0.3), m=(0.35, 0.45), w=(0.1, 0.15))),
+    )
+    return Plan(
+        rig, laws, table, "belt_speed", 0.1, channels, 1e-4, 0.01, 9.0, 4.0, effects, unlisted=unlisted
+    )
 
 
 def pin() -> Plan:
@@ -180,7 +207,13 @@ kinetic = 2.2
         ("spring_cubic_k1", "along", _sizes(k=(3e6, 6e6))),
     )
     channels = {"along": ("um", 1e-6), "across": ("um", 1e-6)}
-    return Plan(rig, laws, table, "belt_speed", 0.05, channels, 1e-5, 0.002, 3.0, 0.5, effects)
+    unlisted = (
+        ("along", _of("force", "-k*max(deflection - d, 0)", k=(250.0, 400.0), d=(2e-3, 3e-3))),
+        ("along", _of("reading", "reading + q*reading**3", q=(2.5e3, 4e3))),
+    )
+    return Plan(
+        rig, laws, table, "belt_speed", 0.05, channels, 1e-5, 0.002, 3.0, 0.5, effects, unlisted=unlisted
+    )
 
 
 PLANS: Mapping[str, Callable[[], Plan]] = {"drill": drill, "chain": chain, "pin": pin}
@@ -264,8 +297,10 @@ class Rig:
         return {name: np.asarray(value(tree, of)) for name, tree in own.effects.readings.items()}
 
 
-def write_case(folder: Path, name: str, seed: int, *, effect: bool) -> dict[str, Any]:
-    """Write a case; return its truth."""
+def write_case(
+    folder: Path, name: str, seed: int, *, effect: bool, unlisted: int | None = None
+) -> dict[str, Any]:
+    """Write a case; return its truth. With `unlisted` the effect on no list of that number acts."""
     rng, plan = np.random.default_rng([seed, 71]), PLANS[name]()
     rig = _true_rig(plan, rng)
     truth: dict[str, Any] = {"case": folder.name, "rig": name, "effects": []}
@@ -274,6 +309,12 @@ def write_case(folder: Path, name: str, seed: int, *, effect: bool) -> dict[str,
         kind, where, sizes = plan.effects[int(rng.integers(len(plan.effects)))]
         drawn = kind, where, sizes(rng)
         truth["effects"] = [{"name": kind, "where": where, "parameters": dict(drawn[2])}]
+    formula: ss.FormulaEffect | None = None
+    if unlisted is not None:
+        where, made = plan.unlisted[unlisted]
+        given = made(rng)
+        formula = ss.effect("formula", called="hidden", where=where, **given)
+        truth["effects"] = [{"name": "unlisted", "where": where, "parameters": {}, "acts": given}]
     gains = {channel: 1 + GAIN * rng.standard_normal() for channel in plan.channels}
     folder.mkdir(parents=True, exist_ok=True)
     text = f'title = "{folder.name}"\n{plan.table}[channels]\nt = {{ column = "t", unit = "s" }}\n'
@@ -286,6 +327,8 @@ def write_case(folder: Path, name: str, seed: int, *, effect: bool) -> dict[str,
             if "phi" in numbers:
                 numbers["phi"] = float(rng.uniform(*TURN))
             effects = (ss.effect(drawn[0], where=drawn[1], **numbers),)
+        if formula is not None:
+            effects = (formula,)
         speed = share * plan.speed
         own = Rig(_model(plan, rig, effects), {plan.moved: speed * (1 + SPEED * rng.standard_normal())}, rng)
         whole = np.arange(0.0, plan.settling + plan.lasts, plan.dt)

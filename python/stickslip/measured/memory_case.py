@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from stickslip.arguments import must_be
+from stickslip.declared.bodies_model import named_laws
 from stickslip.declared.candidate import distinct, on_rig
 from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.friction.coulomb import CoulombFriction
@@ -92,7 +94,7 @@ def case_in_memory(
     if all(run.role == "train" for run in given):
         given = [part for run in given for part in _cut(run)]
     own_rig = rig or first.rig
-    law = friction or (PaperFriction() if isinstance(own_rig, Rig) else CoulombFriction())
+    law: Any = named_laws(friction) or (PaperFriction() if isinstance(own_rig, Rig) else CoulombFriction())
     silent = () if friction else tuple(one.name for one in fields(law))
     known = {name: first.noise.get("x1" if name == "spring_force" else name) for name in first.channels}
     own = {name: size / abs(first.factors[name]) for name, size in known.items() if size is not None}

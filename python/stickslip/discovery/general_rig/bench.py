@@ -16,6 +16,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.general_rig.curve_kinds import curve_kinds
 from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, rival_at, slip
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
@@ -84,7 +85,8 @@ class GeneralBench(Bench):
     def _kinds(self) -> Sequence[EffectKind]:
         assert isinstance(self.model.rig, GeneralRig)
         own = [rival_at(one, self.model.rig) for one in self.candidates]
-        return [*placed_kinds(self.model, self.data, one_way=self.one_way), *own]
+        names = placed_kinds(self.model, self.data, one_way=self.one_way)
+        return [*names, *curve_kinds(self.model, self.data), *own]
 
     def wobble(self, scatter: ContactScatter) -> float:
         """See `Bench.wobble`; of a belt whose speed is no number, so that windows have none of their own, the usual."""

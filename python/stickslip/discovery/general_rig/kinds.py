@@ -58,7 +58,7 @@ class Sizes:
         length, unit = deflection / DEFLECTION, force / STATIC
         return Units(length, self.omega, unit / length)
 
-    def _driven(self, run: BodiesData) -> Floats:
+    def driven(self, run: BodiesData) -> Floats:
         """Where the drive is, (n,)."""
         if not self.own.driven:
             return np.zeros(len(run.t))
@@ -76,13 +76,13 @@ class Sizes:
         assert isinstance(self.rig, BodiesRig)
         row, of_drive = self.rig.deflection(i)
         rest = float(self.rig.link[i].rest)
-        return max(largest(run.q @ row + of_drive * self._driven(run) - rest) for run in self.data)
+        return max(largest(run.q @ row + of_drive * self.driven(run) - rest) for run in self.data)
 
     def coordinate(self, i: int) -> Units:
         """Of a coordinate, by its speed and the force of all springs on it."""
         own, force = self.own, 0.0
         for run in self.data:
-            pulled = own.drive_stiffness[i] * self._driven(run) + own.force[i]
+            pulled = own.drive_stiffness[i] * self.driven(run) + own.force[i]
             force = max(force, largest(run.q @ own.K[i] - pulled))
         return self._units(self.speed(i) / self.omega, force)
 
@@ -200,13 +200,13 @@ def _pushed(kind: EffectKind, read: set[str], sizes: Sizes) -> Iterator[tuple[st
         return
     for i, name in enumerate(own.names):
         if "abs" in (kind.anywhere.force or "") and any(
-            _along(one.direction, i) for one in own.contacts if one.against == "ground"
+            along(one.direction, i) for one in own.contacts if one.against == "ground"
         ):
             continue  # such a drag is friction by speed, and of what rests it is a kink that never passes
-        if not any(_along(row, i) for row in rows):
+        if not any(along(row, i) for row in rows):
             yield name, sizes.coordinate(i)
 
 
-def _along(row: Floats, i: int) -> bool:
-    """Whether a link, or a contact, acts on one coordinate alone."""
+def along(row: Floats, i: int) -> bool:
+    """Return whether a link, or a contact, acts on one coordinate alone."""
     return bool(row[i] != 0 and np.count_nonzero(row) == 1)

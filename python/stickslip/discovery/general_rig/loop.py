@@ -21,7 +21,7 @@ from stickslip.discovery.laboratory.fewer import beside_others, fewer
 from stickslip.discovery.laboratory.search import Searched, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.residual import spectrum
-from stickslip.discovery.result import Verdict
+from stickslip.discovery.result import FoundEffect, Verdict
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
@@ -129,7 +129,7 @@ def _found(
     left = [outcome.left(bench, one.fit) for one in (found.null, chosen)]
     return GeneralFound(
         title=case.title,
-        verdict=Verdict.effect_found if effects else Verdict.no_effect,
+        verdict=_verdict(effects),
         effects=effects,
         before=before,
         after=after,
@@ -149,6 +149,12 @@ def _found(
         constants=outcome.constants(bench, chosen.fit),
         views=(*_train(bench, found), *(_view(*one) for one in zip(validate, forecasts, strict=True))),
     )
+
+
+def _verdict(effects: Sequence[FoundEffect]) -> Verdict:
+    if not effects:
+        return Verdict.no_effect
+    return Verdict.unlisted_effect if any(one.curve is not None for one in effects) else Verdict.effect_found
 
 
 def _left_out(count: int, bench: GeneralBench) -> tuple[str, ...]:

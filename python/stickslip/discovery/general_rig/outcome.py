@@ -13,14 +13,16 @@ from stickslip.declared.effect import AnyEffect, effect
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.general_rig.bench import GeneralBench
+from stickslip.discovery.general_rig.curve_kinds import CurveKind
 from stickslip.discovery.laboratory import left as windows_left
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
+from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.rival_kind import RivalKind, within
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
-from stickslip.discovery.result import FoundEffect, Interval, Rival
+from stickslip.discovery.result import Curve, FoundEffect, Interval, Rival, Z
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
 from stickslip.likelihoods.fit_state import Fit, unexplained
@@ -40,6 +42,9 @@ def model(bench: GeneralBench, trial: Trial, declared: Model) -> Model:
     own = {one.name: one for one in bench.candidates}
     for one in trial.terms:
         e = one.effect
+        if isinstance(one.kind, CurveKind):
+            effects.append(replace(one.kind.declared.replace(**e.parameters), ranges={}))
+            continue
         if isinstance(one.kind, RivalKind):  # as it was declared, its ranges and units kept
             found = {k: within(one.kind, k, Interval(v, None, None)).value for k, v in e.parameters.items()}
             effects.append(own[e.name].replace(**found))
@@ -79,14 +84,34 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
     named = list(outcome.effects(bench, replace(found, chosen=replace(found.chosen, freed=None))))
     if found.chosen.freed is not None:
         named.append(_wrong_constant(bench, found, found.chosen.freed))
+    curves = {one.name: one for one in found.chosen.terms if isinstance(one.kind, CurveKind)}
     out = []
     for one in named:
+        if one.name in curves:
+            out.append(_curve(one, curves[one.name], found.chosen.fit))
+            continue
         rivals = tuple(replace(a, name=said(a.name)) for a in one.alternatives)
         proof = replace(
             one.evidence, control_name=said(one.evidence.control_name), sentence=said(one.evidence.sentence)
         )
         out.append(replace(one, alternatives=rivals, evidence=proof))
     return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+def _curve(one: FoundEffect, of: Term, fit: Fit) -> FoundEffect:
+    """What no name explains: a place, a variable and a curve."""
+    kind = of.kind
+    assert isinstance(kind, CurveKind)
+    assert fit.solution is not None
+    at = [i for i, n in enumerate(fit.windows.numbers) if n.name.rpartition(".")[0] == of.name]
+    x, shapes = kind.shapes()
+    value = shapes @ fit.at[at]
+    error = Z * np.sqrt(np.einsum("nk,kl,nl->n", shapes, fit.solution.covariance[np.ix_(at, at)], shapes))
+    curve = Curve(kind.where, kind.variable, kind.term, x, value, value - error, value + error, x, None)
+    words = f"{kind.term}: a curve in {kind.variable}"
+    sentence = one.evidence.sentence.replace(of.name, "the curve")
+    proof = replace(one.evidence, sentence=sentence)
+    return FoundEffect("unlisted", kind.where, (kind.variable,), {}, proof, (), words, curve)
 
 
 def _gain(bench: GeneralBench, one: Freed) -> bool:

@@ -280,14 +280,18 @@ def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
     What is fitted in full: what may pay, the best of all in any case.
 
     A wave pays its price once more at its own gate (`refitted`), which asks a score: beside a model of the windows one
-    that does not gain as much by its score cannot pass.
+    that does not gain as much by its score cannot pass. There a curve that no one declared must promise more than what
+    goes unnoticed, too.
     """
     count, usual = len(bench.stretches), is_usual(base.fit)
-    ranked = [
-        one
-        for one in screen.ranked
-        if not (usual and one.term.kind.wave is not None and one.gain <= 2 * one.price(count))
-    ][: bench.policy.fullest]
+
+    def idle(one: Candidate) -> bool:
+        kind = one.term.kind
+        if isinstance(kind, RivalKind) and kind.nameless:
+            return one.worth(count) <= bench.policy.noticed
+        return kind.wave is not None and one.gain <= 2 * one.price(count)
+
+    ranked = [one for one in screen.ranked if not (usual and idle(one))][: bench.policy.fullest]
     first = next((i for i, one in enumerate(ranked) if one.worth(count) <= 0), len(ranked))
     return ranked[: max(first, 1)]
 

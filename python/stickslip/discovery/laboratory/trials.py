@@ -293,15 +293,15 @@ def _afresh(bench: Bench, base: Trial, found: tuple[Fit, Term]) -> Iterator[Fit]
     """
     Starts with a size that is known: from the readings alone, at the declared law, then at the null's.
 
-    Of a fit that has constants far from where they are declared the first is that fit with these as declared: without
+    Of a fit that has constants far from where they are declared the last is that fit with these as declared: without
     the effect they did its work, and readings of a force are as they were where all forces and its gain move together.
     """
     fit, term = found
-    if fit.windows.prior.farthest(fit.at) > BEYOND:
-        yield replace(fit, at=fit.windows.prior.as_declared(fit.at))
     first = begun(bench.windows((*base.terms, term)))
     yield first
     yield replace(first, at=np.concatenate([base.fit.at, first.at[len(base.fit.at) :]]))
+    if fit.windows.prior.farthest(fit.at) > BEYOND:
+        yield replace(fit, at=fit.windows.prior.as_declared(fit.at))
 
 
 def of_scatter(bench: Bench, fit: Fit, term: Term, gain: float) -> float:

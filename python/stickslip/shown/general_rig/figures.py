@@ -125,16 +125,32 @@ def spectrum(found: GeneralFound) -> Figure:
     return figure
 
 
+def curves(found: GeneralFound) -> Figure:
+    """Draw what no name explains, with its 95 % band, in SI."""
+    every = [one.curve for one in found.effects if one.curve is not None]
+    figure = Drawing(figsize=(6.4, 3.2 * len(every) + 0.3), layout="constrained")
+    for ax, one in zip(figure.subplots(len(every), 1, squeeze=False)[:, 0], every, strict=True):
+        ax.fill_between(one.x, one.low, one.high, color=AFTER, alpha=0.25, lw=0, label="95 % band")
+        ax.plot(one.x, one.value, color=AFTER, lw=1.4, label="as found")
+        ax.axhline(0.0, color="black", lw=0.8, ls=":", zorder=0)
+        ax.set_xlabel(f"{one.variable} [SI]")
+        ax.set_ylabel(f"{one.term} [SI]")
+        ax.legend()
+    return figure
+
+
 FIGURES: Mapping[str, Callable[[GeneralFound], Figure]] = {
     "readings_ahead": readings,
     "errors": errors,
     "residual_in_time": in_time,
     "residual_spectrum": spectrum,
     "ranking": ranking,
+    "learned_curve": curves,
 }
 
 
 def drawn(found: GeneralFound) -> dict[str, Figure]:
     """Return every figure."""
     with mpl.rc_context(STYLE):
-        return {name: draw(found) for name, draw in FIGURES.items()}
+        some = any(one.curve is not None for one in found.effects)
+        return {name: draw(found) for name, draw in FIGURES.items() if some or draw is not curves}

@@ -74,6 +74,8 @@ def _effect(one: FoundEffect, case: Case) -> dict[str, Json]:
 def _curve(curve: Curve, case: Case) -> dict[str, Json]:
     """A learned curve in SI: its variable and its values, where they have a unit."""
     out: dict[str, Json] = {}
+    if isinstance(case.rig, GeneralRig):  # it is in SI
+        return out
     x = si_of(OF_VARIABLES[curve.variable], case.rig, case.channels)
     value = si_of(curve_dimension(curve.where), case.rig, case.channels)
     if x is not None:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from stickslip.declared.catalogue import CONSTANTS, KINDS
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import percent
+from stickslip.declared.si import OF_VARIABLES
 from stickslip.discovery.errors import DRAWS
 from stickslip.discovery.residual import LIMIT
 from stickslip.discovery.result import (
@@ -148,7 +149,7 @@ def _verdict(found: Found) -> str:
         memory = " with a memory" if "memory" in effect.depends_on else ""
         others = [plain(e.name) for e in found.effects if e is not effect]
         beside = f", beside {joined(others)}" if others else ""
-        place = PLACE.get(effect.where, effect.where)
+        place = PLACE.get(effect.where, f"at {effect.where}")
         acts = "acts, most likely" if guessed(effect) else "acts"
         return f"Something that is not in the catalogue {acts} {place}{variables}{memory}{beside}."
     if found.residual_after.chi2 > FAR:
@@ -387,11 +388,11 @@ def caveats(found: Found, axes: Axes | None = None) -> list[str]:
             out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
         if effect.curve is not None and effect.curve.period is None:
             variable = effect.curve.variable
-            axis = None if axes is None else axes.variable(variable)
+            named = variable in OF_VARIABLES  # of other rigs it is in SI, and a polynomial
+            axis = axes.variable(variable) if axes is not None and named else None
             reach = _from_to(effect.curve.x.min(), effect.curve.x.max(), axis)
-            out.append(
-                f"The learned curve holds for {variable} {reach}; beyond, it is held constant and nothing is known."
-            )
+            beyond = "it is held constant and " if named else ""
+            out.append(f"The learned curve holds for {variable} {reach}; beyond, {beyond}nothing is known.")
     if found.effects and not found.residual_after.clean:
         out.append(
             "Intervals take the model to be complete; while something is left over they are too narrow."

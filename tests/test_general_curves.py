@@ -1,0 +1,106 @@
+"""What no name explains on a rig of bodies: curves at every place, and one that is told where it acts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import stickslip as ss
+from bodies_cases import CASES, recorded, recording
+from stickslip.declared.uncertainty import Uncertainty
+from stickslip.discovery.general_rig.bench import GeneralBench, bench_of
+from stickslip.discovery.general_rig.curve_kinds import CurveKind
+from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.screen import columns
+from stickslip.likelihoods.fit_state import begin
+from test_candidates_general import LAWS, RIG, chain
+
+Floats = NDArray[np.float64]
+SCHEMA = Path(ss.__file__).parent / "shown" / "report" / "report.schema.json"
+DRAG = 3.0  # N s/m
+
+
+def bench() -> GeneralBench:
+    known = Uncertainty.usual(RIG, channels=("a", "b"))
+    return bench_of(ss.Model(RIG, friction=LAWS), [chain(20, 6.0)], known)
+
+
+def curves(own: GeneralBench) -> dict[tuple[str, str], CurveKind]:
+    return {(one.where, one.variable): one for one in own.kinds() if isinstance(one, CurveKind)}
+
+
+def test_curves_are_at_every_place_that_has_what_they_are_of() -> None:
+    links = {(f"link_{i}", of) for i in (1, 2, 3) for of in ("deflection", "deflection_rate")}
+    assert set(curves(bench())) == links | {(one, "u") for one in "ab"} | {
+        (f"{one} channel", "reading") for one in "ab"
+    }
+
+
+def test_a_rig_of_matrices_has_curves_of_its_coordinates() -> None:
+    case = CASES["pin"]()
+    run = recording(case, *recorded(case, 40, level=0.02, static=0.02, lasts=2.0))
+    own = bench_of(case.model, [run], Uncertainty.usual(case.model.rig, channels=case.channels))
+    names = case.model.rig.equations.names
+    rubs = [any(c.direction[i] for c in case.model.rig.equations.contacts) for i in range(len(names))]
+    found = set(curves(own))
+    assert {(name, "deflection") for name in names} < found
+    assert {name for name, of in found if of == "deflection_rate"} == {
+        name for name, at in zip(names, rubs, strict=True) if not at
+    }
+
+
+def test_a_shape_of_a_curve_is_the_effect_that_it_is() -> None:
+    own = bench()
+    fit = begin(own.windows())
+    kind = curves(own)["link_1", "deflection"]
+    cubic = next(one for one in own.kinds() if (one.name, one.where) == ("spring_cubic_k1", "link_1"))
+    none = {one.name: 0.0 for one in kind.parameters}
+    ours = columns(own, fit, (), term(kind, none), (f"{kind.name}.b3",))
+    theirs = columns(own, fit, (), term(cubic, {"k": 0.0}), ("spring_cubic_k1@link_1.k",))
+    for a, b in zip(ours, theirs, strict=True):
+        assert a is not None
+        assert b is not None
+        np.testing.assert_allclose(a * kind.unit**3, b, atol=1e-6 * np.abs(b).max())
+    x, shapes = kind.shapes()
+    np.testing.assert_allclose(shapes[:, list(kind.powers).index(3)], -((x / kind.unit) ** 3))
+
+
+@pytest.fixture(scope="module")
+def found() -> ss.Found:
+    def dragged(_: float, z: Floats) -> Floats:
+        return np.array([-DRAG * max(z[2], 0.0), 0.0])
+
+    runs = [chain(seed, 7.0, dragged) for seed in (30, 31)] + [chain(32, 5.0, dragged, role="validate")]
+    return ss.discover(runs, friction=LAWS, threads=1)
+
+
+@pytest.mark.study
+def test_what_is_on_no_list_is_told_where_it_acts_and_on_what(found: ss.Found) -> None:
+    (one,) = found.effects
+    assert found.verdict.value == "unlisted_effect"
+    assert (one.name, one.where, one.depends_on) == ("unlisted", "link_1", ("deflection_rate",))
+    assert one.curve is not None
+    x, true = one.curve.x, -DRAG * np.maximum(one.curve.x, 0.0)
+    seen = np.abs(x) < 0.8 * np.abs(x).max()
+    # to what is straight: a damping is known to 15 % alone
+    line = np.polynomial.polynomial.Polynomial.fit(x[seen], (one.curve.value - true)[seen], 1)
+    off = (one.curve.value - true - line(x))[seen]
+    assert np.sqrt(np.mean(off**2)) < 0.15 * np.ptp(true[seen])
+    assert found.error.after < 0.8 * found.error.before
+
+
+@pytest.mark.study
+def test_its_report_and_its_model_have_it(found: ss.Found, tmp_path: Path) -> None:
+    found.write_report(tmp_path / "out")
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    jsonschema.validate(report, json.loads(SCHEMA.read_text()))
+    assert report["effects"][0]["curve"]["variable"] == "deflection_rate"
+    assert "acts at link_1, as a function of deflection_rate" in report["summary"][0]
+    assert (tmp_path / "out" / "figures" / "learned_curve.svg").exists()
+    after = ss.load_model(tmp_path / "out" / "model_after.toml")
+    assert [one.name for one in after.effects] == ["curve_of_deflection_rate_at_link_1"]
