@@ -1,9 +1,10 @@
 """Twelve laboratory cases of rigs that are not the named ones, drawn, searched and scored.
 
-    python bench/discovery/general.py OUT --seed 1
+    python bench/discovery/general.py OUT --seed 1 [--unlisted]
 
 draws two cases with an effect and two without of each rig, runs `stickslip discover` on each, and writes OUT/table.md.
-Cases and reports that are there already are kept.
+Cases and reports that are there already are kept. With `--unlisted` a case of every effect of theirs that is on no list
+is drawn instead.
 """
 
 from __future__ import annotations
@@ -77,11 +78,12 @@ def said(pairs: object) -> str:
 @click.command()
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--seed", default=1, show_default=True)
+@click.option("--unlisted", is_flag=True, help="Draw effects that are on no list instead.")
 @click.option("--limit", default=3000.0, show_default=True, help="Seconds after which a case is stopped.")
-def main(out: Path, seed: int, limit: float) -> None:
+def main(out: Path, seed: int, unlisted: bool, limit: float) -> None:
     """Draw, discover, score; everything is left in OUT."""
     (out / "cases").mkdir(parents=True, exist_ok=True)
-    truths = draw(out / "cases", seed)
+    truths = draw(out / "cases", seed, unlisted=unlisted)
     rows, lines = [], [HEAD, "|---|---|---|---|---|---|---|"]
     for truth in truths:
         name = truth["case"]

@@ -1,13 +1,15 @@
-"""Curves that no name explains, at every place of a rig of bodies or matrices: polynomials whose shapes are priced.
+"""Curves that no name explains, at every place of a rig of bodies or matrices.
 
 Each is an effect by a formula whose sizes are sought together, as a user's own rival is. It stands against the names in
-one search: a name that says the same with fewer numbers is cheaper.
+one search: a name that says the same with fewer numbers is cheaper. Its shapes are powers of z/sqrt(1 + z^2), z the
+variable over what is as good as its largest value: beyond what the runs reach they grow no more, so that a motion that
+goes there is not driven off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,7 @@ from stickslip.fitted.bodies_data import BodiesData
 
 Floats = NDArray[np.float64]
 DRAWN = 61  # places that a curve is told at
+HALF = 0.5  # of a contact's friction
 LARGE = 10.0  # times what there is: a size that no curve has
 TERMS = {
     "force": "force on {}",
@@ -59,8 +62,8 @@ class CurveKind(RivalKind):
     def shapes(self) -> tuple[Floats, Floats]:
         """Return places over its reach, (n,), and its shapes there, (n, k)."""
         x = np.linspace(*self.reach, DRAWN)
-        sign = -1.0 if self.declared.acts == "force" else 1.0
-        return x, sign * (x[:, None] / self.unit) ** np.array(self.powers)
+        sign, z = -1.0 if self.declared.acts == "force" else 1.0, x / self.unit
+        return x, sign * (z / np.sqrt(1 + z**2))[:, None] ** np.array(self.powers)
 
 
 def curve_kinds(model: Model, data: Sequence[BodiesData]) -> list[CurveKind]:
@@ -113,7 +116,7 @@ def _forces(sizes: Sizes) -> Iterator[CurveKind]:
 def _contacts(sizes: Sizes) -> Iterator[CurveKind]:
     for one in sizes.own.contacts:
         speeds = [np.abs(slip(run, one)) for run in sizes.data]
-        yield _kind(sizes, one.name, "factor", "u", speeds, (1, 2, 3, 4), 1.0)
+        yield _kind(sizes, one.name, "factor", "u", speeds, (1, 2, 3, 4), HALF)
 
 
 def _readings(sizes: Sizes) -> Iterator[CurveKind]:
@@ -132,12 +135,20 @@ def _kind(
     powers: tuple[int, ...],
     size: float,
 ) -> CurveKind:
-    """A curve of a variable that is `every` in the runs; its sizes are such that 1 is as large as all that is there."""
+    """
+    A curve of a variable that is `every` in the runs.
+
+    Its sizes have a prior as wide as all that is there, so that a fit does not run off where the law or a spring does
+    the same.
+    """
     x = np.concatenate(every)
     unit = largest(x)
     low, high = (float(one) for one in np.quantile(x, [0.002, 0.998]))
     names = [f"b{p}" for p in powers]
-    shapes = " + ".join(f"{name}*({variable}/{unit!r})**{p}" for name, p in zip(names, powers, strict=True))
+    z = f"{variable}/{unit!r}"
+    shapes = " + ".join(
+        f"{name}*({z}/sqrt(1 + ({z})**2))**{p}" for name, p in zip(names, powers, strict=True)
+    )
     text = {"force": f"-({shapes})", "factor": f"1 + {shapes}", "reading": f"reading + {shapes}"}[acts]
     bounds = dict.fromkeys(names, (-LARGE * size, LARGE * size))
     called = f"curve_of_{variable}_at_{where}".replace(".", "_")
@@ -145,4 +156,5 @@ def _kind(
     made: FormulaEffect = formula_effect(called=called, where=where, ranges=bounds, **given)
     plain = rival_at(made, sizes.rig)
     facts = {one.name: getattr(plain, one.name) for one in fields(plain) if one.name != "nameless"}
+    facts["parameters"] = tuple(replace(one, spread=size) for one in plain.parameters)
     return CurveKind(**facts, variable=variable, reach=(low, high), unit=unit, powers=powers)

@@ -95,7 +95,22 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
             one.evidence, control_name=said(one.evidence.control_name), sentence=said(one.evidence.sentence)
         )
         out.append(replace(one, alternatives=rivals, evidence=proof))
-    return tuple(sorted(out, key=lambda one: -one.evidence.weight))
+    return standing(sorted(out, key=lambda one: -one.evidence.weight))
+
+
+def standing(every: Sequence[FoundEffect]) -> tuple[FoundEffect, ...]:
+    """Return the effects less names at the place of a curve: they do a part of what acts there, and are told with it."""
+    out = []
+    curved = {one.where for one in every if one.curve is not None}
+    for one in every:
+        if one.curve is None and one.where in curved:
+            continue
+        beside = [each.name for each in every if each.curve is None and each.where == one.where]
+        if one.curve is not None and beside:
+            words = f"{one.formula}; in the model {' and '.join(beside)} stand in for the rest"
+            one = replace(one, formula=words)
+        out.append(one)
+    return tuple(out)
 
 
 def _curve(one: FoundEffect, of: Term, fit: Fit) -> FoundEffect:

@@ -119,7 +119,12 @@ def all_full(
     fits = {one.term.name: fit for one, fit in zip(every, near, strict=True) if fit is not None}
     done, there = list[str](), min((one.fit.deviance for one in beyond), default=np.inf)
     first = min(fits, key=lambda name: fits[name].deviance, default=None)
-    if first is not None and fits[first].deviance < there and not explained(base.fit):
+    if (
+        first is not None
+        and not _nameless(terms[first])
+        and fits[first].deviance < there
+        and not explained(base.fit)
+    ):
         # a null that is far off is no place to start from: what comes furthest from there may come further
         fits[first] = _sought(bench, base, (fits[first], terms[first]), workers)
         done.append(first)
@@ -128,6 +133,7 @@ def all_full(
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
+        and not _nameless(one.term)
         and _promised(bench, base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
@@ -137,6 +143,11 @@ def all_full(
         trial_beside(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits
     ]
     return trials, tuple(done)
+
+
+def _nameless(one: Term) -> bool:
+    """Whether it is a curve that no one declared: its shapes reach what is near, and from afar it takes long."""
+    return isinstance(one.kind, RivalKind) and one.kind.nameless
 
 
 def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
@@ -236,7 +247,7 @@ def leader_anew(
         return trials
     leader = min(trials, key=Trial.worth)
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
-    idle = leader.worth() >= base.worth() and explained(base.fit)
+    idle = _nameless(term) or (leader.worth() >= base.worth() and explained(base.fit))
     if not idle and term.name not in done:
         fit = _sought(bench, base, (leader.fit, term), workers)
         if fit.deviance < leader.fit.deviance:

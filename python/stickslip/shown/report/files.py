@@ -17,7 +17,7 @@ FIGURES = (
     "learned_curve",
 )
 OF_DRIVEN = ("friction", "residual_in_time", "wavelengths", "residual_spectrum", "weights")
-OF_GENERAL = ("readings_ahead", "errors", "residual_in_time", "residual_spectrum", "ranking")
+OF_GENERAL = ("readings_ahead", "errors", "residual_in_time", "residual_spectrum", "ranking", "learned_curve")
 PAGES = ("report.html", "report.json", "model_before.toml", "model_after.toml")
 DRAWN = tuple(dict.fromkeys((*FIGURES, *OF_DRIVEN, *OF_GENERAL)))
 NAMES = (*PAGES, *(f"figures/{name}.{kind}" for name in DRAWN for kind in ("svg", "png")))

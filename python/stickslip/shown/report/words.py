@@ -388,7 +388,7 @@ def caveats(found: Found, axes: Axes | None = None) -> list[str]:
             out.append(f"{effect.name}: the runs set no interval for {', '.join(open_ended)}.")
         if effect.curve is not None and effect.curve.period is None:
             variable = effect.curve.variable
-            named = variable in OF_VARIABLES  # of other rigs it is in SI, and a polynomial
+            named = variable in OF_VARIABLES  # of other rigs it is in SI, and flattens beyond
             axis = axes.variable(variable) if axes is not None and named else None
             reach = _from_to(effect.curve.x.min(), effect.curve.x.max(), axis)
             beyond = "it is held constant and " if named else ""
