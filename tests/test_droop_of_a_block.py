@@ -16,6 +16,7 @@ from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches, timed
 from stickslip.simulated.states import AT
 
+BENCH = Path(__file__).resolve().parents[1] / "bench" / "discovery"
 SPEED, END, STEP = 0.2, 80.0, 0.02
 
 
@@ -46,3 +47,27 @@ def test_a_window_begins_with_the_droop_there_is(
     there = true.hidden["b"][[cut[i].start for i in late]]
     assert np.abs(there).max() > 0.1 * SPEED
     np.testing.assert_allclose(found, there, rtol=0.01)
+
+
+@pytest.mark.study
+def test_constants_that_did_a_droop_s_work_are_put_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mass was named that was 36 % off: all forces and the gain had moved together, and stayed there."""
+    pytest.importorskip("numba")
+    monkeypatch.syspath_prepend(str(BENCH))
+    import block_draw
+    import generate
+
+    rng = np.random.default_rng(41002)
+    counts = {"single": 2, "none": 0, "pairs": 0, "unlisted": 0, "odd": 0}
+    _, names, conditions = generate.plan(rng, counts, (), 1.0, "block")[9]
+    assert names == ["belt_load_droop"]
+    drawn = block_draw.draw_case(np.random.default_rng([41002, 9]), names, conditions)
+    block_draw.write_case(tmp_path / "case", drawn)
+    found = ss.discover(ss.load_case(tmp_path / "case" / "rig.toml"))
+    assert [one.name for one in found.effects] == ["belt_load_droop"]
+    (truth,) = drawn.effects
+    for name, size in truth["parameters"].items():
+        at = found.effects[0].parameters[name]
+        assert at.value == pytest.approx(size, rel=0.06)

@@ -20,8 +20,10 @@ from stickslip.likelihoods.stretches import stretches, timed
 BLOCK, SLIDES = ss.BlockOnBelt(), ss.CoulombFriction(static=1, kinetic=0.5)
 TWO = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 LAG, DROOP = ss.effect("sensor_lag", tau=0.3), ss.effect("belt_load_droop", k=0.002, tau=1.0)
-EFFECTS: dict[str, list[ss.Effect]] = {
+SLOPE = ss.tabulated("contact", "x1", knots=[-0.5, 0.2, 1.0], values=[0.1, 0.0, -0.1])
+EFFECTS: dict[str, list[ss.Effect | ss.Tabulated]] = {
     "nothing": [],
+    "a curve like a window's own": [SLOPE],
     "lag": [LAG],
     "droop": [DROOP],
     "memory": [ss.effect("friction_memory", tau=0.3), ss.effect("stribeck_peak", dT=0.3, v_s=0.1)],

@@ -99,7 +99,7 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
 
 
 def standing(every: Sequence[FoundEffect]) -> tuple[FoundEffect, ...]:
-    """Return the effects less names at the place of a curve: they do a part of what acts there, and are told with it."""
+    """Return the effects less names at the place of a curve: they do a part of what acts there, told with it."""
     out = []
     curved = {one.where for one in every if one.curve is not None}
     for one in every:
