@@ -67,7 +67,7 @@ def test_constants_that_did_a_droop_s_work_are_put_back(
     block_draw.write_case(tmp_path / "case", drawn)
     found = ss.discover(ss.load_case(tmp_path / "case" / "rig.toml"))
     assert [one.name for one in found.effects] == ["belt_load_droop"]
-    (truth,) = drawn.effects
+    (truth,) = block_draw.answer_of("case", "single", drawn)["effects"]
     for name, size in truth["parameters"].items():
         at = found.effects[0].parameters[name]
         assert at.value == pytest.approx(size, rel=0.06)
