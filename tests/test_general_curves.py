@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -15,10 +16,14 @@ from bodies_cases import CASES, recorded, recording
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of
 from stickslip.discovery.general_rig.curve_kinds import CurveKind
-from stickslip.discovery.general_rig.outcome import standing
-from stickslip.discovery.laboratory.hypothesis import term
-from stickslip.discovery.laboratory.screen import columns
+from stickslip.discovery.general_rig.outcome import effects, standing
+from stickslip.discovery.laboratory.gate import Gate
+from stickslip.discovery.laboratory.hypothesis import label, term
+from stickslip.discovery.laboratory.screen import Screen, columns
+from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import Curve, Evidence, FoundEffect
+from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import begin
 from test_candidates_general import LAWS, RIG, chain
 
@@ -111,6 +116,32 @@ def test_its_report_and_its_model_have_it(found: ss.Found, tmp_path: Path) -> No
     assert [one.name for one in after.effects] == ["curve_of_deflection_rate_at_link_1"]
 
 
+def test_a_curve_has_what_a_name_does_at_its_place() -> None:
+    """The cubic part of a spring that is a curve and a cubic spring was in the model, and not in what was told."""
+    own = bench()
+    kinds = {label(one): one for one in own.kinds()}
+    curve = curves(own)["link_1", "deflection"]
+    terms = (
+        term(curve, {one.name: 0.3 * (-1) ** i for i, one in enumerate(curve.parameters)}),
+        term(kinds["spring_cubic_k1@link_1"], {"k": 70.0}),
+    )
+    fit = null(own.windows(terms), replace(own.policy, most_steps=1))
+    base = Trial((), fit)
+    told = effects(
+        own, Searched(base, Trial(terms, fit), [Step(base, Screen((), ()), [], Gate(np.zeros(0), 0.0))])
+    )
+    (one,) = told
+    assert one.curve is not None
+    values = fit.values()
+    x, shapes = curve.shapes()
+    sizes = np.array([values[f"{curve.name}.{i.name}"] for i in curve.parameters])
+    cubic = values["spring_cubic_k1@link_1.k"]
+    assert abs(cubic) > 1
+    np.testing.assert_allclose(one.curve.value, shapes @ sizes - cubic * x**3, atol=1e-12)
+    assert one.formula.endswith("in the model spring_cubic_k1 do a part of it")
+    assert (one.curve.low < one.curve.value)[np.abs(x) > 0.2 * np.abs(x).max()].all()
+
+
 def test_names_at_the_place_of_a_curve_are_told_with_it() -> None:
     def effect(name: str, where: str, curve: Curve | None = None) -> FoundEffect:
         proof = Evidence(10.0, 5.0, None, None, "", 1.0, "")
@@ -125,5 +156,5 @@ def test_names_at_the_place_of_a_curve_are_told_with_it() -> None:
     ]
     first, second = standing(every)
     assert (first.name, second.name) == ("unlisted", "sensor_lag")
-    assert first.formula == "force on link_1; in the model spring_cubic_k1 stand in for the rest"
+    assert first.formula == "force on link_1; in the model spring_cubic_k1 do a part of it"
     assert standing(every[::2]) == (every[0], every[2])

@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import AnyEffect, effect
+from stickslip.declared.formula.parse import parse
+from stickslip.declared.formula.tree import names as names_of
+from stickslip.declared.formula.value import value as formula_value
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.general_rig.bench import GeneralBench
@@ -28,6 +31,7 @@ from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
 from stickslip.likelihoods.fit_state import Fit, unexplained
 
 Floats = NDArray[np.float64]
+NEARBY = 1e-4  # share of a number that it is moved by for a slope, and the least that it is taken to be
 
 
 def said(name: str) -> str:
@@ -88,7 +92,7 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
     out = []
     for one in named:
         if one.name in curves:
-            out.append(_curve(one, curves[one.name], found.chosen.fit))
+            out.append(_curve(one, curves[one.name], found.chosen.terms, found.chosen.fit))
             continue
         rivals = tuple(replace(a, name=said(a.name)) for a in one.alternatives)
         proof = replace(
@@ -107,26 +111,47 @@ def standing(every: Sequence[FoundEffect]) -> tuple[FoundEffect, ...]:
             continue
         beside = [each.name for each in every if each.curve is None and each.where == one.where]
         if one.curve is not None and beside:
-            words = f"{one.formula}; in the model {' and '.join(beside)} stand in for the rest"
+            words = f"{one.formula}; in the model {' and '.join(beside)} do a part of it"
             one = replace(one, formula=words)
         out.append(one)
     return tuple(out)
 
 
-def _curve(one: FoundEffect, of: Term, fit: Fit) -> FoundEffect:
-    """What no name explains: a place, a variable and a curve."""
+def _curve(one: FoundEffect, of: Term, terms: Sequence[Term], fit: Fit) -> FoundEffect:
+    """What no name explains: a place, a variable and a curve, with what names say there of the same variable."""
     kind = of.kind
     assert isinstance(kind, CurveKind)
     assert fit.solution is not None
-    at = [i for i, n in enumerate(fit.windows.numbers) if n.name.rpartition(".")[0] == of.name]
+    beside = [(each.name, text) for each in terms if (text := _force(each, kind)) is not None]
+    own = {of.name, *(name for name, _ in beside)}
+    at = [i for i, n in enumerate(fit.windows.numbers) if n.name.rpartition(".")[0] in own]
     x, shapes = kind.shapes()
-    value = shapes @ fit.at[at]
-    error = Z * np.sqrt(np.einsum("nk,kl,nl->n", shapes, fit.solution.covariance[np.ix_(at, at)], shapes))
-    curve = Curve(kind.where, kind.variable, kind.term, x, value, value - error, value + error, x, None)
+
+    def whole(coordinates: Floats) -> Floats:
+        sizes = {fit.windows.numbers[i].name: fit.windows.numbers[i].value(float(coordinates[i])) for i in at}
+        made = shapes @ np.array([sizes[f"{of.name}.{info.name}"] for info in kind.parameters])
+        for name, text in beside:
+            short = {k.rpartition(".")[2]: v for k, v in sizes.items() if k.rpartition(".")[0] == name}
+            made = made + np.asarray(formula_value(parse(text), {kind.variable: x, **short}))
+        return np.asarray(made)
+
+    middle = whole(fit.at)
+    steps = [NEARBY * max(abs(float(fit.at[i])), NEARBY) * np.eye(len(fit.at))[i] for i in at]
+    slopes = np.array([(whole(fit.at + h) - whole(fit.at - h)) / (2 * h.sum()) for h in steps])
+    error = Z * np.sqrt(np.einsum("kn,kl,ln->n", slopes, fit.solution.covariance[np.ix_(at, at)], slopes))
+    curve = Curve(kind.where, kind.variable, kind.term, x, middle, middle - error, middle + error, x, None)
     words = f"{kind.term}: a curve in {kind.variable}"
     sentence = one.evidence.sentence.replace(of.name, "the curve")
     proof = replace(one.evidence, sentence=sentence)
     return FoundEffect("unlisted", kind.where, (kind.variable,), {}, proof, (), words, curve)
+
+
+def _force(one: Term, curve: CurveKind) -> str | None:
+    """The formula of a force at a curve's place and of its variable alone; None for what is none."""
+    text = one.kind.anywhere.force
+    if one.kind is curve or text is None or one.kind.where != curve.where or isinstance(one.kind, RivalKind):
+        return None
+    return text if names_of(parse(text)) - {i.name for i in one.kind.parameters} == {curve.variable} else None
 
 
 def _gain(bench: GeneralBench, one: Freed) -> bool:
