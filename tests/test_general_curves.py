@@ -138,7 +138,7 @@ def test_a_curve_has_what_a_name_does_at_its_place() -> None:
     cubic = values["spring_cubic_k1@link_1.k"]
     assert abs(cubic) > 1
     np.testing.assert_allclose(one.curve.value, shapes @ sizes - cubic * x**3, atol=1e-12)
-    assert one.formula.endswith("in the model spring_cubic_k1 do a part of it")
+    assert one.formula.endswith("in the model spring_cubic_k1 does a part of it")
     assert (one.curve.low < one.curve.value)[np.abs(x) > 0.2 * np.abs(x).max()].all()
 
 
@@ -156,5 +156,5 @@ def test_names_at_the_place_of_a_curve_are_told_with_it() -> None:
     ]
     first, second = standing(every)
     assert (first.name, second.name) == ("unlisted", "sensor_lag")
-    assert first.formula == "force on link_1; in the model spring_cubic_k1 do a part of it"
+    assert first.formula == "force on link_1; in the model spring_cubic_k1 does a part of it"
     assert standing(every[::2]) == (every[0], every[2])

@@ -111,7 +111,8 @@ def standing(every: Sequence[FoundEffect]) -> tuple[FoundEffect, ...]:
             continue
         beside = [each.name for each in every if each.curve is None and each.where == one.where]
         if one.curve is not None and beside:
-            words = f"{one.formula}; in the model {' and '.join(beside)} do a part of it"
+            verb = "does" if len(beside) == 1 else "do"
+            words = f"{one.formula}; in the model {' and '.join(beside)} {verb} a part of it"
             one = replace(one, formula=words)
         out.append(one)
     return tuple(out)
