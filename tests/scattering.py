@@ -1,7 +1,7 @@
 """Records of rigs whose friction differs from event to event: simulated from mid-stick to mid-stick."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 import stickslip as ss
 from stickslip.declared.effect import FormulaEffect
 
-Acting = ss.Effect | FormulaEffect
+Acting = ss.Effect | ss.Tabulated | FormulaEffect
 Floats = NDArray[np.float64]
 RIG = {"alpha1": 16.0, "alpha2": 8.0, "beta3": 4.0, "eta1": 0.1, "eta12": 0.2}
 DT = 0.1
@@ -182,6 +182,43 @@ def later(one: Acting, t: float, belt_speed: float) -> Acting:
     if "phi" not in one.parameters:
         return one
     return one.replace(phi=one.parameters["phi"] + turn(one.parameters) * t)
+
+
+def block_runs(
+    folder: Path,
+    runs: Iterable[tuple[str, float, list[Acting], tuple[float, float]]],
+    end: float,
+    rng: np.random.Generator,
+) -> Path:
+    """
+    Write a case of a block's whole runs, `c` for validation; return its rig.toml.
+
+    Parameters
+    ----------
+    runs : name, speed, what acts beside a Coulomb law, and the start
+    end : of each
+    rng : of the noise
+    """
+    t = np.arange(0.0, end, 1.5e-3)
+    lines = [f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}']
+    for name, speed, effects, start in runs:
+        rig, law = (
+            ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
+            ss.CoulombFriction(static=STATIC, kinetic=KINETIC),
+        )
+        model = ss.Model(rig, friction=law, effects=effects)
+        run = ss.simulate(model, belt_speed=speed, initial=start, t_end=end, t_eval=t)
+        force = STIFFNESS * run.state[:, 0] + FORCE_NOISE * rng.standard_normal(len(t))
+        np.savetxt(
+            folder / f"{name}.csv", np.column_stack([t, force]), delimiter=",", header="t,F", comments=""
+        )
+        role = "validate" if name == "c" else "train"
+        lines.append(f'[[run]]\nfile = "{name}.csv"\nrole = "{role}"\nbelt_speed = {speed}')
+    lines.append(f'[friction]\nkind = "coulomb"\nstatic = {STATIC}\nkinetic = {KINETIC}')
+    lines.append('[channels]\nt = { column = "t", unit = "s" }\nspring_force = { column = "F", unit = "N" }')
+    lines.append(f"[noise]\nspring_force = {FORCE_NOISE}")
+    (folder / "rig.toml").write_text("\n".join(lines))
+    return folder / "rig.toml"
 
 
 def block_case(

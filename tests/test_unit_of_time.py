@@ -196,3 +196,20 @@ def test_a_damping_that_is_far_off_is_as_far_off_as_it_is(share: float) -> None:
     assert at.high is not None
     assert at.low < SI["c2"] < at.high
     assert at.high - at.low < 0.2 * SI["c2"]
+
+
+@pytest.mark.sampled(1)
+def test_a_damping_that_is_none_is_told_as_next_to_none() -> None:
+    """An estimate below nothing has no logarithm."""
+    none = SI | {"c2": 1e-4 * SI["c2"]}
+    read = runs_of(ss.Rig.from_si(**none), ss.Rig.from_si(**SI))
+    bench = two_degree.bench_of(read, prepare(read.train))
+    fit = null(bench.windows(), POLICY)
+    i = [n.name for n in fit.windows.numbers].index("eta12")
+    for less in (0.0, 0.3):  # an error may have it below c1
+        fit.at[i] -= less
+        own = next(one for one in freed(bench, fit, read.uncertainty) if one.name == "c2")
+        assert own.beyond
+        at = own.interval(SI["c2"])
+        assert at.low is not None
+        assert 0 < at.low < at.value < 0.2 * SI["c2"]

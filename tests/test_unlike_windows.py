@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from scattering import FORCE_NOISE, KINETIC, MASS, STATIC, STIFFNESS, block_case
+from scattering import MASS, STIFFNESS, Acting, block_case, block_runs
 from stickslip.discovery.laboratory.block_bench import bench_of
 from stickslip.discovery.laboratory.unused import stood_out
 from stickslip.likelihoods.repeating import unlike
@@ -62,29 +63,15 @@ def test_what_stood_out_is_said(tmp_path: Path) -> None:
 def test_a_ripple_is_found_without_what_was_no_stick(tmp_path: Path) -> None:
     """Of a belt whose speed comes and goes a window may begin where the block only rides as fast for a while."""
     rng, end = np.random.default_rng(1), 3.0
-    t = np.arange(0, end, 1.5e-3)
     often = 2.7 * math.sqrt(STIFFNESS / MASS)
-    lines = [f'[rig]\nkind = "block_on_belt"\nm = {MASS}\nk = {STIFFNESS}']
-    for name, speed in {"a": 0.06, "b": 0.11, "c": 0.08}.items():
-        ripple = ss.effect("belt_speed_ripple", a=0.12, w=often, phi=rng.uniform(0, 6.28))
-        wanders = ss.tabulated("contact", "t", np.linspace(0, end, 24), 0.03 * rng.standard_normal(24))
-        model = ss.Model(
-            ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS),
-            friction=ss.CoulombFriction(static=STATIC, kinetic=KINETIC),
-            effects=[ripple, wanders],
-        )
-        run = ss.simulate(model, belt_speed=speed, initial=(0, speed), t_end=end, t_eval=t)
-        force = STIFFNESS * run.state[:, 0] + FORCE_NOISE * rng.standard_normal(len(t))
-        np.savetxt(
-            tmp_path / f"{name}.csv", np.column_stack([t, force]), delimiter=",", header="t,F", comments=""
-        )
-        role = "validate" if name == "c" else "train"
-        lines.append(f'[[run]]\nfile = "{name}.csv"\nrole = "{role}"\nbelt_speed = {speed}')
-    lines.append(f'[friction]\nkind = "coulomb"\nstatic = {STATIC}\nkinetic = {KINETIC}')
-    lines.append('[channels]\nt = { column = "t", unit = "s" }\nspring_force = { column = "F", unit = "N" }')
-    lines.append(f"[noise]\nspring_force = {FORCE_NOISE}")
-    (tmp_path / "rig.toml").write_text("\n".join(lines))
-    found = ss.discover(ss.load_case(tmp_path / "rig.toml"))
+
+    def runs() -> Iterator[tuple[str, float, list[Acting], tuple[float, float]]]:
+        for name, speed in {"a": 0.06, "b": 0.11, "c": 0.08}.items():
+            ripple = ss.effect("belt_speed_ripple", a=0.12, w=often, phi=rng.uniform(0, 6.28))
+            wanders = ss.tabulated("contact", "t", np.linspace(0, end, 24), 0.03 * rng.standard_normal(24))
+            yield name, speed, [ripple, wanders], (0.0, speed)
+
+    found = ss.discover(ss.load_case(block_runs(tmp_path, runs(), end, rng)))
     assert [one.name for one in found.effects] == ["belt_speed_ripple"]
     numbers = found.effects[0].parameters
     assert numbers["w"].value == pytest.approx(often, rel=0.01)

@@ -49,9 +49,8 @@ class Plan:
     settling: float
     effects: tuple[tuple[str, str, Callable[[np.random.Generator], Mapping[str, float]]], ...]
     start: Mapping[str, float] = field(default_factory=dict)
-    unlisted: tuple[
-        tuple[str, Callable[[np.random.Generator], Mapping[str, Any]]], ...
-    ] = ()  # place, and its formula
+    # place, and its formula
+    unlisted: tuple[tuple[str, Callable[[np.random.Generator], Mapping[str, Any]]], ...] = ()
 
 
 def _of(

@@ -41,11 +41,8 @@ ODD = {
     "odd_units": replace(ORDINARY, odd_units=True, si=True),
 }
 """Conditions out of the ordinary, by name."""
-BEYOND, STIFF, DAMPING = (
-    3.0,
-    0.015,
-    0.15,
-)  # what contradicts a declared constant, and how well it is known unsaid
+# what contradicts a declared constant, and how well it is known unsaid
+BEYOND, STIFF, DAMPING = 3.0, 0.015, 0.15
 DAMPINGS = ("c1", "c2", "eta1", "eta12")
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "1": 1.0}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "1": 1.0}

@@ -1,7 +1,7 @@
 """Windows of a rig on a belt at one point: what their sensors read there, and its derivatives.
 
 The windows are of runs that are alike but for how fast their belt is (see `BeltLayout.batches`), and are simulated
-together.
+together. One file, as the motion and all its derivatives share the columns of one simulation.
 """
 
 from __future__ import annotations
@@ -235,9 +235,8 @@ class BeltPoint:
         initial[:, self.of.beyond] += self.own[:, len(begins) : self.of.begins] * self.slips[:, None]
         initial[:, DWELL] = [w.dwell for w in self.places]
         onward = self.of.onward[self.chosen]
-        initial[:, X2] += np.nan_to_num(
-            onward[:, BELT] - initial[:, BELT]
-        )  # it rides what the belt is slower by
+        # what sticks rides a belt that droops as it did
+        initial[:, X2] += np.nan_to_num(onward[:, BELT] - initial[:, BELT])
         initial = np.where(np.isnan(onward), initial, onward)
         raw = simulated_windows(
             [self.of.made[i] for i in self.chosen],
@@ -309,7 +308,7 @@ class BeltPoint:
         out = {}
         plain, last = simple(self.values), len(self.shared) + self.of.own - 1
         if plain:  # the speed is the belt's
-            return {last: np.tile([1.0, 0.0, 0.0, 0.0, 0.0], (len(self.own), 1))} if self.local else {}
+            return {last: np.tile(np.eye(len(DERIVED))[0], (len(self.own), 1))} if self.local else {}
         here = self._derived(self.values, self.own)
         for i, name in enumerate(self.names):
             if name not in self.values or name in self.of.sensors.gains:

@@ -95,6 +95,8 @@ def freed(bench: Bench, fit: Fit, known: Uncertainty) -> list[Freed]:
         gain = 2 * (_evidence(covariance, information, pull) - none)
         free = replace(declared, covariance=covariance)
         sd = math.sqrt(max(left, 0.0))
+        if name in SUMMED:  # what is none, or less by an error, is known to be no more than that error
+            at = max(at, min(sd, 1.0) - 1.0)
         if name in known.gains or name in SUMMED:  # as it is, not by its logarithm
             out.append(Freed(name, at, sd / (1 + at), own, gain, free))
         else:

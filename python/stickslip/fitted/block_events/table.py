@@ -230,7 +230,9 @@ def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
 def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEvents:
     p = found.p
     variance = np.diagonal(found.covariance, axis1=1, axis2=2)
-    std = np.sqrt(np.where(variance >= 0, variance, np.nan))  # where readings say nothing rounding may be below 0
+    std = np.sqrt(
+        np.where(variance >= 0, variance, np.nan)
+    )  # where readings say nothing rounding may be below 0
     slid, ends = lost(p), arrest(p)
     good = (slid > 0.5 * segments.LEAST_SLIP * run.noise) & (found.rms < 8) & (p[:, S] > p[:, K])
     good &= np.all(np.isfinite(p) & np.isfinite(std), axis=1)
