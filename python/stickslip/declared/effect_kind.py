@@ -159,6 +159,11 @@ class EffectKind:
         return "reading" if self.where.endswith("channel") else "dynamics"
 
     @property
+    def nameless(self) -> bool:
+        """Whether it is a curve that no one declared, which the search made by itself."""
+        return False
+
+    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters, in the order of the catalogue."""
         return tuple(info.name for info in self.parameters)

@@ -52,7 +52,11 @@ class CurveKind(RivalKind):
     reach: tuple[float, float] = field(kw_only=True)
     unit: float = field(kw_only=True)
     powers: tuple[int, ...] = field(kw_only=True)
-    nameless: bool = True
+
+    @property
+    def nameless(self) -> bool:
+        """No one declared it."""
+        return True
 
     @property
     def term(self) -> str:
@@ -155,6 +159,6 @@ def _kind(
     given: dict[str, Any] = {acts: text, **dict.fromkeys(names, 0.0)}
     made: FormulaEffect = formula_effect(called=called, where=where, ranges=bounds, **given)
     plain = rival_at(made, sizes.rig)
-    facts = {one.name: getattr(plain, one.name) for one in fields(plain) if one.name != "nameless"}
+    facts = {one.name: getattr(plain, one.name) for one in fields(plain)}
     facts["parameters"] = tuple(replace(one, spread=size) for one in plain.parameters)
     return CurveKind(**facts, variable=variable, reach=(low, high), unit=unit, powers=powers)

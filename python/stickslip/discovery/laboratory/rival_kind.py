@@ -42,12 +42,10 @@ class RivalKind(EffectKind):
     ----------
     declared : the effect in the numbers of the search, without ranges
     scored_whole : whether this is the effect times a strength
-    nameless : whether it is a curve that no one has declared
     """
 
     declared: FormulaEffect = field(kw_only=True)
     scored_whole: bool = False
-    nameless: bool = False
 
     @cached_property
     def sizes(self) -> tuple[str, ...]:

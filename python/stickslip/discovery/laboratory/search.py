@@ -287,7 +287,7 @@ def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
 
     def idle(one: Candidate) -> bool:
         kind = one.term.kind
-        if isinstance(kind, RivalKind) and kind.nameless:
+        if kind.nameless:
             return one.worth(count) <= bench.policy.noticed
         return kind.wave is not None and one.gain <= 2 * one.price(count)
 

@@ -107,7 +107,8 @@ def all_full(
 
     What is worth less than its score promised is fitted anew where no other reaches that much; beside a null that is
     no model of the windows, so is what reaches furthest, before the others are held against it; but nothing is that
-    falls short of what is there already.
+    falls short of what is there already. Nor is a curve that no one declared: its shapes reach what is near, and from
+    afar it takes long.
 
     Parameters
     ----------
@@ -121,7 +122,7 @@ def all_full(
     first = min(fits, key=lambda name: fits[name].deviance, default=None)
     if (
         first is not None
-        and not _nameless(terms[first])
+        and not terms[first].kind.nameless
         and fits[first].deviance < there
         and not explained(base.fit)
     ):
@@ -133,7 +134,7 @@ def all_full(
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
-        and not _nameless(one.term)
+        and not one.term.kind.nameless
         and _promised(bench, base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
@@ -143,11 +144,6 @@ def all_full(
         trial_beside(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits
     ]
     return trials, tuple(done)
-
-
-def _nameless(one: Term) -> bool:
-    """Whether it is a curve that no one declared: its shapes reach what is near, and from afar it takes long."""
-    return isinstance(one.kind, RivalKind) and one.kind.nameless
 
 
 def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
@@ -247,7 +243,7 @@ def leader_anew(
         return trials
     leader = min(trials, key=Trial.worth)
     term, rest = leader.terms[-1], [one for one in trials if one is not leader]
-    idle = _nameless(term) or (leader.worth() >= base.worth() and explained(base.fit))
+    idle = term.kind.nameless or (leader.worth() >= base.worth() and explained(base.fit))
     if not idle and term.name not in done:
         fit = _sought(bench, base, (leader.fit, term), workers)
         if fit.deviance < leader.fit.deviance:
