@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.likelihoods import belt_waves
-from stickslip.likelihoods.mixed import Floats, products, solve, taken
+from stickslip.likelihoods.mixed import Floats, beside_bounds, products, solve, taken, within
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import Population, factor
 from stickslip.likelihoods.shared import Declared, Number, Prior
@@ -83,10 +83,39 @@ def test_a_number_at_its_bound_leaves_the_others_at_their_best() -> None:
     there = solve(windows, root, noise, mean, held, at)
     assert found.shared == pytest.approx(there.shared, rel=1e-5)
     assert found.own == pytest.approx(there.own, abs=1e-5)
-    assert found.covariance[1, 1] == pytest.approx(there.covariance[1, 1], rel=1e-5)
+    assert there.covariance[1, 1] < found.covariance[1, 1] < free.covariance[1, 1]
     assert found.deviance > free.deviance
     wide = solve(windows, root, noise, MEAN, PRECISION, at, bounds=(-end, end))
     assert wide.deviance == free.deviance
+
+
+@pytest.mark.parametrize("beyond", [0.0, 0.3, 1.0])
+def test_beside_a_bound_the_others_are_as_uncertain_as_what_it_holds(beyond: float) -> None:
+    """A Gaussian cut off at the bound, drawn: its mean squares from the best place within."""
+    rng = np.random.default_rng(3)
+    columns = rng.standard_normal((40, 3))
+    columns[:, 2] = 0.9 * columns[:, 0] + 0.3 * columns[:, 2]
+    products_ = columns.T @ columns
+    middle = np.array([1.0, 2.0, -beyond])
+    end = np.full(3, np.inf)
+    step, held = within(products_, products_ @ middle, (np.array([-np.inf, -np.inf, 0.0]), end))
+    known = beside_bounds(products_, products_ @ middle, step, held)
+    draws = rng.multivariate_normal(middle, np.linalg.inv(products_), 2_000_000)
+    off = draws[draws[:, 2] > 0] - step
+    sizes = np.sqrt(np.diag(known))
+    assert known / np.outer(sizes, sizes) == pytest.approx(
+        off.T @ off / len(off) / np.outer(sizes, sizes), abs=0.02
+    )
+
+
+def test_a_number_that_is_driven_against_its_bound_is_there() -> None:
+    normal = np.array([[2.0, 1.0], [1.0, 3.0]])
+    for far in (49.0, 51.0, 1e6):  # on both sides of where the tail is taken as an exponential
+        pull = np.array([0.0, -far])
+        step, held = within(normal, pull, (np.array([-np.inf, 0.0]), np.full(2, np.inf)))
+        known = beside_bounds(normal, pull, step, held)
+        assert known[1, 1] == pytest.approx(2 / far**2, rel=0.01)
+        assert known[0, 0] == pytest.approx(0.5, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(8))

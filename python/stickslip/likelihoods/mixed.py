@@ -4,6 +4,7 @@ In window w, channel c, the residual is ``r = J d + S s + K u + e`` with d share
 prior, s the window's initial state (flat), u its random effects and e white with variance ``noise[c]``.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Bounds = tuple[Floats, Floats]
 TINY = 1e-9  # share added to a diagonal, against numbers that say the same
+FAR_OUT = 50.0  # standard deviations beyond which a Gaussian's tail is an exponential
 ROUNDING = 1e-14  # share of a product that sums of many lose
 
 
@@ -49,7 +51,7 @@ class Solution:
     ----------
     deviance : -2 log marginal likelihood without constants, own numbers integrated, shared ones at their best
     shared : step of the shared numbers
-    covariance : its covariance, of what no bound holds; of what one does the variance if it did not
+    covariance : its covariance; of a number that a bound holds, mean squares of how far inside it may be
     own : (windows, own) steps of the initial states
     effects : (windows, effects) random effects, as expected given the readings
     volume : what integrating a window's own numbers, and the noise's size, add to the deviance
@@ -138,9 +140,7 @@ def solve(
     step = covariance @ pull
     if bounds is not None and ((step < bounds[0]) | (step > bounds[1])).any():
         step, held = within(schur, pull, bounds)
-        alone = np.diag(np.diag(covariance))
-        alone[np.ix_(~held, ~held)] = np.linalg.inv(schur[np.ix_(~held, ~held)])
-        covariance = alone
+        covariance = beside_bounds(schur, pull, step, held)
     numbers = np.einsum("wlk,wl->wk", root, right - cross @ step)
     effects = np.einsum("wek,wk->we", roots, numbers[:, q:])
     moved = np.concatenate(
@@ -187,6 +187,40 @@ def within(schur: Floats, pull: Floats, bounds: Bounds) -> tuple[Floats, NDArray
     low, high = (one / scale for one in bounds)
     found = scipy.optimize.lsq_linear(upper, right, (low, high), method="bvls")
     return np.asarray(found.x * scale, dtype=np.float64), found.active_mask != 0
+
+
+def beside_bounds(schur: Floats, pull: Floats, step: Floats, held: NDArray[np.bool_]) -> Floats:
+    """
+    Return the covariance of a step, (n, n), where bounds hold some of its numbers.
+
+    Such a number need not be at its bound: how far inside it is has a Gaussian's tail, cut off there, and the others
+    move with it. Counted are mean squares from the bound, as the step is there: those of a number whose best is at the
+    bound are what they were without it, those of one that is driven against it nearly nothing.
+
+    Parameters
+    ----------
+    schur, pull : products of the shared numbers, and what they are to explain
+    step : the best within the bounds
+    held : which of the numbers a bound holds
+    """
+    free = ~held
+    out = np.zeros_like(schur)
+    out[np.ix_(free, free)] = inner = np.linalg.inv(schur[np.ix_(free, free)])
+    across = schur[np.ix_(free, held)]
+    stiff = np.diag(schur[np.ix_(held, held)] - across.T @ inner @ across)  # of each, the others held
+    alpha = np.abs(pull - schur @ step)[held] / np.sqrt(stiff)
+    square = np.where(
+        alpha < FAR_OUT, _square_beyond(np.minimum(alpha, FAR_OUT)), 2.0 / np.maximum(alpha, 1.0) ** 2
+    )
+    moves = np.zeros((len(schur), int(held.sum())))
+    moves[free], moves[held] = -inner @ across, np.eye(int(held.sum()))
+    return np.asarray(out + moves * (square / stiff) @ moves.T, dtype=np.float64)
+
+
+def _square_beyond(alpha: Floats) -> Floats:
+    """Mean square of what of a Gaussian about -alpha, of standard deviation 1, is above 0."""
+    hazard = np.exp(-0.5 * alpha**2 - 0.5 * math.log(2 * math.pi) - scipy.special.log_ndtr(-alpha))
+    return 1.0 + alpha**2 - alpha * hazard
 
 
 def eliminated(a: Floats, shared: int, own: int, damping: float = 0.0) -> tuple[Floats, Floats]:
