@@ -102,3 +102,47 @@ def test_another_rig_and_a_short_past_are_refused() -> None:
         ss.compare(pin.model, run)
     with pytest.raises(InputError, match="gives 0 samples"):
         ss.forecast(drill.model, run, horizon=1e-4)
+
+
+@pytest.mark.parametrize("how", ["static_aging", "formula"])
+def test_a_limit_that_grows_in_rest_begins_anew_in_every_stick(how: str) -> None:
+    """What is to come is a simulation of the true model, whose sticks each begin at no time at rest."""
+    rig = ss.BodiesRig(
+        body={"x": ss.Body(mass=0.5)},
+        link=[ss.Link(between=("x", "ground"), stiffness=500.0)],
+        contact=[ss.Contact(body="x", against="belt")],
+    )
+    if how == "static_aging":
+        law: ss.FrictionLaw = ss.CoulombFriction(static=2.0, kinetic=1.2)
+        model = ss.Model(rig, friction=law, effects=[ss.effect("static_aging", where="x", dT=0.4, tau=0.3)])
+    else:
+        law = ss.FormulaFriction(
+            kinetic="Fc", static="Fs*(1 + b*log(1 + dwell/tau))", Fc=1.2, Fs=1.8, b=0.02, tau=0.1
+        )
+        model = ss.Model(rig, friction=law)
+    t = np.arange(1400) * 0.004
+    run = ss.simulate(model, belt_speed=0.01, initial=(3e-4, 0.01), t_end=t[-1], t_eval=t)
+    x = run.state[:, 0] + np.random.default_rng(0).normal(0, 4e-6, t.size)
+    past = 1000
+    told = {"t": t[:past], "x": x[:past]}
+    recording = ss.load_recording(told, rig, belt_speed=0.01, noise={"x": 4e-6})
+    found = ss.forecast(model, recording, belt_speed=0.01, horizon=1.5)
+    true = run.state[past : past + len(found), 0]
+    assert np.sqrt(np.mean((found["x"] - true) ** 2)) < 0.02 * np.std(
+        true
+    )  # with rests that add up 0.1 to 0.5
+
+
+def test_a_law_with_a_state_of_its_own_is_refused_in_a_sentence() -> None:
+    case = CASES["pin"]()
+    numbers = {"Fc": 2.0, "Fs": 4.0, "h": 0.6, "vs": 0.03, "tau": 0.02}
+    states = {"w": {"rate": "(exp(-u/vs) - w)/tau", "start": 0.0}}
+    law = ss.FormulaFriction(kinetic="Fc + h*w", static="Fs", states=states, **numbers)
+    run = recording(case, *recorded(case, 7, level=0.02, static=0.02, lasts=2.0))
+    model = ss.Model(case.model.rig, friction=law)
+    with pytest.raises(InputError, match="a law with states of its own can be simulated"):
+        ss.forecast(model, run, horizon=0.5)
+    with pytest.raises(InputError, match="a law with states of its own can be simulated"):
+        ss.compare(model, run)
+    with pytest.raises(InputError, match="a law with states of its own can be simulated"):
+        ss.identify(run, rig=model.rig, friction=law)

@@ -215,10 +215,10 @@ class _Members:
             out[first : first + int(kept.sum())] = point.read(part, own, False)[0]
             state = raw["state"][-1] if again is None else raw["transition_state"][again]
             after = raw["mode"][-1] if again is None else raw["transition_after"][again]
-            self._restart(values, state, modes, after, stop - t)
-            if again is not None:
-                before = raw["transition_before"][again]
-                self._draw(k, values, effects, np.flatnonzero((before != 0) & (after == 0)))
+            before = after if again is None else raw["transition_before"][again]
+            came = (before != 0) & (after == 0)
+            self._restart(values, state, (after == 0) & ~came, stop - t)
+            self._draw(k, values, effects, np.flatnonzero(came))
             t, modes = stop, [int(one) for one in after]
             if t >= end:
                 return out
@@ -252,16 +252,17 @@ class _Members:
         rest = ((raw["transition_before"] != 0) & (raw["transition_after"] == 0)).any(axis=1)
         return int(np.argmax(rest)) if rest.any() else None
 
-    def _restart(self, values: Floats, state: Floats, modes: list[int], after: Floats, span: float) -> None:
-        """Put a state where the core begins; a contact that still sticks has stuck longer."""
+    def _restart(self, values: Floats, state: Floats, stuck: NDArray[np.bool_], span: float) -> None:
+        """Put a state where the core begins; a contact that stuck all the while has done so for longer."""
         layout = self.point.lowered.layout
         values[layout["initial"] : layout["initial"] + len(state)] = state
-        for j, (one, then) in enumerate(zip(modes, after, strict=True)):
-            place = layout["dwell"] + j
-            values[place] = values[place] + span if one == 0 and then == 0 else 0.0
+        dwell = values[layout["dwell"] : layout["dwell"] + len(stuck)]
+        dwell[:] = np.where(stuck, dwell + span, 0.0)
 
     def _draw(self, k: int, values: Floats, effects: Floats, contacts: NDArray[np.intp]) -> None:
         """Give contacts that came to rest the friction of their next event."""
+        if not len(contacts):
+            return
         fresh = self.mean[k] + self.wide[k] * self.rng.standard_normal(len(effects))
         for i, place in enumerate(self.point.effect_places):
             if place is not None and self.windows.contact_of[i] in contacts:

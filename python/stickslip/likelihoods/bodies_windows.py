@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
+from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
@@ -202,13 +203,16 @@ def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
         model,
         run.belt if model.rig.equations.on_belt else None,  # type: ignore[union-attr]
         run.drive if model.rig.equations.driven else None,  # type: ignore[union-attr]
-        differing=scattering,
+        differing=_scattering,
     )
-    for law in own.laws:
-        if law.states:
-            words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
-            raise InputError(words, key="friction")
     return lower_bodies(own, model)
+
+
+def _scattering(law: LawForm, place: int) -> LawForm:
+    if law.states:
+        words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
+        raise InputError(words, key="friction")
+    return scattering(law, place)
 
 
 class Point:
