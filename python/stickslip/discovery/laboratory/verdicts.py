@@ -153,9 +153,11 @@ def searched(
     chosen = found.chosen
     over = bench.curves(chosen.fit, chosen.terms, workers) if chosen.terms else ()
     left = left_over(bench, found, seed, workers, over)
-    # names that leave nothing over fall only to what explains the runs better than they do by more than a little
-    stand = chosen.terms and left is None and not lost(chosen.fit)
-    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed if stand else 0.0, over)
+    # names that leave nothing over fall only to what explains the runs better than they do by more than a little, but
+    # one cause is likelier than several: each further name must be worth that much beside a curve that does without
+    stand = bool(chosen.terms) and left is None and not lost(chosen.fit)
+    further = max(len(chosen.terms) - 1, 0)
+    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed * (stand - further), over)
     if alone is not None:
         return Verdicts(bench, found, *alone)
     if left is not None:
