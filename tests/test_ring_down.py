@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -12,10 +15,26 @@ from stickslip.fitted.ring_down import decrement
 MASS, STIFFNESS, NOISE, DT = 1.2, 850.0, 2e-5, 0.002
 
 
-def swings(friction: float, static: float, damping: float, x0: float, seed: int) -> ss.Recording:
-    """Readings of m x'' + c x' + k x = -F sign(x'), at rest once |k x| is within the static limit at a turn."""
-    t, x, now, place = np.arange(0.0, 3.0, DT), np.zeros(1500), 0.0, x0
-    x[:] = place
+def swings(
+    friction: float,
+    static: float,
+    damping: float,
+    x0: float,
+    seed: int,
+    *,
+    dt: float = DT,
+    noise: float = NOISE,
+    zero: float = 0.0,
+    declared: float = MASS,
+    c: float = 1.0,
+) -> ss.Recording:
+    """
+    Readings of m x'' + c x' + k x = -F sign(x'), at rest once |k x| is within the static limit at a turn.
+
+    They are off by `zero`; the rig is said to have the mass `declared` and the damping `c`.
+    """
+    t, now, place = np.arange(0.0, 3.0, dt), 0.0, x0
+    x = np.full(len(t), place)
     while STIFFNESS * abs(place) > static and now < t[-1]:
         way = -np.sign(place)
 
@@ -33,8 +52,8 @@ def swings(friction: float, static: float, damping: float, x0: float, seed: int)
         x[part] = run.sol(t[part] - now)[0]
         now, place = now + run.t[-1], float(run.y[0, -1])
         x[t >= now] = place
-    x = x + NOISE * np.random.default_rng(seed).standard_normal(len(t))
-    rig = ss.BlockOnBelt(mass=MASS, stiffness=STIFFNESS, damping=1.0)
+    x = x + zero + noise * np.random.default_rng(seed).standard_normal(len(t))
+    rig = ss.BlockOnBelt(mass=declared, stiffness=STIFFNESS, damping=c)
     channels = {"t": ss.Channel("t", unit="s"), "x1": ss.Channel("x1", unit="m")}
     return ss.load_recording({"t": t, "x1": x}, rig, channels=channels, belt_speed=0.0)
 
@@ -80,3 +99,62 @@ def test_a_block_that_hardly_swings_is_refused_in_a_line() -> None:
     run = swings(20.0, 25.0, 0.6, 0.08, 3)
     with pytest.raises(ss.InputError, match=r"swings of a ring-down are seen; at least 3 are needed"):
         ss.identify(run, rig=run.rig)
+
+
+@pytest.mark.parametrize(("dt", "noise"), [(0.0005, 1e-5), (0.002, 1e-4), (0.005, 1e-5), (0.01, 1e-5)])
+def test_many_swings_are_fitted_however_they_are_sampled(dt: float, noise: float) -> None:
+    """From the first that a parabola told, a fit to all swings at once ended at another number of them."""
+    for seed, x0 in enumerate((0.016, 0.019, 0.0225)):
+        run = swings(0.5, 0.8, 0.0, x0, seed, dt=dt, noise=noise, c=0.0)
+        law = ss.CoulombFriction(static=1.0, kinetic=0.4)
+        found = ss.identify(run, rig=run.rig, friction=law, noise={"x1": noise})
+        one = found.estimates["kinetic"]
+        assert abs(one.value - 0.5) < 4 * one.std
+        assert one.std < 0.002
+        assert found.reduced_chi2 == pytest.approx(1.0, abs=0.15)
+        assert "discover" not in " ".join(found.messages)
+
+
+def test_the_swings_tell_the_mass_and_where_the_spring_is_slack() -> None:
+    run = swings(1.1, 3.0, 0.6, 0.08, 5, zero=2e-3, declared=1.012 * MASS)
+    found = ss.identify(run, rig=run.rig)
+    mass = found.constants["mass"]
+    assert mass.low < MASS < mass.high
+    assert mass.high - mass.low < 1e-3 * MASS
+    assert mass.declared == 1.012 * MASS
+    assert abs(found.estimates["kinetic"].value - 1.1) < 0.01
+    assert found.reduced_chi2 < 1.2
+    (said,) = [m for m in found.messages if "where the spring is slack" in m]
+    assert float(said.removeprefix("x1 reads ").split()[0]) == pytest.approx(2e-3, rel=0.01)
+
+
+def test_friction_is_as_uncertain_as_the_spring(tmp_path: Path) -> None:
+    run = swings(1.1, 3.0, 0.6, 0.08, 5)
+    pd.DataFrame({"t": run.t, "x1": run.x1}).to_csv(tmp_path / "run.csv", index=False)
+    wide = {}
+    for size in ("0", "0.02"):
+        (tmp_path / "rig.toml").write_text(
+            f"""[rig]
+kind = "block_on_belt"
+m = {MASS}
+k = {STIFFNESS}
+c = 1.0
+[uncertainty]
+m = 0
+k = {size}
+x1 = 0
+[channels]
+t = {{column = "t", unit = "s"}}
+x1 = {{column = "x1", unit = "m"}}
+[[run]]
+file = "run.csv"
+role = "train"
+belt_speed = 0
+"""
+        )
+        found = ss.identify(ss.load_case(tmp_path))
+        std = found.estimates["kinetic"].std
+        assert std is not None
+        wide[size] = std, found.constants["mass"].high - found.constants["mass"].low
+    assert wide["0.02"][0] == pytest.approx(np.hypot(wide["0"][0], 0.02 * 1.1), rel=0.01)
+    assert wide["0.02"][1] == pytest.approx(2 * 1.96 * 0.02 * MASS, rel=0.01)

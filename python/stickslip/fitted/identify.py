@@ -8,6 +8,7 @@ limits follow from the breakaway instants in the same fit. A block on a belt is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,6 +23,7 @@ from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.friction_law import FrictionLaw, given_numbers
 from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig, on_belt
+from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError, number
 from stickslip.fitted import friction_force as force
 from stickslip.fitted.identified import Estimate, ForcePoints, Identified
@@ -126,6 +128,7 @@ class Material:
     friction : the law to start from, None where nobody said anything
     undeclared : its numbers that are mere defaults
     idle : says, for the number of a run, why no slip of it is used
+    known : how well the rig's constants and gains are; None: they are exact
     """
 
     recordings: Sequence[Recording]
@@ -134,6 +137,7 @@ class Material:
     friction: FrictionLaw | None
     undeclared: Sequence[str]
     idle: Callable[[int], str]
+    known: Uncertainty | None = None
 
     @property
     def told(self) -> FrictionLaw | None:
@@ -196,6 +200,7 @@ def identify(
         friction,
         undeclared,
         lambda i: why_idle(replace(recordings[i], rig=rig), len(runs[i].track.sticks)),
+        source.uncertainty if isinstance(source, Case) and own in (None, source.rig) else None,
     )
     found = _found(material, simulator, tell, slips, scatter, scattering)
     tell("friction force", 0.95)
@@ -239,7 +244,13 @@ def _found(
         from stickslip.fitted.ring_down import identify_ring_down
 
         return identify_ring_down(
-            material.runs, material.rig, material.told, simulator, tell, material.undeclared
+            material.runs,
+            material.rig,
+            material.told,
+            simulator,
+            tell,
+            material.undeclared,
+            _of_spring(material),
         )
 
     @cache
@@ -278,6 +289,15 @@ def _beside_declared(
     """The estimates beside what was declared of the law, where that is of the kind that was identified."""
     given = {} if told is None or told.kind != found.law.kind else given_numbers(told, undeclared)
     return {name: replace(one, declared=given.get(name)) for name, one in found.estimates.items()}
+
+
+def _of_spring(material: Material) -> tuple[float, float]:
+    """Relative standard uncertainties of the stiffness, and of the force that readings of the spring give."""
+    if material.known is None:
+        return 0.0, 0.0
+    channel = material.recordings[0].channel("x1")
+    stiffness, gain = (material.known.relative(name) for name in ("stiffness", channel))
+    return stiffness, gain if channel == "spring_force" else math.hypot(stiffness, gain)
 
 
 def _material(

@@ -20,7 +20,7 @@ from stickslip.declared.friction.coulomb import CoulombFriction
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
-from stickslip.declared.scale import plainly
+from stickslip.declared.scale import plainly, to_digits
 from stickslip.errors import InputError
 from stickslip.fitted.covered_speeds import covered_speeds
 from stickslip.fitted.identified import Constant, Identified, estimate
@@ -32,9 +32,12 @@ from stickslip.measured.cutting import local_state
 from stickslip.measured.fit_window import Array, Window
 from stickslip.measured.prepared import Measured
 
+CONSTANTS = ("damping", "mass")  # fitted beside the law
 FEWEST = 3  # swings
 CLEAR = 8.0  # times the noise: a swing that is one
-ENOUGH = 6  # swings from which damping is told beside friction
+ENOUGH = 6  # swings from which damping is told beside friction, readings from which a sine is
+ROOM = 1.2  # times kinetic friction that a static limit is from which a fit starts
+WITHIN = 1.2  # radians on either side of the fastest place that lie between two turning points
 
 
 @dataclass(frozen=True)
@@ -47,8 +50,8 @@ class Decrement:
     friction : Coulomb's, a force
     ratio : of neighbouring amplitudes that viscous damping alone would leave, at most 1
     swings : how many half periods
-    held, passed : force of the spring where the block came to rest, 0 where it did not, and at the turn before: the
-        static limit lies between them
+    held, passed : force of the spring where the block came to rest, 0 where it did not, and the least at a turn that it
+        went on from: the static limit lies between them
     """
 
     friction: float
@@ -96,20 +99,42 @@ def decrement(turns: Array, stiffness: float) -> Decrement:
     return Decrement(friction, ratio, len(size) - 1)
 
 
-def turning_points(run: Measured) -> tuple[Array, Array]:
-    """Return samples and displacements of the turning points of a run, (n,) each, while its swings are clear."""
-    v, t, x = run.track.v, run.t, run.readings[:, 0]
+def turning_points(run: Measured, rig: BlockOnBelt) -> tuple[Array, Array]:
+    """
+    Return samples and displacements of the turning points of a run, (n,) each, while its swings are clear.
+
+    Each is where the sine of the half swing before it ends: a parabola through what is near it is flatter, and a sample
+    is beside it.
+    """
+    v, t, w = run.track.v, run.t, math.sqrt(rig.stiffness / rig.mass)
     fastest = int(np.nanargmax(np.abs(v)))
     crossings = fastest + np.flatnonzero(np.sign(v[fastest:-1]) * np.sign(v[fastest + 1 :]) < 0)
     at: list[int] = []
     places: list[float] = []
     for i in crossings.tolist():
-        place, _ = local_state(t, x, i, max(run.track.width, 3))
-        if places and (place - places[-1]) * (-1) ** len(places) * np.sign(v[fastest]) < CLEAR * run.noise[0]:
+        way = np.sign(v[fastest]) * (-1) ** len(places)
+        place, _ = local_state(t, run.readings[:, 0], i, max(run.track.width, 3))
+        if places and (place - places[-1]) * way < CLEAR * run.noise[0]:
             break
+        found = _sine(run, float(t[i]) - 0.5 * math.pi / w, w)  # it was fastest a quarter of a period before
         at.append(i)
-        places.append(place)
+        places.append(place if found is None else float(found[0] + way * math.hypot(*found[1:])))
     return np.array(at, dtype=int), np.array(places)
+
+
+def _sine(run: Measured, middle: float, w: float) -> Array | None:
+    """
+    A sine of the rig's frequency about a middle that friction shifts, at most a swing long: (3,) of 1, cos and sin.
+
+    It is what moves between two turning points under Coulomb friction. None where readings are too few.
+    """
+    near = slice(*np.searchsorted(run.t, [middle - WITHIN / w, middle + WITHIN / w]))
+    x, phase = run.readings[near, 0], w * (run.t[near] - middle)
+    good = np.isfinite(x)
+    if good.sum() < ENOUGH:
+        return None
+    shapes = np.column_stack([np.ones_like(phase), np.cos(phase), np.sin(phase)])[good]
+    return np.asarray(np.linalg.lstsq(shapes, x[good], rcond=None)[0], dtype=np.float64)
 
 
 def identify_ring_down(
@@ -119,6 +144,7 @@ def identify_ring_down(
     simulator: Simulator,
     tell: Callable[[str, float], None],
     undeclared: Sequence[str] = (),
+    spring: tuple[float, float] = (0.0, 0.0),
 ) -> Identified:
     """
     Identify friction, and the damping of a rig that has some, from runs on a base at rest.
@@ -129,6 +155,8 @@ def identify_ring_down(
     rig : declared
     told : the law to start from; Coulomb's by the decrement where nobody said anything
     simulator, tell, undeclared : as in `identify`
+    spring : relative standard uncertainties of its stiffness, and of the force that its readings give: the swings tell
+        times and lengths, and all else in proportion to these
 
     Raises
     ------
@@ -136,11 +164,16 @@ def identify_ring_down(
         Too few swings, or a law that does not explain them.
     """
     tell("turning points", 0.2)
+    zero = 0.0
+    if told is None or isinstance(told, CoulombFriction):
+        zero = float(np.median([_zero(run, rig) for run in runs]))
+        runs = [replace(run, readings=run.readings - zero) for run in runs]
     seen = [_decrement(run, rig) for run in runs]
-    start = _coulomb(seen) if told is None or isinstance(told, CoulombFriction) else told
+    start = _coulomb(seen, told) if told is None or isinstance(told, CoulombFriction) else told
     branches = law_parameters(start)
     names = tuple(dict.fromkeys([*branches["minus"], *branches["plus"]]))
     damping = float(np.mean([one.damping(rig) for one in seen]))
+    names = (*names, "mass")  # the swings tell the frequency far better than anyone declares it
     if rig.damping > 0:
         names = (*names, "damping")
         rig_there = replace(rig, damping=damping or rig.damping)
@@ -150,19 +183,43 @@ def identify_ring_down(
     declared = np.array([model.parameters[n] for n in names])
     noise = single_noise(runs)
     tell("fitting the swings", 0.4)
-    shot = shoot(
-        model, [_window(run, i) for i, run in enumerate(runs)], names, noise=noise, simulator=simulator,
-        declared=declared,
-    )  # fmt: skip
+    shot = _swing_by_swing(
+        model, [_window(run, i, rig) for i, run in enumerate(runs)], names, noise, simulator, declared
+    )
+    if zero:
+        shift, shot = _from_zero(model, shot, names, noise, simulator, declared)
+        zero += shift
     explainable(shot, noise)
-    return _concluded(rig, model, shot, seen, noise, simulator, undeclared)
+    return _concluded(rig, model, shot, seen, noise, simulator, undeclared, zero, spring)
 
 
-def _coulomb(seen: Sequence[Decrement]) -> CoulombFriction:
-    """Friction by the decrement, the static limit in the middle of what the resting places leave open."""
+def _zero(run: Measured, rig: BlockOnBelt) -> float:
+    """What a run reads where the spring is slack: between the middles of two swings; 0 where that is not clear."""
+    v, t, w = run.track.v, run.t, math.sqrt(rig.stiffness / rig.mass)
+    fastest = int(np.nanargmax(np.abs(v)))
+    turns = t[fastest + np.flatnonzero(np.sign(v[fastest:-1]) * np.sign(v[fastest + 1 :]) < 0)][: ENOUGH + 1]
+    swings = [_sine(run, float(middle), w) for middle in 0.5 * (turns[1:] + turns[:-1])]
+    middles = np.array([one[0] for one in swings if one is not None])
+    between = 0.5 * (middles[1:] + middles[:-1])
+    if len(between) < FEWEST:
+        return 0.0
+    error = float(np.std(between, ddof=1)) / math.sqrt(len(between))
+    zero = float(np.mean(between))
+    return zero if abs(zero) > CLEAR * max(error, run.noise[0] / math.sqrt(len(t))) else 0.0
+
+
+def _coulomb(seen: Sequence[Decrement], told: CoulombFriction | None) -> CoulombFriction:
+    """
+    Friction by the decrement, the static limit where the resting places leave it, as declared if that is open.
+
+    It is above kinetic friction, which a fit could not raise else.
+    """
     friction = float(np.mean([one.friction for one in seen]))
     held, passed = _limits(seen, friction)
-    return CoulombFriction(static=0.5 * (held + passed) if passed < math.inf else held, kinetic=friction)
+    static = 0.5 * (held + passed) if passed < math.inf else held
+    if told is not None and held <= told.static <= passed:
+        static = told.static
+    return CoulombFriction(static=max(static, min(ROOM * friction, passed)), kinetic=friction)
 
 
 def _limits(seen: Sequence[Decrement], friction: float) -> tuple[float, float]:
@@ -172,26 +229,96 @@ def _limits(seen: Sequence[Decrement], friction: float) -> tuple[float, float]:
 
 
 def _decrement(run: Measured, rig: BlockOnBelt) -> Decrement:
-    at, places = turning_points(run)
+    at, places = turning_points(run, rig)
     try:
         found = decrement(places, rig.stiffness)
     except InputError as error:
         raise InputError(f"{run.name}: {error}") from None
-    after = run.readings[at[-1] :, 0]
-    rests = float(np.nanmax(np.abs(after - places[-1]))) < CLEAR * run.noise[0]
-    if not rests:
-        return found
-    held, passed = (rig.stiffness * abs(float(places[i])) for i in (-1, -2))
-    return replace(found, held=held, passed=passed)
+    size, last, after = rig.stiffness, float(places[-1]), run.readings[at[-1] :, 0]
+    still = CLEAR * float(run.noise[0])
+    rests = float(np.nanmax(np.abs(after - last))) < still
+    end = run.readings[run.t > run.t[-1] - 0.5 * math.pi * math.sqrt(rig.mass / rig.stiffness), 0]
+    held = (
+        abs(last)
+        if rests
+        else abs(float(np.nanmean(end)))
+        if float(np.nanmax(end) - np.nanmin(end)) < still
+        else 0.0
+    )
+    passed = float(np.min(np.abs(places[:-1] if rests else places)))
+    return replace(found, held=size * held, passed=size * passed)
 
 
-def _window(run: Measured, number: int) -> Window:
+def _window(run: Measured, number: int, rig: BlockOnBelt) -> Window:
     """The run from where it is fastest, far from any stick, on."""
     start = int(np.nanargmax(np.abs(run.track.v)))
-    initial = np.array(local_state(run.t, run.readings[:, 0], start, max(run.track.width, 3)))
+    initial = np.array(_passing(run, start, rig))
     part = slice(start, len(run.t))
     made = Window(number, 0.0, run.t[part] - run.t[start], run.readings[part], (0,), initial, ("x1", "x2"))
     return replace(made, averaged=run.averaged)
+
+
+def _passing(run: Measured, at: int, rig: BlockOnBelt) -> tuple[float, float]:
+    """Where the block is, and how fast."""
+    w = math.sqrt(rig.stiffness / rig.mass)
+    found = _sine(run, float(run.t[at]), w)
+    if found is None:
+        return local_state(run.t, run.readings[:, 0], at, max(run.track.width, 3))
+    return float(found[0] + found[1]), float(w * found[2])
+
+
+def _swing_by_swing(
+    model: Model,
+    windows: Sequence[Window],
+    names: Sequence[str],
+    noise: Array,
+    simulator: Simulator,
+    declared: Array,
+) -> Shot:
+    """
+    Fit the first swings, then twice as many, until all are in.
+
+    How many swings there are before the block rests depends on friction in steps, and readings of the rest say nothing
+    of the way there: a fit to all of them at once ends at a wrong number of swings.
+    """
+    rig = model.rig
+    assert isinstance(rig, BlockOnBelt)
+    span = FEWEST * math.pi * math.sqrt(rig.mass / rig.stiffness)
+    longest = max(float(one.t[-1]) for one in windows)
+    while True:
+        part = [_until(one, span) for one in windows]
+        shot = shoot(model, part, names, noise=noise, simulator=simulator, declared=declared)
+        if span >= longest:
+            return shot
+        model = model.replace(dict(zip(names, shot.values.tolist(), strict=True)))
+        windows = [
+            replace(one, initial=found.initial) for one, found in zip(windows, shot.windows, strict=True)
+        ]
+        span *= 2
+
+
+def _from_zero(
+    model: Model, shot: Shot, names: Sequence[str], noise: Array, simulator: Simulator, declared: Array
+) -> tuple[float, Shot]:
+    """Move what readings are counted from to where the fit to them is best: how far, and the fit there."""
+    model = model.replace(dict(zip(names, shot.values.tolist(), strict=True)))
+
+    def at(shift: float) -> Shot:
+        windows = [replace(one, readings=one.readings - shift) for one in shot.windows]
+        return shoot(model, windows, names, noise=noise, simulator=simulator, declared=declared)
+
+    step = float(noise[0])
+    before, after = at(-step).reduced, at(step).reduced
+    bend = before - 2 * shot.reduced + after
+    shift = 0.5 * step * (before - after) / bend if bend > 0 else 0.0
+    moved = at(shift)
+    return (shift, moved) if moved.reduced < shot.reduced else (0.0, shot)
+
+
+def _until(window: Window, span: float) -> Window:
+    """A window's first part."""
+    kept = window.t <= span
+    return replace(window, t=window.t[kept], readings=window.readings[kept])
 
 
 def _concluded(
@@ -202,8 +329,14 @@ def _concluded(
     noise: Array,
     simulator: Simulator,
     undeclared: Sequence[str],
+    zero: float,
+    spring: tuple[float, float],
 ) -> Identified:
-    covariance = shot.covariance * max(1.0, shot.reduced)
+    stiffness, force = spring
+    scaled = np.array(
+        [v * (stiffness if n in CONSTANTS else force) for n, v in zip(shot.names, shot.values, strict=True)]
+    )
+    covariance = shot.covariance * max(1.0, shot.reduced) + np.outer(scaled, scaled)
     std = np.sqrt(np.diag(covariance))
     told = shot.prior_share < 0.99
     start = model.parameters
@@ -215,14 +348,22 @@ def _concluded(
     estimates = {
         n: estimate(values[n], s, share, values[n] if share >= 0.99 else start[n])
         for n, (s, share) in rows.items()
-        if n != "damping"
+        if n not in CONSTANTS
     }
-    kept = [i for i, n in enumerate(shot.names) if n != "damping" and told[i]]
+    kept = [i for i, n in enumerate(shot.names) if n not in CONSTANTS and told[i]]
     constants = {}
-    if "damping" in rows:
-        c, s = values["damping"], 1.96 * rows["damping"][0]
-        constants["damping"] = Constant(c, c - s, c + s, rig.damping, None)
+    for name in CONSTANTS:
+        if name in rows:
+            value, half = values[name], 1.96 * rows[name][0]
+            constants[name] = Constant(value, value - half, value + half, getattr(rig, name), None)
     covered = covered_speeds(fitted, shot.windows, simulator)
+    # of a static limit that turning points bound that is said, wherever it is put
+    coulomb = isinstance(model.friction, CoulombFriction)
+    bounded = {
+        n: e
+        for n, e in estimates.items()
+        if not (coulomb and n == "static" and not told[shot.names.index(n)])
+    }
     return Identified(
         rig=rig,
         law=fitted.friction,
@@ -236,29 +377,51 @@ def _concluded(
         fitted=fitted,
         diagnostics={"windows": float(len(shot.windows)), "misfit": misfit(shot, noise)},
         messages=(
-            *_words(seen, rig, values.get("kinetic"), constants),
-            *fit_messages(estimates, covered, shot, "ring-downs", start, undeclared),
+            *_words(seen, rig, values.get("kinetic"), constants, zero),
+            *fit_messages(bounded, covered, shot, "ring-downs", start, undeclared),
         ),
     )
 
 
 def _words(
-    seen: Sequence[Decrement], rig: BlockOnBelt, friction: float | None, constants: dict[str, Constant]
+    seen: Sequence[Decrement],
+    rig: BlockOnBelt,
+    friction: float | None,
+    constants: dict[str, Constant],
+    zero: float,
 ) -> list[str]:
     swings = sum(one.swings for one in seen)
     lost = 2 * float(np.mean([one.friction for one in seen])) / rig.stiffness
     out = [
         f"ring-down: {swings} swings, each {plainly(lost, 3)} shorter by friction (in the rig's unit of x1)"
     ]
-    if friction is not None and any(one.held for one in seen):
-        held, passed = _limits(seen, friction)
+    if friction is not None:
+        held, passed = (plainly(one, 3) for one in _limits(seen, friction))
+        if any(one.held for one in seen):
+            out.append(
+                f"static friction lies between {held} and {passed}: the block came to rest at the one spring force and "
+                "passed the other"
+            )
+        else:
+            out.append(f"static friction is at most {passed}: the block passed that spring force")
+    if zero:
+        off = plainly(zero, 4)
         out.append(
-            f"static friction lies between {plainly(held, 3)} and {plainly(passed, 3)}: the block came to rest at the "
-            "one spring force and passed the other"
+            f"x1 reads {off} where the spring is slack, as the middle of the swings is there: taken off"
         )
-    for one in constants.values():
+    if (one := constants.get("damping")) is not None:
         out.append(
-            f"damping {plainly(one.value, 3)} ({plainly(one.low, 3)} .. {plainly(one.high, 3)}), declared "
-            f"{plainly(one.declared, 3)}: fitted beside friction, as a share that every swing loses"
+            f"damping {_interval(one)}, declared {plainly(one.declared, 3)}: fitted beside friction, as a share that "
+            "every swing loses"
         )
+    one = constants["mass"]
+    out.append(
+        f"mass {_interval(one)}, declared {plainly(one.declared, 4)}: of the frequency; it and friction are in "
+        "proportion to the spring's stiffness"
+    )
     return out
+
+
+def _interval(one: Constant) -> str:
+    value, low, high = (to_digits(x, 0.5 * (one.high - one.low)) for x in (one.value, one.low, one.high))
+    return f"{value} ({low} .. {high})"
