@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from stickslip.declared.dimensions import Dimension
-from stickslip.declared.friction_law import Branch, Direction, FrictionLaw
+from stickslip.declared.friction_law import Direction, FrictionLaw, LawBranch
 from stickslip.errors import InputError, did_you_mean
 
 _SEVERAL = "a rig of several contacts has a law for each; ask one of them"
@@ -59,6 +59,6 @@ class ContactLaws(FrictionLaw):
         """Refused: there are several."""
         raise InputError(_SEVERAL, key="friction")
 
-    def branch(self, direction: Direction) -> Branch:  # noqa: ARG002  # as every law's
+    def branch(self, direction: Direction) -> LawBranch:  # noqa: ARG002  # as every law's
         """Refused: there are several."""
         raise InputError(_SEVERAL, key="friction")

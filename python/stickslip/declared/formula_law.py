@@ -13,7 +13,7 @@ from stickslip.declared.dimensions import Dimension
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.formula.value import Value, value
-from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw
+from stickslip.declared.friction_law import Direction, Floats, FrictionLaw, LawBranch
 from stickslip.declared.law_form import BranchForm, LawForm, StateForm
 from stickslip.errors import InputError
 
@@ -102,7 +102,7 @@ class LawByFormula(FrictionLaw):
         of: dict[str, Value] = {**form.numbers, "u": abs(speed), "v": direction * abs(speed)}
         return {one.name: float(np.real(value(one.start, of))) for one in form.states}
 
-    def branch(self, direction: Direction) -> Branch:
+    def branch(self, direction: Direction) -> LawBranch:
         """Return the branch for slip with the sign `direction`, of a law without states.
 
         Raises
@@ -114,7 +114,7 @@ class LawByFormula(FrictionLaw):
         kinetic = form.branch(direction).kinetic
         if form.states or kinetic is None:
             raise InputError(f"the law '{self.kind}' has a state of its own; simulate the rig instead")
-        return Branch(self._limit(direction), lambda u: value(kinetic, {**form.numbers, "u": u, "t": 0.0}))
+        return LawBranch(self._limit(direction), lambda u: value(kinetic, {**form.numbers, "u": u, "t": 0.0}))
 
 
 def steady_states(form: LawForm, direction: Direction, speed: float) -> dict[str, float]:

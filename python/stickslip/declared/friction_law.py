@@ -30,7 +30,7 @@ Direction = int  # the sign of v_w: -1 or 1
 
 
 @dataclass(frozen=True)
-class Branch:
+class LawBranch:
     """One direction of a friction law: static limit, R(u) below the kink, constant R beyond it."""
 
     static: float
@@ -84,7 +84,7 @@ class FrictionLaw(InUnits, Drawn):
         """Speeds u (minus, plus) from which a branch is constant; None where it never is by itself."""
         raise NotImplementedError
 
-    def branch(self, direction: Direction) -> Branch:
+    def branch(self, direction: Direction) -> LawBranch:
         """Return what `reference` integrates for slip with the sign `direction`."""
         raise NotImplementedError
 

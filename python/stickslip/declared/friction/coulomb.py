@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, Dimension
-from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
+from stickslip.declared.friction_law import Direction, Floats, FrictionLaw, LawBranch, check_numbers
 from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
@@ -99,11 +99,11 @@ class CoulombFriction(FrictionLaw):
     def _plus(self, u: Floats) -> Floats:
         return np.full_like(u, self.kinetic_limits[1])
 
-    def branch(self, direction: Direction) -> Branch:
+    def branch(self, direction: Direction) -> LawBranch:
         """Return the constant branch for slip with the sign `direction`."""
         side = int(direction > 0)
         kinetic = self.kinetic_limits[side]
-        return Branch(self.static_limits[side], lambda u: kinetic + 0 * u)
+        return LawBranch(self.static_limits[side], lambda u: kinetic + 0 * u)
 
 
 LAW = CoulombFriction

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, PER_SPEED, QUADRATIC_DAMPING, Dimension
-from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, check_numbers
+from stickslip.declared.friction_law import Direction, Floats, FrictionLaw, LawBranch, check_numbers
 from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
 
@@ -121,10 +121,10 @@ class HyperbolicFriction(FrictionLaw):
     def _plus(self, u: Floats) -> Floats:
         return _hyperbola(u, *self.plus)
 
-    def branch(self, direction: Direction) -> Branch:
+    def branch(self, direction: Direction) -> LawBranch:
         """Return the smooth branch for slip with the sign `direction`."""
         a, d, c, q = self.plus if direction > 0 else self.minus
-        return Branch(a + c, lambda u: a / (1 + d * u) + c + q * u * u)
+        return LawBranch(a + c, lambda u: a / (1 + d * u) + c + q * u * u)
 
 
 LAW = HyperbolicFriction

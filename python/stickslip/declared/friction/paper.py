@@ -14,7 +14,7 @@ from stickslip.arguments import explained
 from stickslip.declared.dimensions import FORCE, SPEED, Dimension
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Name, substituted
-from stickslip.declared.friction_law import Branch, Direction, Floats, FrictionLaw, Value, check_numbers
+from stickslip.declared.friction_law import Direction, Floats, FrictionLaw, LawBranch, Value, check_numbers
 from stickslip.declared.law_form import LawForm
 from stickslip.declared.law_numbers import Size
 from stickslip.errors import InputError
@@ -180,7 +180,7 @@ class PaperFriction(FrictionLaw):
             minus = Name("T_min_minus")
         return replace(form, minus=replace(form.minus, kinetic=minus))
 
-    def branch(self, direction: Direction) -> Branch:
+    def branch(self, direction: Direction) -> LawBranch:
         """Return Table 1's branch for slip with the sign `direction`."""
         return _minus(self) if direction < 0 else _plus(self)
 
@@ -188,7 +188,7 @@ class PaperFriction(FrictionLaw):
 LAW = PaperFriction
 
 
-def _minus(law: PaperFriction) -> Branch:
+def _minus(law: PaperFriction) -> LawBranch:
     """T_- of (4.2), read as 0.28 - u, held at T_min_minus once it falls there."""
     end = abs(law.v_w_min)
 
@@ -201,9 +201,9 @@ def _minus(law: PaperFriction) -> Branch:
         while curve(high) > law.T_min_minus and high < 1e6:
             high *= 2
         if curve(0.0) <= law.T_min_minus:
-            return Branch(law.T_s_minus, lambda u: law.T_min_minus + 0 * u)
+            return LawBranch(law.T_s_minus, lambda u: law.T_min_minus + 0 * u)
         if curve(high) > law.T_min_minus:  # amplitudes so small that it never gets there
-            return Branch(law.T_s_minus, curve)
+            return LawBranch(law.T_s_minus, curve)
         kink = float(
             scipy.optimize.brentq(lambda u: curve(u) - law.T_min_minus, 0.0, high, xtol=1e-16, rtol=1e-15)
         )
@@ -212,10 +212,10 @@ def _minus(law: PaperFriction) -> Branch:
         # a trial stage far beyond the kink must not meet the exponentials' blow-up
         return curve(np.where(u.real > kink + 0.05, kink + 0.05, u))
 
-    return Branch(law.T_s_minus, below, law.T_min_minus, kink)
+    return LawBranch(law.T_s_minus, below, law.T_min_minus, kink)
 
 
-def _plus(law: PaperFriction) -> Branch:
+def _plus(law: PaperFriction) -> LawBranch:
     """T_+ of (4.1), held at T_min_plus beyond the fitted range."""
     slope = (law.T_s_plus - law.T_min_plus) / law.v_w_max
-    return Branch(law.T_s_plus, lambda u: law.T_s_plus - slope * u, law.T_min_plus, law.v_w_max)
+    return LawBranch(law.T_s_plus, lambda u: law.T_s_plus - slope * u, law.T_min_plus, law.v_w_max)

@@ -22,10 +22,10 @@ from stickslip.declared.rigs.general import (
     check_equations,
     check_names,
 )
-from stickslip.declared.rigs.parts import RESERVED_OWNERS, Body, Contact, Link, Part
+from stickslip.declared.rigs.parts import RESERVED_OWNERS, Body, Contact, Link, RigPart
 from stickslip.errors import InputError, did_you_mean
 
-P = TypeVar("P", bound="Part")
+P = TypeVar("P", bound="RigPart")
 
 
 @explained
@@ -227,13 +227,13 @@ class BodiesRig(GeneralRig):
         }
 
     @property
-    def parts(self) -> dict[str, Part]:
+    def parts(self) -> dict[str, RigPart]:
         """Bodies, links and contacts by what their numbers are called."""
         return {**self.body, **self._joints()}
 
-    def _joints(self) -> dict[str, Part]:
-        links: dict[str, Part] = {f"link_{i + 1}": one for i, one in enumerate(self.link)}
-        contacts: dict[str, Part] = {f"contact_{i + 1}": one for i, one in enumerate(self.contact)}
+    def _joints(self) -> dict[str, RigPart]:
+        links: dict[str, RigPart] = {f"link_{i + 1}": one for i, one in enumerate(self.link)}
+        contacts: dict[str, RigPart] = {f"contact_{i + 1}": one for i, one in enumerate(self.contact)}
         return {**links, **contacts}
 
     def table(self) -> dict[str, object]:

@@ -23,7 +23,7 @@ RESERVED_OWNERS = {
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Part(Displayed):
+class RigPart(Displayed):
     """A part of a rig: its numbers, given bare in SI or as text with a unit, become floats in SI."""
 
     __repr__ = as_call
@@ -61,7 +61,7 @@ class Part(Displayed):
 
 @explained
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Body(Part):
+class Body(RigPart):
     """A body that slides (a mass) or turns (an inertia); one coordinate.
 
     Parameters
@@ -103,7 +103,7 @@ class Body(Part):
 
 @explained
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Link(Part):
+class Link(RigPart):
     """A spring and a damper between two bodies: of the deflection e = q_first - gear q_second - rest.
 
     Parameters
@@ -150,7 +150,7 @@ class Link(Part):
 
 @explained
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Contact(Part):
+class Contact(RigPart):
     """A place where a body rubs on something.
 
     Parameters

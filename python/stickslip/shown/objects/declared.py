@@ -18,7 +18,7 @@ from stickslip.declared.rig import BlockOnBelt, DrivenSlider, Rig, Scales
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.number_unit import PER, number_unit
-from stickslip.declared.rigs.parts import Part
+from stickslip.declared.rigs.parts import RigPart
 from stickslip.declared.si import dimension_in, si_of
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, describe
@@ -66,7 +66,7 @@ def _general(one: GeneralRig) -> Description:
 
 
 @describe.register
-def _part(one: Part) -> Description:
+def _part(one: RigPart) -> Description:
     rows: list[Row] = []
     for field in fields(one):
         value = getattr(one, field.name)
