@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import stickslip as ss
 from stickslip.measured import findings
-from stickslip.measured.readers import part, row_counts
+from stickslip.measured.readers import filled_columns, row_counts
 from stickslip.measured.readers.dialect import find_layout
 from stickslip.measured.readers.tables import read_columns
 
@@ -74,7 +74,7 @@ def test_a_row_too_short_beside_one_too_long_is_found(tmp_path: Path) -> None:
 def test_rows_that_cannot_be_held_are_averaged_and_it_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chunk: int
 ) -> None:
-    monkeypatch.setattr(part, "HELD", 300)
+    monkeypatch.setattr(filled_columns, "HELD", 300)
     monkeypatch.setattr("stickslip.measured.readers.rows.CHUNK", chunk)
     run = load(write(tmp_path / "run.csv"), noise={"spring_force": 0.01})
     k = 7  # 2000 numbers, 300 held
@@ -92,7 +92,7 @@ def test_rows_that_cannot_be_held_are_averaged_and_it_is_said(
 def test_a_time_that_goes_back_is_found_though_the_means_increase(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(part, "HELD", 300)
+    monkeypatch.setattr(filled_columns, "HELD", 300)
     t = T.copy()
     t[[500, 501]] = t[[501, 500]]
     with pytest.raises(ss.InputError, match="line 503, column 't': not after the time before it"):
@@ -121,7 +121,7 @@ def test_what_only_a_person_reads_has_its_line(tmp_path: Path, line: str, said: 
 def test_a_cell_that_is_no_number_has_its_line_though_rows_are_averaged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(part, "HELD", 300)
+    monkeypatch.setattr(filled_columns, "HELD", 300)
     force = F.copy()
     force[700] = np.nan
     with pytest.raises(ss.InputError, match="line 702, column 'F': nan"):

@@ -14,8 +14,8 @@ from stickslip.measured.readers.clock import is_time, seconds
 from stickslip.measured.readers.columns import Columns, Floats
 from stickslip.measured.readers.cut_off import last_number, told_count, unended
 from stickslip.measured.readers.dialect import Layout, bare, cells_of, number_in, odd_blank, opened, rows_from
+from stickslip.measured.readers.filled_columns import FilledColumns, neighbours
 from stickslip.measured.readers.memory import ratio
-from stickslip.measured.readers.part import Part, neighbours
 from stickslip.measured.readers.row_counts import count_rows, fits
 
 CHUNK = 1 << 18  # rows that are parsed at once
@@ -61,14 +61,14 @@ def read_rows(layout: Layout, names: Sequence[str], units: Mapping[str, str]) ->
     return Columns(layout.path, values, layout, tuple(doubts), k, turns)
 
 
-def _one(layout: Layout, name: str, names: Sequence[str], unit: str, how: How) -> Part:
+def _one(layout: Layout, name: str, names: Sequence[str], unit: str, how: How) -> FilledColumns:
     """A column with a decimal sign of its own, or one of times."""
     for decimal in layout.decimals:
         if (column := _parsed(layout, [name], decimal, how)) is not None:
             return column
     at = layout.header.index(name)
     if is_time(next((cells[at] for _, cells in layout.rows() if len(cells) > at), "")):
-        part = Part([name], *how[:2])
+        part = FilledColumns([name], *how[:2])
         part.add([_times(layout, name, unit)])
         return part
     raise_first_fault(layout, names)
@@ -110,13 +110,13 @@ def _times(layout: Layout, name: str, unit: str) -> Floats:
     return times * ratio("s", unit, Place(str(layout.path), column=name))
 
 
-def _parsed(layout: Layout, names: Sequence[str], decimal: str, how: How) -> Part | None:
+def _parsed(layout: Layout, names: Sequence[str], decimal: str, how: How) -> FilledColumns | None:
     """The columns, all with one decimal sign, k neighbours averaged; None where a cell is no such number."""
     import pandas as pd
 
     count, k, plain = how
     places = [layout.header.index(name) for name in names]
-    kept = Part(names, count, k)
+    kept = FilledColumns(names, count, k)
     try:
         with layout.path.open("rb") as stream:
             stream.seek(rows_from(layout))  # quotation marks above would bind

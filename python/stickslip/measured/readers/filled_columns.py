@@ -18,7 +18,7 @@ def neighbours(rows: int, columns: int) -> int:
     return max(1, -(-rows * columns // HELD))
 
 
-class Part:
+class FilledColumns:
     """Columns that are filled from the rows of a file.
 
     Parameters
