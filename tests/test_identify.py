@@ -17,7 +17,7 @@ from stickslip.fitted.identified import estimate, stopped
 from stickslip.fitted.identify_windows import law_parameters
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings
 from stickslip.fitted.shooting import above_zero, shoot
-from stickslip.measured.fit_window import Window
+from stickslip.measured.fit_window import FitWindow
 from stickslip.measured.sticks import track
 from stickslip.simulated.reference import integrate as reference
 
@@ -165,7 +165,7 @@ def test_derivatives_by_differences_and_by_the_core_give_the_same_fit():
     t, state = truth(0.1, 20.0)
     rng = np.random.default_rng(0)
     readings = state[:, [0, 2]] + NOISE * rng.standard_normal((len(t), 2))
-    window = Window(0, 0.1, t, readings, (0, 2), state[0].copy(), ("x1", "y1", "y2"))
+    window = FitWindow(0, 0.1, t, readings, (0, 2), state[0].copy(), ("x1", "y1", "y2"))
     model, names = ss.Model(RIG, friction=TRUE), ("T_s_minus", "A2", "T_min_minus")
 
     def plain(model, *, belt_speed, initial, t_end, t_eval):
@@ -258,7 +258,7 @@ def test_covered_speeds_of_a_closed_form():
     """Slip from (1, v) under Coulomb friction reaches v + sqrt(A^2 + v^2)."""
     model = ss.Model(ss.BlockOnBelt(), friction=ss.CoulombFriction(static=1, kinetic=0.5))
     t = np.linspace(0, 8, 4001)
-    window = Window(0, 0.2, t, np.zeros((len(t), 1)), (0,), np.array([0.9, 0.2]), ("x1",))
+    window = FitWindow(0, 0.2, t, np.zeros((len(t), 1)), (0,), np.array([0.9, 0.2]), ("x1",))
     covered = covered_speeds(model, [window], ss.simulate)
     assert covered["plus"] is None
     assert covered["minus"][1] == pytest.approx(0.2 + np.hypot(0.5, 0.2), rel=1e-5)

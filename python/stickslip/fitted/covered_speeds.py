@@ -9,11 +9,11 @@ import numpy as np
 from stickslip.declared.model import Model
 from stickslip.fitted.identified import BRANCHES, Branch
 from stickslip.fitted.shooting import Simulator
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 
 
 def covered_speeds(
-    model: Model, windows: Sequence[Window], simulator: Simulator
+    model: Model, windows: Sequence[FitWindow], simulator: Simulator
 ) -> dict[Branch, tuple[float, float] | None]:
     """Range of |v_w| on each branch while the readings' simulation slips."""
     speeds: dict[Branch, list[Array]] = {"minus": [], "plus": []}

@@ -18,7 +18,7 @@ from stickslip.declared.rig import BlockOnBelt
 from stickslip.errors import StickslipError
 from stickslip.fitted.scatter import effective_readings
 from stickslip.fitted.shooting import Shot, Simulator, shoot
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 
 REFINEMENTS = 10  # of the profile of the decay: its points are a factor 4 apart, then 2, 1.4, .. 1.001
 WIDER = 3  # times that its range is widened where it is lowest at an end
@@ -149,7 +149,7 @@ def levels(shot: Shot) -> Array:
     return np.array([list(w.local.values()) for w in shot.windows])
 
 
-def _begun(w: Window, decay: float) -> Window:
+def _begun(w: FitWindow, decay: float) -> FitWindow:
     """A slip's start under the hyperbolic law from its Coulomb levels."""
     static, kinetic = w.local["static"], w.local["kinetic"]
     u = 0.05 * float(np.nanmax(np.abs(np.diff(w.readings[:, 0])))) / float(np.median(np.diff(w.t)))

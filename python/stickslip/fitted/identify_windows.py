@@ -17,7 +17,7 @@ from stickslip.fitted.identify_check import explainable, misfit
 from stickslip.fitted.identify_words import EXPLAINED, fit_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
 from stickslip.measured import cutting
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 from stickslip.measured.prepared import Measured
 
 Progress = Callable[[str, float], None]
@@ -72,7 +72,7 @@ def identify_by_windows(
     windows = [_window(r, b, i, cols) for i, r in enumerate(runs) for b in cutting.cut(r.track, period)]
     steps = iter(np.linspace(0.1, 0.9, 80))
 
-    def fit(model: Model, windows: Sequence[Window], what: str) -> Shot:
+    def fit(model: Model, windows: Sequence[FitWindow], what: str) -> Shot:
         return shoot(
             model,
             windows,
@@ -97,13 +97,13 @@ def identify_by_windows(
     return _conclude(runs, rig, start, names, declared, best, short, where, simulator, undeclared)
 
 
-def _window(run: Measured, bounds: tuple[int, int], number: int, cols: tuple[int, ...]) -> Window:
+def _window(run: Measured, bounds: tuple[int, int], number: int, cols: tuple[int, ...]) -> FitWindow:
     """A window of a run, with the state at its start."""
     made = cutting.window(run.track, run.readings, bounds, run=number, columns=cols)
     return replace(made, averaged=run.averaged)
 
 
-def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[Window]:
+def _whole_runs(runs: Sequence[Measured], short: Shot, cols: tuple[int, ...]) -> list[FitWindow]:
     """One window a run, from the state its first short window was found to start in."""
     first = {w.run: w for w in reversed(short.windows)}
     return [replace(_window(r, (0, len(r.t)), i, cols), initial=first[i].initial) for i, r in enumerate(runs)]

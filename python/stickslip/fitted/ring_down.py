@@ -29,7 +29,7 @@ from stickslip.fitted.identify_windows import law_parameters, single_noise
 from stickslip.fitted.identify_words import fit_messages
 from stickslip.fitted.shooting import Shot, Simulator, shoot
 from stickslip.measured.cutting import local_state
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 from stickslip.measured.prepared import Measured
 
 CONSTANTS = ("damping", "mass")  # fitted beside the law
@@ -249,12 +249,12 @@ def _decrement(run: Measured, rig: BlockOnBelt) -> Decrement:
     return replace(found, held=size * held, passed=size * passed)
 
 
-def _window(run: Measured, number: int, rig: BlockOnBelt) -> Window:
+def _window(run: Measured, number: int, rig: BlockOnBelt) -> FitWindow:
     """The run from where it is fastest, far from any stick, on."""
     start = int(np.nanargmax(np.abs(run.track.v)))
     initial = np.array(_passing(run, start, rig))
     part = slice(start, len(run.t))
-    made = Window(number, 0.0, run.t[part] - run.t[start], run.readings[part], (0,), initial, ("x1", "x2"))
+    made = FitWindow(number, 0.0, run.t[part] - run.t[start], run.readings[part], (0,), initial, ("x1", "x2"))
     return replace(made, averaged=run.averaged)
 
 
@@ -269,7 +269,7 @@ def _passing(run: Measured, at: int, rig: BlockOnBelt) -> tuple[float, float]:
 
 def _swing_by_swing(
     model: Model,
-    windows: Sequence[Window],
+    windows: Sequence[FitWindow],
     names: Sequence[str],
     noise: Array,
     simulator: Simulator,
@@ -315,7 +315,7 @@ def _from_zero(
     return (shift, moved) if moved.reduced < shot.reduced else (0.0, shot)
 
 
-def _until(window: Window, span: float) -> Window:
+def _until(window: FitWindow, span: float) -> FitWindow:
     """A window's first part."""
     kept = window.t <= span
     return replace(window, t=window.t[kept], readings=window.readings[kept])

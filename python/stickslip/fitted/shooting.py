@@ -18,7 +18,7 @@ import numpy as np
 
 from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 
 FARTHEST = 10.0
 TINY = 1e-12  # share added to a diagonal, where few samples tell two numbers of a window as one
@@ -58,7 +58,7 @@ class Shot:
         Shared parameters, (p,) and (p, p). The covariance assumes that the noise is white and the model right.
     sandwich : (p, p) array
         Covariance that does not: windows are the independent units.
-    windows : list of Window
+    windows : list of FitWindow
         With initial states and local parameters at their estimates.
     local_std : list of mapping
         Standard deviation of each window's local parameters.
@@ -74,7 +74,7 @@ class Shot:
     values: Array
     covariance: Array
     sandwich: Array
-    windows: list[Window]
+    windows: list[FitWindow]
     local_std: list[Mapping[str, float]]
     residuals: list[Array]
     chi2: float
@@ -113,7 +113,7 @@ class _Problem:
             self._latest = key, self.model.replace(dict(zip(self.names, shared.tolist(), strict=True)))
         return self._latest[1].replace(local) if local else self._latest[1]
 
-    def run(self, shared: Array, window: Window, sensitivity: tuple[str, ...] = ()) -> Run:
+    def run(self, shared: Array, window: FitWindow, sensitivity: tuple[str, ...] = ()) -> Run:
         """Simulate one window: a row's state as the mean that it is, derivatives as they are in its middle."""
         t = window.middles if sensitivity else window.instants
         run = self.simulate(
@@ -128,19 +128,19 @@ class _Problem:
             raise StickslipError("the simulation stopped before the end of the window")
         return run if len(t) == len(window.t) else _Means(run)
 
-    def _weighed(self, difference: Array, window: Window) -> Array:
+    def _weighed(self, difference: Array, window: FitWindow) -> Array:
         """Over the noise, flat, 0 where a reading is missing; (n, c, ..) to (n c, ..), in place."""
         noise = self.noise.reshape((1, -1) + (1,) * (difference.ndim - 2)) / np.sqrt(window.averaged)
         difference /= noise
         difference[~np.isfinite(window.readings)] = 0.0
         return difference.reshape(-1, *difference.shape[2:])
 
-    def residual(self, shared: Array, window: Window) -> Array:
+    def residual(self, shared: Array, window: FitWindow) -> Array:
         """(readings - simulation)/noise, flat."""
         state = self.run(shared, window).state
         return self._weighed(window.readings - state[:, list(window.columns)], window)
 
-    def linearise(self, shared: Array, window: Window, scale: Array) -> _Block:
+    def linearise(self, shared: Array, window: FitWindow, scale: Array) -> _Block:
         """Exact derivatives from the simulator where it has them, central differences where not."""
         if self.exact:
             own_names = (*(f"initial.{n}" for n in window.free), *window.local)
@@ -156,7 +156,7 @@ class _Problem:
             return _Block(r, D[:, : shared.size], D[:, shared.size :])
         return self._by_differences(shared, window, scale)
 
-    def _by_differences(self, shared: Array, window: Window, scale: Array) -> _Block:
+    def _by_differences(self, shared: Array, window: FitWindow, scale: Array) -> _Block:
         r = self.residual(shared, window)
         J = np.empty((r.size, shared.size))
         for i, s in enumerate(scale):
@@ -173,7 +173,7 @@ class _Problem:
             K[:, i] = (self.residual(shared, up) - self.residual(shared, down)) / (2 * h[i])
         return _Block(r, J, K)
 
-    def _own_floor(self, window: Window) -> Array:
+    def _own_floor(self, window: FitWindow) -> Array:
         """Sizes below which a window's own parameter counts as zero, in its unit."""
         size = float(np.nanstd(window.readings)) + 10 * float(np.min(self.noise))
         speed = size / max(float(window.t[-1]), 1e-300) + abs(window.belt_speed)
@@ -181,13 +181,13 @@ class _Problem:
         return np.array(state + [1e-3 * abs(v) + 1e-12 for v in window.local.values()])
 
 
-def pack(window: Window, state_names: Sequence[str]) -> Array:
+def pack(window: FitWindow, state_names: Sequence[str]) -> Array:
     """A window's own parameters as one vector: free initial components, then local parameters."""
     initial = [window.initial[state_names.index(n)] for n in window.free]
     return np.array([*initial, *window.local.values()], dtype=float)
 
 
-def unpack(window: Window, own: Array, state_names: Sequence[str]) -> Window:
+def unpack(window: FitWindow, own: Array, state_names: Sequence[str]) -> FitWindow:
     """The window with its own parameters replaced by `own` (see `pack`)."""
     initial = window.initial.copy()
     for n, v in zip(window.free, own, strict=False):
@@ -198,7 +198,7 @@ def unpack(window: Window, own: Array, state_names: Sequence[str]) -> Window:
 
 def shoot(
     model: Model,
-    windows: Sequence[Window],
+    windows: Sequence[FitWindow],
     names: Sequence[str],
     *,
     noise: Array,
@@ -215,7 +215,7 @@ def shoot(
     ----------
     model : Model
         Gives the parameters' starting values.
-    windows : sequence of Window
+    windows : sequence of FitWindow
     names : sequence of str
         Shared parameters, as `Model.parameters` names them.
     noise : (c,) array
@@ -267,12 +267,12 @@ def shoot(
     return _conclude(problem, shared, windows, blocks, prior, dof)
 
 
-def states(model: Model, window: Window, simulator: Simulator) -> Array:
+def states(model: Model, window: FitWindow, simulator: Simulator) -> Array:
     """States (n, d) of a window simulated from its own start, with its own numbers in the model."""
     return _Problem(model, (), np.ones(len(window.columns)), simulator).run(np.empty(0), window).state
 
 
-def _cost(p: _Problem, shared: Array, windows: Sequence[Window], centre: Array, prior: Array) -> float:
+def _cost(p: _Problem, shared: Array, windows: Sequence[FitWindow], centre: Array, prior: Array) -> float:
     """chi2 plus the prior's penalty; infinite where the parameters are inadmissible."""
     off = shared - centre
     try:
@@ -305,13 +305,13 @@ def _eliminate(
 def _improve(
     p: _Problem,
     shared: Array,
-    windows: list[Window],
+    windows: list[FitWindow],
     blocks: Sequence[_Block],
     centre: Array,
     prior: Array,
     cost: float,
     damping: float,
-) -> tuple[Array, list[Window], float, float]:
+) -> tuple[Array, list[FitWindow], float, float]:
     """One accepted step, or the old values once the damping says that there is none."""
     while damping < 1e8:
         A, g, follow = _eliminate(blocks, prior, prior @ (shared - centre), damping)
@@ -351,7 +351,7 @@ def limited(values: Array, declared: Array) -> Array:
 
 
 def _conclude(
-    p: _Problem, shared: Array, windows: list[Window], blocks: Sequence[_Block], prior: Array, dof: int
+    p: _Problem, shared: Array, windows: list[FitWindow], blocks: Sequence[_Block], prior: Array, dof: int
 ) -> Shot:
     A, _, follow = _eliminate(blocks, prior, np.zeros_like(shared), 0.0)
     covariance = np.asarray(np.linalg.inv(A) if shared.size else np.zeros((0, 0)), dtype=float)

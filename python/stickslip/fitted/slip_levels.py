@@ -26,7 +26,7 @@ from stickslip.fitted.identify_words import event_messages, explained_messages
 from stickslip.fitted.scatter import block_bootstrap, correlation_length, effective_readings, few
 from stickslip.fitted.shooting import Shot, Simulator, shoot, states
 from stickslip.measured.cutting import stick_position
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 from stickslip.measured.prepared import Measured
 from stickslip.measured.sticks import LEAST_SLIP, Segment
 
@@ -74,7 +74,7 @@ class _Slip:
     t: float
     amplitude: float
     speed: float
-    window: Window
+    window: FitWindow
     top: float  # against the belt's pull: where it starts,
     end: float  # and where it is caught
 
@@ -203,10 +203,10 @@ def _slips(run: Measured, number: int, rig: BlockOnBelt) -> list[_Slip]:
     return out
 
 
-def _event_window(run: Measured, number: int, before: Segment, start: int, stop: int) -> Window:
+def _event_window(run: Measured, number: int, before: Segment, start: int, stop: int) -> FitWindow:
     part = slice(start, stop)
     x = stick_position(run.track, run.readings[:, 0], before, start)
-    return Window(
+    return FitWindow(
         run=number,
         belt_speed=run.belt_speed,
         t=run.t[part] - run.t[start],

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.measured.fit_window import Array, Window
+from stickslip.measured.fit_window import Array, FitWindow
 from stickslip.measured.sticks import Segment, Track
 
 
@@ -58,8 +58,8 @@ def window(
     run: int,
     columns: Sequence[int],
     past_only: bool = False,
-) -> Window:
-    """A `Window` on the samples `bounds` with the state estimated at its start.
+) -> FitWindow:
+    """A `FitWindow` on the samples `bounds` with the state estimated at its start.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def window(
         initial += local_state(t, readings[:, 1], start, 2 * track_.width, past_only)
         free += ["y1", "y2"]
     part = slice(start, stop)
-    return Window(
+    return FitWindow(
         run=run,
         belt_speed=vb,
         t=t[part] - t[start],

@@ -21,7 +21,7 @@ def half_apart(t: Array, averaged: int) -> float:
 
 
 @dataclass(frozen=True)
-class Window:
+class FitWindow:
     """A stretch of one run to be met by one simulation.
 
     Attributes
