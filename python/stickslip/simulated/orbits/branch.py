@@ -17,7 +17,7 @@ from stickslip.simulated.orbits.steady_sliding import SteadySliding
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stickslip.simulated.orbits.branch_equations import Point
+    from stickslip.simulated.orbits.branch_equations import CyclePoint
 
 End = Literal["span", "closed", "hopf", "special", "no_convergence", "retraced", "max_points"]
 ENDS: Mapping[End, str] = {  # as a person reads them
@@ -200,12 +200,14 @@ def stick_time(cycle: LimitCycle) -> float:
 class Trace:
     """What was traced from a start one way: points, the start first; special points; how it ended."""
 
-    points: list[Point]
+    points: list[CyclePoint]
     special: list[SpecialPoint]
     end: End = "max_points"
 
 
-def comes_round(points: Sequence[Point], along: Floats, point: Point) -> tuple[End, Point] | None:
+def comes_round(
+    points: Sequence[CyclePoint], along: Floats, point: CyclePoint
+) -> tuple[End, CyclePoint] | None:
     """Does the branch pass, on its way from the last of these points, one of them? As it left it, or back on itself."""
     last = points[-1]
     chord = point.x - last.x
@@ -227,7 +229,7 @@ def comes_round(points: Sequence[Point], along: Floats, point: Point) -> tuple[E
 
 def branch_of(
     parameter: str,
-    cycle: Callable[[Point], LimitCycle],
+    cycle: Callable[[CyclePoint], LimitCycle],
     back: Trace,
     ahead: Trace,
 ) -> Branch:

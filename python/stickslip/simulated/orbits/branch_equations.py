@@ -17,7 +17,7 @@ CLOSED = 1e-9  # of the cycle's size
 
 
 @dataclass(frozen=True)
-class Point:
+class CyclePoint:
     """A cycle on the branch, or a trial on the way to one; `x` is in scaled units."""
 
     x: Floats
@@ -55,7 +55,7 @@ class Problem:
         """Number of states."""
         return len(self.flow.states)
 
-    def at(self, x: Floats) -> Point:
+    def at(self, x: Floats) -> CyclePoint:
         """Equations and derivatives at X / scale."""
         d, full = self.dimension, x * self.scale
         z, span, value = full[:d], float(full[d]), float(full[d + 1])
@@ -87,7 +87,7 @@ class Problem:
             jacobian[j, j] = 1.0
         self._last_row(flow, value, span, z, residual, jacobian)
         rows = np.append(self.unit, self._last_unit(flow))
-        return Point(
+        return CyclePoint(
             x, residual / rows, jacobian * self.scale / rows[:, None], arc, flow, value, self.contact
         )
 
@@ -124,7 +124,7 @@ class Problem:
         ends = [self.flow.moved(self.parameter, value + s * h).section[1] for s in (1, -1)]
         return (ends[0] - ends[1]) / (2 * h)
 
-    def correct(self, x: Floats, across: Floats) -> tuple[Point, int] | None:
+    def correct(self, x: Floats, across: Floats) -> tuple[CyclePoint, int] | None:
         """Newton's method in the plane through `x` normal to `across`; None if it does not converge."""
         try:
             point = self.at(x)
@@ -150,11 +150,11 @@ class Problem:
         apart = np.abs(rows @ (arc.end - arc.start))
         return bool((apart <= CLOSED * np.abs(rows) @ self.scale[: self.dimension]).all())
 
-    def tangent(self, point: Point, along: Floats) -> Floats:
+    def tangent(self, point: CyclePoint, along: Floats) -> Floats:
         """Unit tangent of the branch, pointing to the side of `along`."""
         t = np.asarray(np.linalg.svd(point.jacobian)[2][-1])
         return t if t @ along >= 0 else -t
 
-    def cycle(self, point: Point) -> LimitCycle:
+    def cycle(self, point: CyclePoint) -> LimitCycle:
         """Return the limit cycle at a corrected point."""
         return cycle_of(point.flow, point.arc, 0, self.turns, point.contact)

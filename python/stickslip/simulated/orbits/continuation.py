@@ -40,7 +40,7 @@ from stickslip.simulated.orbits.branch import (
     kind_of,
     neimark_sacker_test,
 )
-from stickslip.simulated.orbits.branch_equations import Point, Problem
+from stickslip.simulated.orbits.branch_equations import CyclePoint, Problem
 from stickslip.simulated.orbits.cycle import LimitCycle
 from stickslip.simulated.orbits.flow import SPEEDS, Floats, Flow
 from stickslip.simulated.orbits.flow_of import flow_of
@@ -177,7 +177,7 @@ class Walk:
     step: float
     most: int
 
-    def go(self, start: Point, along: Floats) -> Trace:
+    def go(self, start: CyclePoint, along: Floats) -> Trace:
         """Points and special points from `start` in the direction of `along`, to an end of the span."""
         self.problem = replace(self.problem, contact=start.contact)  # another walk may have changed it
         trace = Trace([start], [])
@@ -242,7 +242,7 @@ class Walk:
             step = min(self.step, step * (1.4 if work <= 3 else 0.7 if work > 5 else 1.0))
         return trace
 
-    def _strobed(self, last: Point, tangent: Floats) -> tuple[Problem, Point] | None:
+    def _strobed(self, last: CyclePoint, tangent: Floats) -> tuple[Problem, CyclePoint] | None:
         """Beyond where the instant at which a forced cycle is looked at leaves a stick, or comes into one."""
         for contact in self.problem.flow.strobed(last.contact):
             other = replace(self.problem, contact=contact)
@@ -254,10 +254,10 @@ class Walk:
                     return other, ahead[0]
         return None
 
-    def _outside(self, point: Point) -> bool:
+    def _outside(self, point: CyclePoint) -> bool:
         return not self.span[0] <= point.value <= self.span[1]
 
-    def _at_the_end(self, last: Point, point: Point) -> list[Point]:
+    def _at_the_end(self, last: CyclePoint, point: CyclePoint) -> list[CyclePoint]:
         """Return the point at the end of the span itself."""
         bound = self.span[0] if point.value < self.span[0] else self.span[1]
         e = np.zeros(len(point.x))
@@ -266,7 +266,9 @@ class Walk:
         found = self.problem.correct(last.x + share * (point.x - last.x), e)
         return [] if found is None or share < 1e-9 or self._shrinks(last, found[0]) else [found[0]]
 
-    def _between(self, a: Point, b: Point, before: Floats, after: Floats, index: int) -> list[SpecialPoint]:
+    def _between(
+        self, a: CyclePoint, b: CyclePoint, before: Floats, after: Floats, index: int
+    ) -> list[SpecialPoint]:
         """Special points between two neighbours."""
         found = list[SpecialPoint]()
         if a.signature != b.signature:
@@ -282,13 +284,13 @@ class Walk:
                     found.append(SpecialPoint(kind, at.value, self.problem.cycle(at), index))
         return found
 
-    def _chord(self, a: Point, b: Point, share: float) -> Point | None:
+    def _chord(self, a: CyclePoint, b: CyclePoint, share: float) -> CyclePoint | None:
         """Return the point of the branch over a share of the chord from a to b."""
         chord = b.x - a.x
         found = self.problem.correct(a.x + share * chord, chord / np.linalg.norm(chord))
         return None if found is None else found[0]
 
-    def _shrinks(self, last: Point, point: Point) -> bool:
+    def _shrinks(self, last: CyclePoint, point: CyclePoint) -> bool:
         """Does an autonomous cycle lose more than half of its size, or turn over, from one point to the other?"""
         if last.flow.forcing_period is not None:
             return False
@@ -297,7 +299,7 @@ class Walk:
             return False
         return after <= 0 or swing(point.flow, point.arc) < KEPT * swing(last.flow, last.arc)
 
-    def _birth(self, last: Point, tangent: Floats, reach: float, index: int) -> list[SpecialPoint]:
+    def _birth(self, last: CyclePoint, tangent: Floats, reach: float, index: int) -> list[SpecialPoint]:
         """Return where steady sliding changes stability, if the branch goes there and it is within reach.
 
         The branch is a parabola there: on the way to the vertex the parameter goes as the tangent says, and the chord
@@ -324,13 +326,15 @@ class Walk:
             return []
         return [SpecialPoint("hopf", at, self.problem.cycle(last), index, sliding=here)]
 
-    def _test(self, kind: Kind, along: Floats) -> Callable[[Point], float]:
+    def _test(self, kind: Kind, along: Floats) -> Callable[[CyclePoint], float]:
         if kind == "fold":
             return lambda point: float(self.problem.tangent(point, along)[-1])
         test = flip_test if kind == "flip" else neimark_sacker_test
         return lambda point: test(self.problem.cycle(point))
 
-    def _smooth_zero(self, a: Point, b: Point, test: Callable[[Point], float]) -> Point | None:
+    def _smooth_zero(
+        self, a: CyclePoint, b: CyclePoint, test: Callable[[CyclePoint], float]
+    ) -> CyclePoint | None:
         def value(share: float) -> float:
             point = a if share == 0 else b if share == 1 else self._chord(a, b, share)
             if point is None:
@@ -343,7 +347,7 @@ class Walk:
             return None
         return self._chord(a, b, share)
 
-    def _switch(self, a: Point, b: Point) -> tuple[Point, Point]:
+    def _switch(self, a: CyclePoint, b: CyclePoint) -> tuple[CyclePoint, CyclePoint]:
         """Neighbours as near as the tolerance between which the sequence of modes changes."""
         left, right, low, high = 0.0, 1.0, a, b
         while right - left > self.problem.tol:
@@ -360,15 +364,17 @@ class Walk:
                 right, high = middle, point
         return low, high
 
-    def _located(self, pair: tuple[Point, Point], a: Point, b: Point, index: int) -> SpecialPoint:
+    def _located(
+        self, pair: tuple[CyclePoint, CyclePoint], a: CyclePoint, b: CyclePoint, index: int
+    ) -> SpecialPoint:
         kind = kind_of(a.signature, b.signature)
         return SpecialPoint(kind, pair[0].value, self.problem.cycle(pair[0]), index)
 
-    def _corner(self, last: Point, point: Point, index: int) -> SpecialPoint:
+    def _corner(self, last: CyclePoint, point: CyclePoint, index: int) -> SpecialPoint:
         kind = kind_of(last.signature, point.signature)
         return SpecialPoint(kind, last.value, self.problem.cycle(last), index, turns_round=True)
 
-    def _end(self, last: Point, tangent: Floats, index: int) -> list[SpecialPoint]:
+    def _end(self, last: CyclePoint, tangent: Floats, index: int) -> list[SpecialPoint]:
         """Say why the branch ends, by what the motion does just beyond."""
         for step in (1e-7, 1e-6, 1e-5):
             try:
@@ -380,7 +386,7 @@ class Walk:
                 return [SpecialPoint(kind, last.value, self.problem.cycle(last), index, ends=True)]
         return []
 
-    def _turn(self, last: Point) -> tuple[Point, Floats] | None:
+    def _turn(self, last: CyclePoint) -> tuple[CyclePoint, Floats] | None:
         """Go on from a corner of the branch: tangents of the other side, from states moved a little over to it."""
         for size in (1e-5, 1e-4, 1e-3):
             for i in np.flatnonzero(self.problem.flow.section[0] == 0).tolist():
@@ -392,7 +398,7 @@ class Walk:
                         return found
         return None
 
-    def _over(self, last: Point, x: Floats, step: float) -> tuple[Point, Floats] | None:
+    def _over(self, last: CyclePoint, x: Floats, step: float) -> tuple[CyclePoint, Floats] | None:
         try:
             beside = self.problem.at(x)
         except StickslipError:

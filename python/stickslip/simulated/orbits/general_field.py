@@ -21,7 +21,7 @@ STEP = 1e-40  # of the complex step: there is no difference to be lost
 
 
 @dataclass(frozen=True)
-class Place:
+class Travel:
     """Time, and how far the belt and the drive have come."""
 
     t: float = 0.0
@@ -43,7 +43,7 @@ class Field:
         on_belt = np.array([one.against == "belt" for one in eq.contacts])
         return eq.directions @ z[n : 2 * n] - belt * on_belt
 
-    def rate(self, z: Value, modes: Sequence[int], place: Place) -> Value:
+    def rate(self, z: Value, modes: Sequence[int], place: Travel) -> Value:
         """Return d z / d t (d,): a contact of mode 0 is held, one of another slips that way."""
         own, eq = self.own, self.own.equations
         n, t = len(eq.names), place.t
@@ -79,7 +79,7 @@ class Field:
         wanted = np.array([change * (eq.contacts[j].against == "belt") for j in stuck])
         return acceleration - reach @ np.linalg.solve(D @ reach, D @ acceleration - wanted)
 
-    def jacobian(self, z: Floats, modes: Sequence[int], place: Place) -> Floats:
+    def jacobian(self, z: Floats, modes: Sequence[int], place: Travel) -> Floats:
         """Return d rate / d z (d, d)."""
         shifts = z.astype(np.complex128)[:, None] + 1j * STEP * np.eye(len(z))
         columns = [np.imag(self.rate(column, modes, place)) / STEP for column in shifts.T]

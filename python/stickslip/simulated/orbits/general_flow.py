@@ -21,9 +21,9 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import General, general
 from stickslip.simulated.orbits.flow import BEYOND, Arc, Contact, Flags, Floats, Flow, Linear, Mode, mode_of
-from stickslip.simulated.orbits.general_field import Field, Place
+from stickslip.simulated.orbits.general_field import Field, Travel
 from stickslip.simulated.orbits.general_frame import Frame, forcing_period, frame_of
-from stickslip.simulated.orbits.general_scale import Scale
+from stickslip.simulated.orbits.general_scale import StateScale
 from stickslip.simulated.simulate import MOST_STEPS, MOST_TRANSITIONS
 from stickslip.simulated.simulate_bodies import contact_modes, run_bodies
 from stickslip.simulated.trajectory import Trajectory
@@ -72,9 +72,9 @@ class GeneralFlow(Flow):
         return frame_of(self.field)
 
     @cached_property
-    def scale(self) -> Scale:
+    def scale(self) -> StateScale:
         """Natural time, lengths and speeds."""
-        return Scale(self.field, self.plain, self.frame.carried, self.frame.free)
+        return StateScale(self.field, self.plain, self.frame.carried, self.frame.free)
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -264,7 +264,7 @@ class GeneralFlow(Flow):
         core = self._core(z)
         n = len(self.own.equations.names)
         way = {key: float(one[-1]) for key, one in run.travelled.items()}
-        place = Place(t, way.get("belt_speed", 0.0), way.get("drive_speed", 0.0))
+        place = Travel(t, way.get("belt_speed", 0.0), way.get("drive_speed", 0.0))
         absolute = core + self._filled(self.frame.carried) * place.drive
         rate = self.field.rate(absolute, modes.tolist(), place)
         rate[:n] -= self.frame.carried * self._drive(t)
@@ -314,9 +314,9 @@ class GeneralFlow(Flow):
         core = self._core(z)
         modes = np.sign(self.field.sliding(core, 0.0)).astype(int).tolist()
         n = len(self.own.equations.names)
-        gap = self.field.rate(core, modes, Place())
+        gap = self.field.rate(core, modes, Travel())
         gap[:n] -= self.frame.carried * self._drive(0.0)
-        closing = self.field.jacobian(core, modes, Place())[np.ix_(self.places, self.places)]
+        closing = self.field.jacobian(core, modes, Travel())[np.ix_(self.places, self.places)]
         without = self.quotient
         columns = self.basis(self.idle_rates(closing))
         values = np.linalg.eigvals(columns.T @ closing @ columns).astype(np.complex128)

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from stickslip.declared.bodies_model import law_of
 from stickslip.declared.model import Model
 from stickslip.errors import InputError
-from stickslip.simulated.orbits.general_field import Field, Place
+from stickslip.simulated.orbits.general_field import Field, Travel
 
 Floats = NDArray[np.float64]
 LOOKS = 64  # instants at which a speed that is a formula is looked at
 
 
 @dataclass(frozen=True, eq=False)
-class Scale:
+class StateScale:
     """Scales of (q, v, hidden)."""
 
     field: Field
@@ -110,8 +110,8 @@ class Scale:
         z = own.start(core[list(own.order)], {}, 0.0)
         modes = np.where(self.field.sliding(z, 0.0) < 0, -1, 1).tolist()
         with np.errstate(all="ignore"):
-            rates = self.field.rate(z, modes, Place())[2 * n :]
-            slopes = np.diag(self.field.jacobian(z, modes, Place()))[2 * n :]
+            rates = self.field.rate(z, modes, Travel())[2 * n :]
+            slopes = np.diag(self.field.jacobian(z, modes, Travel()))[2 * n :]
             reached = np.maximum(np.abs(z[2 * n :]), np.abs(rates / slopes))
         good = np.isfinite(reached) & (reached > 0)
         out[2 * n :][good] = reached[good]
