@@ -12,7 +12,7 @@ import xarray as xr
 
 import stickslip as ss
 from stickslip.simulated.sweep.observables import OBSERVABLES, periodicity
-from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.request import GridBlock, Request
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
 PAPER = ss.Model(RIG, friction=ss.PaperFriction())
@@ -244,8 +244,8 @@ def test_a_forbidden_combination_is_found_among_many() -> None:
 
 def test_batches_cover_a_chunk_and_grow_smaller_at_the_very_end_alone():
     request = SimpleNamespace(batch=256, grid=SimpleNamespace(members=4096))
-    cuts = {stop: Request.batches(request, Block(stop - 512, stop, ())) for stop in (512, 4096)}
+    cuts = {stop: Request.batches(request, GridBlock(stop - 512, stop, ())) for stop in (512, 4096)}
     assert cuts[512] == [(0, 256), (256, 512)]
     assert cuts[4096] == [(3584, 3840), (3840, 3968), (3968, 4032), (4032, 4096)]
     request.grid.members = 10
-    assert Request.batches(request, Block(0, 10, ())) == [(0, 10)]
+    assert Request.batches(request, GridBlock(0, 10, ())) == [(0, 10)]

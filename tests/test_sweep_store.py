@@ -21,7 +21,7 @@ import stickslip as ss
 from stickslip.cli.commands import main
 from stickslip.simulated.sweep import store as sweep_store
 from stickslip.simulated.sweep.observables import OBSERVABLES
-from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.request import GridBlock, Request
 
 zarr = pytest.importorskip("zarr")
 
@@ -150,7 +150,7 @@ def test_blocks_are_runs_of_members_and_chunks_of_the_store() -> None:
             1000,
         )
         number = np.arange(grid.members).reshape(shape)
-        blocks: list[Block] = list(request.blocks())
+        blocks: list[GridBlock] = list(request.blocks())
         for block in blocks:
             assert np.array_equal(number[block.index].ravel(), np.arange(block.start, block.stop))
             assert all(one.start % c == 0 for one, c in zip(block.index, request.block_shape, strict=True))
@@ -242,7 +242,7 @@ def test_two_workers_one_killed(memory: xr.Dataset, tmp_path: Path) -> None:
 
             put = sweep_store.ZarrSink.put
 
-            def killing(self: sweep_store.ZarrSink, block: Block, arrays: Any) -> None:
+            def killing(self: sweep_store.ZarrSink, block: GridBlock, arrays: Any) -> None:
                 nonlocal delivered
                 put(self, block, arrays)
                 delivered += 1

@@ -11,7 +11,7 @@ from stickslip import _core
 from stickslip.errors import InputError, StickslipError
 from stickslip.simulated.instruction_set import NAMES
 from stickslip.simulated.sweep.observables import Arrays
-from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.request import GridBlock, Request
 from stickslip.simulated.sweep.threads import AHEAD, Deliver
 
 if TYPE_CHECKING:
@@ -29,11 +29,11 @@ class WorkersLostError(StickslipError):
 class _Work:
     """Chunks still to be handed out: those that were lost before the others."""
 
-    todo: Iterator[Block]
-    lost: list[Block] = field(default_factory=list)
+    todo: Iterator[GridBlock]
+    lost: list[GridBlock] = field(default_factory=list)
     delivered: int = 0
 
-    def following(self) -> Block | None:
+    def following(self) -> GridBlock | None:
         return self.lost.pop() if self.lost else next(self.todo, None)
 
 
@@ -48,7 +48,7 @@ def usable(client: Client) -> None:
         raise InputError("is closed; give one that is open", key="client")
 
 
-def run_dask(request: Request, blocks: Iterable[Block], client: Client, deliver: Deliver) -> None:
+def run_dask(request: Request, blocks: Iterable[GridBlock], client: Client, deliver: Deliver) -> None:
     """Compute chunks on a cluster; one whose worker dies is computed by another.
 
     What the workers share is lost with the last of them: it is sent anew, with the chunks that were on the way.
@@ -83,7 +83,7 @@ def _round(request: Request, work: _Work, client: Client, deliver: Deliver) -> b
         shared = cluster.scatter(request, broadcast=True, hash=False)
     except OSError:  # no worker came in time, or the scheduler is gone
         return False
-    where: dict[str, Block] = {}
+    where: dict[str, GridBlock] = {}
     flow = completed([])
 
     def submit() -> None:
@@ -131,7 +131,7 @@ def build() -> Build:
     return str(config["isa"]), str(config["version"])
 
 
-def computed_here(request: Request, block: Block, asked: Build) -> Arrays | str:
+def computed_here(request: Request, block: GridBlock, asked: Build) -> Arrays | str:
     """Compute a chunk; or say, in a sentence and not as an error that dask would try again, why this worker may not."""
     here = build()
     return request.compute_block(block) if here == asked else _differs(here, asked)

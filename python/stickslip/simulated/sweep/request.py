@@ -25,7 +25,7 @@ TYPICAL = 200.0  # a run this long takes some 40 microseconds
 
 
 @dataclass(frozen=True)
-class Block:
+class GridBlock:
     """Members start..stop: a chunk of every result. `index` gives its place in the grid."""
 
     start: int
@@ -87,7 +87,7 @@ class Request:
                 break
         return tuple(shape)
 
-    def blocks(self) -> Iterator[Block]:
+    def blocks(self) -> Iterator[GridBlock]:
         """All chunks, in the order of their members."""
         start = 0
         cuts = [range(0, n, c) for n, c in zip(self.grid.shape, self.block_shape, strict=True)]
@@ -99,10 +99,10 @@ class Request:
                 for a, c, n in zip(corners, self.block_shape, self.grid.shape, strict=True)
             )
             stop = start + math.prod(one.stop - one.start for one in index)
-            yield Block(start, stop, index)
+            yield GridBlock(start, stop, index)
             start = stop
 
-    def batches(self, block: Block) -> list[tuple[int, int]]:
+    def batches(self, block: GridBlock) -> list[tuple[int, int]]:
         """Members of a block as (start, stop) for the core; ever fewer at the very end, where threads run dry."""
         cuts, last = [block.start], block.stop == self.grid.members
         while (left := block.stop - cuts[-1]) > 0:
@@ -132,7 +132,7 @@ class Request:
         span = self.t_end - self.after
         return from_rows(self.observe, np.asarray(rows), np.asarray(points), states=states, span=span)
 
-    def compute_block(self, block: Block) -> Arrays:
+    def compute_block(self, block: GridBlock) -> Arrays:
         """Compute a chunk."""
         return joined([self.compute(*batch) for batch in self.batches(block)])
 

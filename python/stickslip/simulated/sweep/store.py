@@ -27,7 +27,7 @@ from stickslip.declared.rig import Rig
 from stickslip.errors import InputError
 from stickslip.files import whole
 from stickslip.simulated.sweep.observables import NOT_COMPUTED, OBSERVABLES, STATUS_FLAGS, Arrays
-from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.request import GridBlock, Request
 from stickslip.simulated.sweep.units import in_si, unit_of
 
 if TYPE_CHECKING:
@@ -44,10 +44,10 @@ OF_SI = {"time": "s", "energy": "J"}
 class Sink(Protocol):
     """Takes chunks."""
 
-    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+    def missing(self, blocks: Iterable[GridBlock]) -> Iterable[GridBlock]:
         """Those of the chunks that are not there yet."""
 
-    def put(self, block: Block, arrays: Arrays) -> None:
+    def put(self, block: GridBlock, arrays: Arrays) -> None:
         """Keep a chunk."""
 
     def dataset(self) -> xr.Dataset:
@@ -128,11 +128,11 @@ class MemorySink:
             shape = (*request.grid.shape, *request.extra(name))
             self.arrays[name] = np.full(shape, one.fill, dtype=one.dtype)
 
-    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+    def missing(self, blocks: Iterable[GridBlock]) -> Iterable[GridBlock]:
         """All."""
         return blocks
 
-    def put(self, block: Block, arrays: Arrays) -> None:
+    def put(self, block: GridBlock, arrays: Arrays) -> None:
         """Keep a chunk."""
         for name, values in arrays.items():
             self.arrays[name][block.index] = values.reshape(*block.shape, *self.request.extra(name))
@@ -165,7 +165,7 @@ class ZarrSink:
         self.group = module.open_group(str(path), mode="r+")
         _mended(self.group, request)
 
-    def missing(self, blocks: Iterable[Block]) -> Iterable[Block]:
+    def missing(self, blocks: Iterable[GridBlock]) -> Iterable[GridBlock]:
         """Those whose status was not written, or that have lost a chunk of another result since.
 
         Raises
@@ -181,7 +181,7 @@ class ZarrSink:
             else:
                 self._check(block)
 
-    def _check(self, block: Block) -> None:
+    def _check(self, block: GridBlock) -> None:
         """Read every result of a chunk, and see that it is the one that was written in this place."""
         sums = self._sums(block).read_text(encoding="utf-8").split()
         for name, there in zip(sorted(self.request.observe), sums, strict=False):
@@ -189,12 +189,12 @@ class ZarrSink:
                 words = f"the chunk {self._file(name, block)} is not the one written there; remove that file"
                 raise InputError(f"{words} to have it computed again", key="out", value=str(self.path))
 
-    def _sums(self, block: Block) -> Path:
+    def _sums(self, block: GridBlock) -> Path:
         """The file of a chunk's checksums, in the order of the results' names; within an array Zarr passes over it."""
         place = self._file("status", block).removeprefix("status/").replace("/", ".")
         return self.path / "status" / "sums" / place
 
-    def _read(self, name: str, block: Block) -> np.ndarray[Any, Any]:
+    def _read(self, name: str, block: GridBlock) -> np.ndarray[Any, Any]:
         """A chunk, which reading proves whole: that takes far less than computing it."""
         try:
             return np.asarray(self._array(name)[block.index])
@@ -203,17 +203,17 @@ class ZarrSink:
             words = f"the chunk {at} is damaged ({error}); remove that file to have it computed again"
             raise InputError(words, key="out", value=str(self.path)) from None
 
-    def _is_there(self, name: str, block: Block) -> bool:
+    def _is_there(self, name: str, block: GridBlock) -> bool:
         return (self.path / self._file(name, block)).is_file()
 
-    def _file(self, name: str, block: Block) -> str:
+    def _file(self, name: str, block: GridBlock) -> str:
         """Of a chunk, in the store."""
         array = self._array(name)
         place = [one.start // size for one, size in zip(block.index, array.chunks, strict=False)]
         place += [0] * (array.ndim - len(place))
         return f"{name}/{array.metadata.encode_chunk_key(tuple(place))}"
 
-    def put(self, block: Block, arrays: Arrays) -> None:
+    def put(self, block: GridBlock, arrays: Arrays) -> None:
         """Write a chunk, its status last; also one of fill values alone, which is not one that was lost."""
         sums = [
             _sum(np.asarray(arrays[name], self._array(name).dtype)) for name in sorted(self.request.observe)

@@ -31,7 +31,7 @@ from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, check_observ
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
 from stickslip.simulated.sweep.grid import Grid, make_grid
 from stickslip.simulated.sweep.observables import DEFAULT, TAKEN, Arrays, chosen
-from stickslip.simulated.sweep.request import Block, Request
+from stickslip.simulated.sweep.request import GridBlock, Request
 from stickslip.simulated.sweep.store import MemorySink, Sink, ZarrSink
 from stickslip.simulated.sweep.threads import run_local
 
@@ -143,7 +143,7 @@ def sweep(
     """
     if client is not None:
         usable(client)
-    asked = _Asked(
+    asked = _SweepCall(
         t_end,
         initial,
         (belt_speed, drive_speed),
@@ -181,13 +181,13 @@ def _compute(request: Request, sink: Sink, threads: int, progress: bool, client:
     computed, there = 0, 0
     with counts("sweep", request.grid.members, progress) as tell:
 
-        def deliver(block: Block, arrays: Arrays) -> None:
+        def deliver(block: GridBlock, arrays: Arrays) -> None:
             nonlocal computed
             sink.put(block, arrays)
             computed += block.stop - block.start
             tell(block.stop - block.start)
 
-        def missing() -> Iterable[Block]:
+        def missing() -> Iterable[GridBlock]:
             nonlocal there
             reached = 0
             for block in sink.missing(request.blocks()):
@@ -221,7 +221,7 @@ def _raise_if_kept(why: str, done: str, sink: Sink, computed: int) -> None:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _SweepCall:
     """What a call asks of every member, as it was given; `speeds` are the belt's and the drive's."""
 
     t_end: float | str
@@ -252,7 +252,7 @@ class _Asked:
         }
 
 
-def _request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
+def _request(model: Model, over: Mapping[str, object], asked: _SweepCall) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
     speeds = zip(asked.speeds, SPEEDS, strict=True)
@@ -269,7 +269,7 @@ def _request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request
     return Request(model=model, grid=grid, belt_speed=speed, initial=start, **asked.checked(model.rig))
 
 
-def _bodies_request(model: Model, over: Mapping[str, object], asked: _Asked) -> Request:
+def _bodies_request(model: Model, over: Mapping[str, object], asked: _SweepCall) -> Request:
     """Return the sweep of what only the core of general rigs simulates."""
     given: object = over
     varied = given if isinstance(given, Mapping) else {}

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from stickslip.simulated.sweep.observables import Arrays
-from stickslip.simulated.sweep.request import Block, Request, joined
+from stickslip.simulated.sweep.request import GridBlock, Request, joined
 
-Deliver = Callable[[Block, Arrays], None]
+Deliver = Callable[[GridBlock, Arrays], None]
 AHEAD = 2  # chunks handed out beyond the one being waited for
 
 
-def run_local(request: Request, blocks: Iterable[Block], threads: int, deliver: Deliver) -> None:
+def run_local(request: Request, blocks: Iterable[GridBlock], threads: int, deliver: Deliver) -> None:
     """Compute chunks in threads and deliver them in order.
 
     On an interrupt it returns at once; a batch that a thread is at ends by itself and is forgotten.
@@ -23,7 +23,7 @@ def run_local(request: Request, blocks: Iterable[Block], threads: int, deliver: 
             deliver(block, request.compute_block(block))
         return
     pool = ThreadPoolExecutor(threads, thread_name_prefix="sweep")
-    under_way: deque[tuple[Block, list[Future[Arrays]]]] = deque()
+    under_way: deque[tuple[GridBlock, list[Future[Arrays]]]] = deque()
 
     def finish() -> None:
         block, parts = under_way[0]
