@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 import stickslip as ss
 from pivot import both_ways
 from stickslip.simulated.general import general
-from stickslip.simulated.reference.bodies import Bodies, Modes, Run
+from stickslip.simulated.reference.bodies import Bodies, BodiesRun, Modes
 from stickslip.simulated.reference.bodies import simulate as plain
 
 RIG = ss.Rig(alpha1=16, alpha2=8, beta3=4, eta1=0.1, eta12=0.2)
@@ -60,7 +60,7 @@ def bodies(law: ss.FormulaFriction) -> ss.Model:
     return ss.Model(rig, friction=law)
 
 
-def in_order(run: Run) -> np.ndarray:
+def in_order(run: BodiesRun) -> np.ndarray:
     return run.state[:, [0, 2, 1, 3]] if run.state.shape[1] == 4 else run.state
 
 

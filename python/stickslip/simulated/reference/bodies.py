@@ -21,7 +21,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.placed import seen
 from stickslip.simulated.general import General, general
 from stickslip.simulated.reference.equations import Guard
-from stickslip.simulated.reference.integrate import Status, Step, advance, leg
+from stickslip.simulated.reference.integrate import IntegrationStep, RunStatus, advance, leg
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int]  # what ends: "rest", "slip-", "slip+" or "piece", and of which contact or piece
@@ -294,7 +294,7 @@ class Bodies:
 
 
 @dataclass(frozen=True)
-class Run:
+class BodiesRun:
     """A run of a general rig.
 
     Attributes
@@ -303,7 +303,7 @@ class Run:
         Times, states in the order of the rig's `state_names`, states of the laws, modes of the contacts.
     changes : list of Change
         Every contact that changed its mode.
-    status : Status
+    status : RunStatus
     """
 
     t: Floats
@@ -311,8 +311,8 @@ class Run:
     hidden: Floats
     mode: NDArray[np.int64]
     changes: list[Change]
-    status: Status
-    steps: list[Step] = field(repr=False)
+    status: RunStatus
+    steps: list[IntegrationStep] = field(repr=False)
 
 
 def simulate(
@@ -327,7 +327,7 @@ def simulate(
     tol: float = 1e-12,
     max_step: float = 0.1,
     max_transitions: int = 100_000,
-) -> Run:
+) -> BodiesRun:
     """Integrate a model of any rig from t = 0 with every switching located.
 
     Parameters
@@ -344,7 +344,7 @@ def simulate(
     z = own.start(np.asarray(initial, float), dict(hidden or {}), 0.0)
     z = np.append(z, 0.0) if own.equations.driven else z
     t, (z, side) = 0.0, system.start(0.0, z)
-    steps, changes, recent, message = list[Step](), list[Change](), list[float](), ""
+    steps, changes, recent, message = list[IntegrationStep](), list[Change](), list[float](), ""
     breaks = sorted({b for one in (own.belt, own.drive) for b in one.begins[1:] if 0 < b < t_end} | {t_end})
     while t < t_end and not message:
         before, modes = len(steps), side.modes
@@ -360,7 +360,7 @@ def simulate(
             message = f"switchings pile up at t = {t!r}"
         elif len(changes) >= max_transitions:
             message = f"gave up at t = {t!r} after {max_transitions} switchings"
-    return _collect(system, [*steps, Step(t, z, t, side, lambda _: z)], changes, message, t_eval)
+    return _collect(system, [*steps, IntegrationStep(t, z, t, side, lambda _: z)], changes, message, t_eval)
 
 
 def _next(
@@ -371,7 +371,7 @@ def _next(
     breaks: list[float],
     tol: float,
     max_step: float,
-    steps: list[Step],
+    steps: list[IntegrationStep],
 ) -> tuple[float, Floats, Modes] | str:
     """Integrate to the next switching, or to the first of the breaks; what follows it, or why it failed."""
     hit: Any = leg(system, side, t, z, breaks[0], tol, max_step, steps)
@@ -385,8 +385,12 @@ def _next(
 
 
 def _collect(
-    system: Bodies, steps: list[Step], changes: list[Change], message: str, t_eval: ArrayLike | None
-) -> Run:
+    system: Bodies,
+    steps: list[IntegrationStep],
+    changes: list[Change],
+    message: str,
+    t_eval: ArrayLike | None,
+) -> BodiesRun:
     begins = np.array([one.t for one in steps])
     times = begins if t_eval is None else np.asarray(t_eval, float)
     rows = []
@@ -396,5 +400,5 @@ def _collect(
     z = np.array([one for one, _ in rows])
     mode = np.array([modes for _, modes in rows], np.int64).reshape(len(times), system.m)
     visible = z[:, list(system.own.order)]
-    status = Status(not message, message or "reached t_end")
-    return Run(times, visible, z[:, 2 * system.n : system.d], mode, changes, status, steps)
+    status = RunStatus(not message, message or "reached t_end")
+    return BodiesRun(times, visible, z[:, 2 * system.n : system.d], mode, changes, status, steps)

@@ -39,7 +39,7 @@ PILE_UP = 50  # switchings at one instant
 
 
 @dataclass(frozen=True)
-class Transitions:
+class ModeChanges:
     """Changes of contact mode: times (k,), states (k, d), modes before and after (k,) in {-1, 0, 1}."""
 
     t: Floats
@@ -49,7 +49,7 @@ class Transitions:
 
 
 @dataclass(frozen=True)
-class Status:
+class RunStatus:
     """Whether the run reached `t_end`, and the sentence to read if not."""
 
     ok: bool
@@ -57,7 +57,7 @@ class Status:
 
 
 @dataclass(frozen=True)
-class Step:
+class IntegrationStep:
     """One integration step: from `t`, `z` to `end`, and the sides it was computed with."""
 
     t: float
@@ -76,21 +76,21 @@ class Run:
     t, state, hidden, mode : (n,), (n, d), (n, h), (n,) arrays
         Times, rig states, the effects' hidden states in the order (w, z, b) of those present, contact modes.
         At a transition the mode is the one that follows.
-    transitions : Transitions
+    transitions : ModeChanges
     kinks : list of (t, name)
         Every other switching: "clamp", "memory", "gap", "drag", "pivot", "normal".
-    status : Status
+    status : RunStatus
     """
 
     t: Floats
     state: Floats
     hidden: Floats
     mode: NDArray[np.int64]
-    transitions: Transitions
+    transitions: ModeChanges
     kinks: list[tuple[float, str]]
-    status: Status
+    status: RunStatus
     system: System = field(repr=False)
-    steps: list[Step] = field(repr=False)
+    steps: list[IntegrationStep] = field(repr=False)
 
     def at(self, t: ArrayLike, interpolated: bool = False) -> Floats:
         """Full state (n, d + h) at times (n,): integrated afresh from the start of its step, or between its ends."""
@@ -102,7 +102,7 @@ class Run:
         """Contact mode (n,) at the times `t` (n,)."""
         return np.array([s.side.contact for _, s in self._find(t)], np.int64)
 
-    def _find(self, t: ArrayLike) -> list[tuple[float, Step]]:
+    def _find(self, t: ArrayLike) -> list[tuple[float, IntegrationStep]]:
         times = np.atleast_1d(np.asarray(t, float))
         k = np.searchsorted([s.t for s in self.steps], times, side="right") - 1
         return [(float(x), self.steps[i]) for x, i in zip(times, np.maximum(k, 0), strict=True)]
@@ -147,7 +147,7 @@ def simulate(
     given = dict(hidden or {})
     start = [*map(float, initial), *(float(given.get(name, 0.0)) for name in system.names[system.d :])]
     z, side = system.start(np.array(start), given.get("dwell", 0.0))
-    steps, kinks, changes = list[Step](), list[tuple[float, str]](), list[Change]()
+    steps, kinks, changes = list[IntegrationStep](), list[tuple[float, str]](), list[Change]()
     t, message, recent = 0.0, "", list[float]()
     while t < t_end and not message:
         steps_before = len(steps)
@@ -175,7 +175,7 @@ def simulate(
 
 def _collect(
     system: System,
-    steps: list[Step],
+    steps: list[IntegrationStep],
     last: tuple[float, Floats, Side],
     changes: list[Change],
     kinks: list[tuple[float, str]],
@@ -184,14 +184,14 @@ def _collect(
 ) -> Run:
     """Gather the arrays of a finished run."""
     d, (t, z, side) = system.d, last
-    steps = [*steps, Step(t, z, t, side, lambda _: z)]
-    transitions = Transitions(
+    steps = [*steps, IntegrationStep(t, z, t, side, lambda _: z)]
+    transitions = ModeChanges(
         np.array([c[0] for c in changes]),
         np.array([c[1] for c in changes]).reshape(-1, d),
         np.array([c[2] for c in changes], np.int64),
         np.array([c[3] for c in changes], np.int64),
     )
-    status = Status(not message, message or "reached t_end")
+    status = RunStatus(not message, message or "reached t_end")
     times, states = np.array([s.t for s in steps]), np.array([s.z for s in steps])
     modes = np.array([s.side.contact for s in steps], np.int64)
     run = Run(times, states[:, :d], states[:, d:], modes, transitions, kinks, status, system, steps)
@@ -210,7 +210,7 @@ def leg(
     t_end: float,
     tol: float,
     max_step: float,
-    out: list[Step],
+    out: list[IntegrationStep],
 ) -> tuple[str, float, Floats] | str | None:
     """Integrate with the sides frozen until one ends (name, t, z), the run does (None), or it fails (why)."""
     flow = partial(system.field, side=side)
@@ -221,11 +221,11 @@ def leg(
         trouble = solver.step()
         if trouble:
             return f"the integrator gave up at t = {solver.t!r}: {trouble}"
-        step = Step(float(solver.t_old), start, float(solver.t), side, solver.dense_output())
+        step = IntegrationStep(float(solver.t_old), start, float(solver.t), side, solver.dense_output())
         hit = _first_switching(system, guards, step, samples)
         if hit is not None:
             if hit[1] > step.t:
-                out.append(Step(step.t, start, hit[1], side, step.dense))
+                out.append(IntegrationStep(step.t, start, hit[1], side, step.dense))
             return hit
         out.append(step)
         samples = SAMPLES
@@ -233,7 +233,7 @@ def leg(
 
 
 def _first_switching(
-    system: Any, guards: dict[str, Guard], step: Step, samples: Floats
+    system: Any, guards: dict[str, Guard], step: IntegrationStep, samples: Floats
 ) -> tuple[str, float, Floats] | None:
     """Find the earliest switching within the step, and land on it."""
     times = step.t + samples * (step.end - step.t)
@@ -252,7 +252,7 @@ def _first_switching(
 
 
 def _bracket(
-    system: Any, guard: Guard, step: Step, times: Floats, states: Floats
+    system: Any, guard: Guard, step: IntegrationStep, times: Floats, states: Floats
 ) -> tuple[float, float] | None:
     """Find times around the first upward crossing of the switching function, or None."""
 
@@ -279,7 +279,7 @@ def _bracket(
     return None
 
 
-def _land(system: Any, guard: Guard, step: Step, a: float, b: float) -> tuple[float, Floats]:
+def _land(system: Any, guard: Guard, step: IntegrationStep, a: float, b: float) -> tuple[float, Floats]:
     """Time and state where the switching function vanishes in [a, b]."""
     if a == b:
         return step.t, step.z
