@@ -24,7 +24,7 @@ import stickslip as ss
 from stickslip.declared.units import Channel
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
-from stickslip.fitted.solve import Fit, fit
+from stickslip.fitted.solve import LeastSquaresFit, fit
 from stickslip.fitted.unknowns import Hypothesis, law_unknowns
 from stickslip.fitted.window import moved
 from stickslip.fitted.windows import cut
@@ -95,7 +95,7 @@ def main() -> int:
     start = ss.Model(RIG, friction=ss.PaperFriction())
     h = Hypothesis(start, law_unknowns(start, start), {})
 
-    def ours() -> Fit:
+    def ours() -> LeastSquaresFit:
         found = fit(Engine(data, h, told.threads), h.start(len(data)), cut(data, h.model, 1.0))
         if found is None:
             raise SystemExit("bench_fit: the fit failed")

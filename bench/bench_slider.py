@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_limits
 import stickslip as ss
 from stickslip import build_config
 from stickslip.fitted.block_events.cycle import S, duration, positions
-from stickslip.fitted.block_events.table import Measured, damping_ratio, measure, natural_rate, prepare
+from stickslip.fitted.block_events.table import MeasuredBlock, damping_ratio, measure, natural_rate, prepare
 from stickslip.measured.case import Case, Recording, load_case
 
 Floats = NDArray[np.float64]
@@ -104,7 +104,7 @@ def count(case: Case, seeds: range, planted: Planted) -> dict[str, object]:
     }
 
 
-def process_of(measured: list[Measured]) -> Process:
+def process_of(measured: list[MeasuredBlock]) -> Process:
     """The process of the breakaways of all runs, by the variogram of their levels along the belt."""
     gaps, squares = [], []
     for one in measured:
@@ -131,7 +131,7 @@ def _fitted(at: Floats, seen: Floats, length: float) -> tuple[float, float, floa
     return left, float(np.sqrt(sill)), length, float(np.sqrt(nugget))
 
 
-def drawn(one: Measured, process: Process, planted: Planted, rng: np.random.Generator) -> Floats:
+def drawn(one: MeasuredBlock, process: Process, planted: Planted, rng: np.random.Generator) -> Floats:
     """Deflections (n,) of one run, event after event."""
     run, e = one.run, one.events
     mean, falls = float(e.p[:, S].mean()), e.p[:, S] - e.arrest
@@ -154,7 +154,7 @@ def drawn(one: Measured, process: Process, planted: Planted, rng: np.random.Gene
 
 
 def as_read(
-    recording: Recording, one: Measured, x: Floats, planted: Planted, rng: np.random.Generator
+    recording: Recording, one: MeasuredBlock, x: Floats, planted: Planted, rng: np.random.Generator
 ) -> Recording:
     """Through the sensor: gain, noise, quantisation, and the glitches where they were."""
     run = one.run

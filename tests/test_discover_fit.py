@@ -15,7 +15,7 @@ from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
-from stickslip.fitted.readings import Learned, no_slopes, read
+from stickslip.fitted.readings import ReadingCurve, no_slopes, read
 from stickslip.fitted.relax import sought
 from stickslip.fitted.solve import fit
 from stickslip.fitted.window import moved
@@ -139,7 +139,7 @@ def test_windows_together_are_windows_one_by_one(clean):
 
 
 def test_a_learned_curve_interpolates_and_holds_outside():
-    curve = Learned("x1", "y1", (0.0, 0.5, 1.0))
+    curve = ReadingCurve("x1", "y1", (0.0, 0.5, 1.0))
     values = np.array([0.0, 1.0, 0.5])
     at = curve.basis(np.array([0.0, 0.5, 1.0, 2.0])) @ values
     np.testing.assert_allclose(at, [0.0, 1.0, 0.5, 0.5], atol=1e-12)

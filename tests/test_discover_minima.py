@@ -19,7 +19,7 @@ from stickslip.fitted import windows as of_windows
 from stickslip.fitted.data import prepare
 from stickslip.fitted.engine import Engine
 from stickslip.fitted.relax import relaxed
-from stickslip.fitted.solve import Point, fit, shares, total, within
+from stickslip.fitted.solve import Iterate, fit, shares, total, within
 from stickslip.fitted.window import SLIPPING, STICK
 from stickslip.fitted.windows import cut, with_hidden
 from stickslip.measured.case import Recording
@@ -49,7 +49,7 @@ def test_shares_are_the_slopes_of_the_total():
     data = prepare(make_case().train)
     h = hypothesis(Model(RIG, friction=PaperFriction()), [])
     engine, windows = Engine(data, h, 2), cut(data, h.model, 1.0)
-    point = Point.at(engine, h.start(len(data)), windows)
+    point = Iterate.at(engine, h.start(len(data)), windows)
     assert point is not None
     assert point.soften()
     size = np.array([float(b.r @ b.r) for b in point.blocks])

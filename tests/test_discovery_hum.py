@@ -16,7 +16,7 @@ from stickslip.discovery.laboratory.hum import humming
 from stickslip.fitted.block_events.sensor import reading_of
 from stickslip.fitted.data import prepare
 from stickslip.fitted.predict import Forecaster
-from stickslip.fitted.readings import Learned, as_terms, curves_of, no_slopes, read, reading_rate
+from stickslip.fitted.readings import ReadingCurve, as_terms, curves_of, no_slopes, read, reading_rate
 from stickslip.measured.case import Case
 
 PHASES = (0.4, 2.0, -1.1, 2.9, 0.9)
@@ -56,7 +56,7 @@ def test_noise_and_a_force_are_no_hum():
     assert humming(left_by_law(make_case((forced,), length=60.0))) is None
 
 
-CURVE = Learned("x1", "t", tuple(np.linspace(0, 1, 9).tolist()), recurs=True)
+CURVE = ReadingCurve("x1", "t", tuple(np.linspace(0, 1, 9).tolist()), recurs=True)
 NUMBERS = {f"learned_x1_t.value_{i}": float(np.sin(i) - np.sin(0)) for i in range(1, 8)}
 P = {**NUMBERS, "learned_x1_t.w": 2.7, "learned_x1_t.phi": 0.8}
 

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 import stickslip as ss
 from stickslip.discovery.result import Found, RunView
 from stickslip.fitted.block_events.cycle import LOG_W2, S
-from stickslip.fitted.block_events.table import Measured, measure, natural_rate, prepare
+from stickslip.fitted.block_events.table import MeasuredBlock, measure, natural_rate, prepare
 from stickslip.measured.case import Case, load_case
 from stickslip.shown.plot.curves import LIMIT, MEASURED, SIMULATED, STYLE, save_figure
 from stickslip.shown.report.write import write_report
@@ -65,7 +65,7 @@ def said(found: Found) -> None:
     print(*found.messages, sep="\n")
 
 
-def noise_of(runs: list[Measured]) -> Figure:
+def noise_of(runs: list[MeasuredBlock]) -> Figure:
     """Levels, rates of the sticks and frequencies of the slips of every event, against the travel of the belt."""
     figure = Figure(figsize=(9.4, 6.4), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
@@ -95,12 +95,12 @@ def noise_of(runs: list[Measured]) -> Figure:
     return figure
 
 
-def _start(one: Measured) -> float:
+def _start(one: MeasuredBlock) -> float:
     """Time of the run's first sample in its file; runs cut by time follow each other."""
     return float(one.run.name.rpartition("_from_")[2]) if "_from_" in one.run.name else _origin(one)
 
 
-def _origin(one: Measured) -> float:
+def _origin(one: MeasuredBlock) -> float:
     """First times of the three records."""
     return {42: 93.9095, 1100: 3.5895, 4300: 0.9395}[round(1e6 * one.run.belt_speed)]
 

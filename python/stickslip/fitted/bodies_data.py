@@ -16,7 +16,7 @@ from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
-from stickslip.fitted.bodies_motion import Reading, most_likely_motion
+from stickslip.fitted.bodies_motion import SensorReadings, most_likely_motion
 from stickslip.fitted.bodies_sensors import jumps, may_jump, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
@@ -167,7 +167,7 @@ def _prepared(
         drawn = float(np.nanmedian(off))
     # of two sensors of one thing the better one comes last
     order = sorted(range(len(reads)), key=lambda c: -noise[c])
-    read = {reads[c]: Reading(readings[:, c], weight[:, c], float(noise[c])) for c in order}
+    read = {reads[c]: SensorReadings(readings[:, c], weight[:, c], float(noise[c])) for c in order}
     speed = np.asarray(drive(t)) + np.zeros(len(t))
     go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
     law = partial(_expected, own, friction, np.asarray(belt(t)) + np.zeros(len(t)), speed)
@@ -188,7 +188,7 @@ def _prepared(
 def _all_motion(
     own: Equations,
     t: Floats,
-    read: Mapping[str, Reading],
+    read: Mapping[str, SensorReadings],
     go: Floats,
     speed: Floats,
     shortest: float,

@@ -28,7 +28,7 @@ RIDGE = 1e-12  # of the scaled unknowns, which are about 1
 
 
 @dataclass(frozen=True)
-class Reading:
+class SensorReadings:
     """One sensor: values (n,), weights 1/noise (n,), 0 where there is none, and the noise."""
 
     values: Floats
@@ -39,7 +39,7 @@ class Reading:
 def most_likely_motion(
     own: Equations,
     t: Floats,
-    read: Mapping[str, Reading],
+    read: Mapping[str, SensorReadings],
     go: Floats,
     speed: Floats,
     radian: float,
@@ -91,7 +91,9 @@ def _between(t: Floats, few: Floats, x: Floats) -> Floats:
     return np.column_stack([np.interp(t, few, one) for one in x.T]) if x.size else np.zeros((len(t), 0))
 
 
-def _means(t: Floats, read: Mapping[str, Reading], count: int) -> tuple[Floats, dict[str, Reading]]:
+def _means(
+    t: Floats, read: Mapping[str, SensorReadings], count: int
+) -> tuple[Floats, dict[str, SensorReadings]]:
     """Times and readings of so many samples each, weighted means."""
     starts = np.arange(0, len(t) - count + 1, count)
     sizes = np.diff(np.append(starts, len(t)))
@@ -101,11 +103,13 @@ def _means(t: Floats, read: Mapping[str, Reading], count: int) -> tuple[Floats, 
         total = np.add.reduceat(squares, starts)
         plain = np.add.reduceat(one.values, starts) / sizes
         mean = np.add.reduceat(squares * one.values, starts) / np.where(total > 0, total, 1.0)
-        out[name] = Reading(np.where(total > 0, mean, plain), np.sqrt(total), one.noise / np.sqrt(count))
+        out[name] = SensorReadings(
+            np.where(total > 0, mean, plain), np.sqrt(total), one.noise / np.sqrt(count)
+        )
     return np.add.reduceat(t, starts) / sizes, out
 
 
-def _forces(own: Equations, read: Mapping[str, Reading]) -> Floats:
+def _forces(own: Equations, read: Mapping[str, SensorReadings]) -> Floats:
     """How large forces on each coordinate are, by the sensors that tell of any; of the others as of the largest."""
     spreads = {name: float(np.std(scipy.signal.detrend(one.values))) for name, one in read.items()}
     rate = np.sqrt(np.diag(own.M) * np.abs(np.diag(own.K)))
@@ -123,7 +127,7 @@ def _forces(own: Equations, read: Mapping[str, Reading]) -> Floats:
 def _observed(
     own: Equations,
     t: Floats,
-    read: Mapping[str, Reading],
+    read: Mapping[str, SensorReadings],
     go: Floats,
     speed: Floats,
     force: Floats,

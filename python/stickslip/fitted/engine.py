@@ -17,7 +17,7 @@ from stickslip import _core
 from stickslip.fitted.data import Data
 from stickslip.fitted.formula_reading import formulas_of
 from stickslip.fitted.means import instants, pooled
-from stickslip.fitted.readings import Added, Chain, Learned, read, states_read
+from stickslip.fitted.readings import Added, Chain, ReadingCurve, read, states_read
 from stickslip.fitted.unknowns import Hypothesis
 from stickslip.fitted.window import AUTO, Window, by_free, window_penalties
 from stickslip.simulated.lowering import SLOTS, WIDTH, lower
@@ -80,7 +80,7 @@ class Engine:
     data: list[Data]
     hypothesis: Hypothesis
     threads: int
-    learned: tuple[Learned, ...] = ()
+    learned: tuple[ReadingCurve, ...] = ()
     most_steps: int = MOST_STEPS
     _last: tuple[bytes, Floats, list[dict[str, float]]] = field(init=False, repr=False)
 

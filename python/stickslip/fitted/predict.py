@@ -13,7 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.data import Data
 from stickslip.fitted.engine import ATOL, RTOL, Engine
-from stickslip.fitted.readings import Learned, no_slopes, read, reading_rate
+from stickslip.fitted.readings import ReadingCurve, no_slopes, read, reading_rate
 from stickslip.fitted.relax import relaxed
 from stickslip.fitted.solve import fit
 from stickslip.fitted.unknowns import Hypothesis, Unknown
@@ -52,7 +52,7 @@ class Forecaster:
     model: Model
     run: Data
     threads: int
-    learned: tuple[Learned, ...] = ()
+    learned: tuple[ReadingCurve, ...] = ()
 
     def __post_init__(self) -> None:
         turns = (one for one in self.model.effects if not isinstance(one, FormulaEffect))

@@ -29,7 +29,7 @@ NEARBY = 1e-5  # of tau: step of its derivative
 
 
 @dataclass(frozen=True)
-class Learned:
+class ReadingCurve:
     """A smooth curve added to a channel's reading: natural cubic spline through unknown values at knots.
 
     `channel` is "x1", "y1" or "belt"; `variable` "x1", "x2", "y1", "y2" or "t". One that `recurs` is the periodic
@@ -84,26 +84,28 @@ def _cardinal_turn(knots: tuple[float, ...]) -> scipy.interpolate.CubicSpline:
     return scipy.interpolate.CubicSpline(knots, ends, bc_type="periodic")
 
 
-Added = Learned | FormulaReading  # what a model's channels have beside the effects of the catalogue
+Added = ReadingCurve | FormulaReading  # what a model's channels have beside the effects of the catalogue
 
 
-def curves_of(model: Model) -> tuple[Learned, ...]:
+def curves_of(model: Model) -> tuple[ReadingCurve, ...]:
     """The curves that a model adds to its readings; their values are among its parameters."""
     terms = [one for one in model.effects if isinstance(one, Tabulated) and one.of_reading]
     return tuple(
-        Learned(one.where[:2], one.variable, one.knots)
+        ReadingCurve(one.where[:2], one.variable, one.knots)
         if one.period is None
-        else Learned(one.where[:2], one.variable, tuple(k / one.knots[-1] for k in one.knots), recurs=True)
+        else ReadingCurve(
+            one.where[:2], one.variable, tuple(k / one.knots[-1] for k in one.knots), recurs=True
+        )
         for one in terms
     )
 
 
-def as_terms(learned: Sequence[Learned], values: Mapping[str, float]) -> tuple[Tabulated, ...]:
+def as_terms(learned: Sequence[ReadingCurve], values: Mapping[str, float]) -> tuple[Tabulated, ...]:
     """Curves on readings as a model holds them; `values` by name, `learned_x1_y1.value_0` and so on."""
     return tuple(_as_term(one, values) for one in learned)
 
 
-def _as_term(one: Learned, values: Mapping[str, float]) -> Tabulated:
+def _as_term(one: ReadingCurve, values: Mapping[str, float]) -> Tabulated:
     where, numbers = f"{one.channel} channel", one.values(values)
     if not one.recurs:
         return tabulated(where, one.variable, one.knots, numbers)
@@ -129,7 +131,7 @@ def no_slopes(n: int) -> Slopes:
 
 
 @dataclass
-class _Samples:
+class _ChainStates:
     """What the chain reads: times (n,), states (n, 9), their slopes, parameters by name; and the chain it fills."""
 
     t: Floats
@@ -147,7 +149,7 @@ class _Samples:
 
 def states_read(known: Collection[str], channels: int, learned: tuple[Added, ...] = ()) -> list[int]:
     """States whose sensitivities the chain of effects with the `known` parameters needs."""
-    needed = {AT[one.variable] for one in learned if isinstance(one, Learned) and one.variable != "t"}
+    needed = {AT[one.variable] for one in learned if isinstance(one, ReadingCurve) and one.variable != "t"}
     needed |= {k for one in learned if isinstance(one, FormulaReading) for k in one.states}
     needed |= {LAGGED} if "sensor_lag.tau" in known else {X1}
     needed |= {Y1, Y2} if "sensor_delay.delay" in known or Y1_LAG in known else {Y1}
@@ -173,7 +175,7 @@ def read(
     speed, and numbers that runs have for themselves, may be (n,).
     """
     out = Chain(np.empty((len(t), channels)), np.zeros((len(t), channels, len(names))))
-    samples = _Samples(t, state, sensitivity, p, names, out)
+    samples = _ChainStates(t, state, sensitivity, p, names, out)
     _read_x1(samples)
     if channels > 1:
         _read_y1(samples, np.array([0, len(t)]) if offset is None else offset)
@@ -194,14 +196,14 @@ def beside(
     p: Mapping[str, float],
 ) -> None:
     """Let a channel of a chain have what it has beside the effects of the catalogue: a curve, or a formula."""
-    samples = _Samples(t, state, sensitivity, p, names, out)
-    if isinstance(one, Learned):
+    samples = _ChainStates(t, state, sensitivity, p, names, out)
+    if isinstance(one, ReadingCurve):
         _add_curve(samples, one)
     else:
         _through_formula(samples, one)
 
 
-def _through_formula(s: _Samples, one: FormulaReading) -> None:
+def _through_formula(s: _ChainStates, one: FormulaReading) -> None:
     c, out = _CHANNEL[one.channel], s.out
     of = one.at(out.values[:, c].copy(), s.t, s.state, s.p)
     slopes = out.slopes[:, c] * one.slope(READING, of, s.t.shape)[:, None]
@@ -214,7 +216,7 @@ def _through_formula(s: _Samples, one: FormulaReading) -> None:
     out.values[:, c], out.slopes[:, c] = one.read(of, s.t.shape), slopes
 
 
-def _read_x1(s: _Samples) -> None:
+def _read_x1(s: _ChainStates) -> None:
     """Crosstalk, the lag of what it makes, the curvature of that, drift."""
     c = s.p.get("sensor_crosstalk.c", 0.0)
     late = "sensor_lag.tau" in s.p
@@ -232,7 +234,7 @@ def _read_x1(s: _Samples) -> None:
     s.add(0, "sensor_drift.r", s.t)
 
 
-def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
+def _read_y1(s: _ChainStates, offset: NDArray[np.int64]) -> None:
     if Y1_LAG in s.p:
         _lag_y1(s, offset)
         return
@@ -250,7 +252,7 @@ def _read_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
     s.add(1, "sensor_delay.delay", -passed)
 
 
-def _lag_y1(s: _Samples, offset: NDArray[np.int64]) -> None:
+def _lag_y1(s: _ChainStates, offset: NDArray[np.int64]) -> None:
     tau, step, passed = s.p[Y1_LAG], NEARBY * s.p[Y1_LAG], np.empty(len(s.t))
     for a, b in itertools.pairwise(offset.tolist()):
         t, y1, y2 = s.t[a:b], s.state[a:b, Y1], s.state[a:b, Y2]
@@ -325,7 +327,7 @@ def _late(t: Floats, delay: float) -> tuple[_Gather, _Gather]:
     return _Gather(left, w), _Gather(left, r)
 
 
-def _read_belt(s: _Samples, v_b: float | Floats) -> None:
+def _read_belt(s: _ChainStates, v_b: float | Floats) -> None:
     s.out.values[:, 2] = v_b + s.state[:, BELT]
     s.out.slopes[:, 2] = s.slopes[BELT]
     if "belt_speed_ripple.a" not in s.p:
@@ -337,7 +339,7 @@ def _read_belt(s: _Samples, v_b: float | Floats) -> None:
         s.add(2, f"belt_speed_ripple.{key}", v_b * slope)
 
 
-def _add_curve(s: _Samples, curve: Learned) -> None:
+def _add_curve(s: _ChainStates, curve: ReadingCurve) -> None:
     channel = _CHANNEL[curve.channel]
     if channel >= s.out.values.shape[1]:
         return
@@ -383,7 +385,7 @@ def reading_rate(t: Floats, state: Floats, p: Mapping[str, float], learned: Sequ
     return np.asarray(rate)
 
 
-def _moves(curve: Learned, t: Floats, state: Floats, p: Mapping[str, float]) -> Floats:
+def _moves(curve: ReadingCurve, t: Floats, state: Floats, p: Mapping[str, float]) -> Floats:
     """Rate of what a curve depends on, (n,)."""
     if curve.recurs:
         return np.full(len(t), p[f"{curve.name}.w"] / (2 * np.pi))

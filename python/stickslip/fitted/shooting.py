@@ -25,7 +25,7 @@ TINY = 1e-12  # share added to a diagonal, where few samples tell two numbers of
 STEP = 1e-5  # relative step of the differences; the simulation's error is far below it
 
 
-class Run(Protocol):
+class SimulatedRun(Protocol):
     """What a simulator gives back, as far as fitting needs it."""
 
     @property
@@ -37,13 +37,13 @@ class Run(Protocol):
         """Derivatives, (n, d, p); needed only from a simulator that takes `sensitivity`."""
 
 
-Simulator = Callable[..., Run]
+Simulator = Callable[..., SimulatedRun]
 
 
 class _Means:
     """A run at two instants for each row, as the means of these."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: SimulatedRun) -> None:
         self.state: Array = 0.5 * (run.state[::2] + run.state[1::2])
         self.sensitivity: Array = np.empty((len(self.state), 0, 0))
 
@@ -88,7 +88,7 @@ class Shot:
 
 
 @dataclass
-class _Block:
+class _ShotBlock:
     """One window linearised: residual r, d r/d shared (J), d r/d local (K)."""
 
     r: Array
@@ -113,7 +113,7 @@ class _Problem:
             self._latest = key, self.model.replace(dict(zip(self.names, shared.tolist(), strict=True)))
         return self._latest[1].replace(local) if local else self._latest[1]
 
-    def run(self, shared: Array, window: FitWindow, sensitivity: tuple[str, ...] = ()) -> Run:
+    def run(self, shared: Array, window: FitWindow, sensitivity: tuple[str, ...] = ()) -> SimulatedRun:
         """Simulate one window: a row's state as the mean that it is, derivatives as they are in its middle."""
         t = window.middles if sensitivity else window.instants
         run = self.simulate(
@@ -140,7 +140,7 @@ class _Problem:
         state = self.run(shared, window).state
         return self._weighed(window.readings - state[:, list(window.columns)], window)
 
-    def linearise(self, shared: Array, window: FitWindow, scale: Array) -> _Block:
+    def linearise(self, shared: Array, window: FitWindow, scale: Array) -> _ShotBlock:
         """Exact derivatives from the simulator where it has them, central differences where not."""
         if self.exact:
             own_names = (*(f"initial.{n}" for n in window.free), *window.local)
@@ -153,10 +153,10 @@ class _Problem:
             D = self._weighed(np.negative(slopes, out=slopes), window)
             if not np.isfinite(D).all():
                 return self._by_differences(shared, window, scale)
-            return _Block(r, D[:, : shared.size], D[:, shared.size :])
+            return _ShotBlock(r, D[:, : shared.size], D[:, shared.size :])
         return self._by_differences(shared, window, scale)
 
-    def _by_differences(self, shared: Array, window: FitWindow, scale: Array) -> _Block:
+    def _by_differences(self, shared: Array, window: FitWindow, scale: Array) -> _ShotBlock:
         r = self.residual(shared, window)
         J = np.empty((r.size, shared.size))
         for i, s in enumerate(scale):
@@ -171,7 +171,7 @@ class _Problem:
             h[i] = STEP * own_scale[i]
             up, down = unpack(window, own + h, self.state_names), unpack(window, own - h, self.state_names)
             K[:, i] = (self.residual(shared, up) - self.residual(shared, down)) / (2 * h[i])
-        return _Block(r, J, K)
+        return _ShotBlock(r, J, K)
 
     def _own_floor(self, window: FitWindow) -> Array:
         """Sizes below which a window's own parameter counts as zero, in its unit."""
@@ -284,7 +284,7 @@ def _cost(p: _Problem, shared: Array, windows: Sequence[FitWindow], centre: Arra
 
 
 def _eliminate(
-    blocks: Sequence[_Block], base: Array, gradient: Array, damping: float
+    blocks: Sequence[_ShotBlock], base: Array, gradient: Array, damping: float
 ) -> tuple[Array, Array, list[Array]]:
     """Reduced normal matrix and gradient of the shared parameters, and what each window needs to follow."""
     A = base + damping * np.diag(np.diag(base) + sum((b.J**2).sum(axis=0) for b in blocks))
@@ -306,7 +306,7 @@ def _improve(
     p: _Problem,
     shared: Array,
     windows: list[FitWindow],
-    blocks: Sequence[_Block],
+    blocks: Sequence[_ShotBlock],
     centre: Array,
     prior: Array,
     cost: float,
@@ -351,7 +351,7 @@ def limited(values: Array, declared: Array) -> Array:
 
 
 def _conclude(
-    p: _Problem, shared: Array, windows: list[FitWindow], blocks: Sequence[_Block], prior: Array, dof: int
+    p: _Problem, shared: Array, windows: list[FitWindow], blocks: Sequence[_ShotBlock], prior: Array, dof: int
 ) -> Shot:
     A, _, follow = _eliminate(blocks, prior, np.zeros_like(shared), 0.0)
     covariance = np.asarray(np.linalg.inv(A) if shared.size else np.zeros((0, 0)), dtype=float)

@@ -20,7 +20,7 @@ KNEE = 1.5  # of the median chi-squared per reading of the windows
 
 
 @dataclass
-class Fit:
+class LeastSquaresFit:
     """A hypothesis at its best: vector, windows, chi-squared (without priors), readings used, normal matrix.
 
     `normal` (p, p) is the Schur-reduced information of the unknowns, priors included.
@@ -62,7 +62,7 @@ def fit(
     rounds: int = 3,
     give_up: Callable[[int, float], bool] | None = None,
     worth: Callable[[float], bool] | None = None,
-) -> Fit | None:
+) -> LeastSquaresFit | None:
     """Minimise chi-squared from a start; None if the start cannot be simulated.
 
     A transition found or lost makes chi-squared jump, and one window that jumps can hold up all others. When the
@@ -73,7 +73,7 @@ def fit(
     iteration ends; `give_up(iteration, cost)` ends it early for a rival that is hopeless; `worth(cost)` says whether
     one that has stalled is worth the search.
     """
-    point = Point.at(engine, vector, list(windows))
+    point = Iterate.at(engine, vector, list(windows))
     if point is None:
         return None
     done = _descend(engine, point, 0, iterations, tolerance, give_up)
@@ -92,7 +92,7 @@ def fit(
 
 def _shaken(
     engine: Engine,
-    point: Point,
+    point: Iterate,
     done: int,
     iterations: int,
     tolerance: float,
@@ -103,7 +103,7 @@ def _shaken(
     `point` becomes the better of where it was and where this leads; returns the iterations used.
     """
     _relaxed(engine, point)
-    other = Point(point.vector, list(point.windows), point.blocks, point.cost)
+    other = Iterate(point.vector, list(point.windows), point.blocks, point.cost)
     if not other.soften():
         return _descend(engine, point, done, iterations, tolerance, give_up)
     done = _descend(engine, other, done, iterations, tolerance, give_up)
@@ -118,7 +118,7 @@ def _shaken(
 
 
 @dataclass
-class Point:
+class Iterate:
     """Where an iteration stands.
 
     `knee` is the chi-squared of each window beyond which it counts by its logarithm; infinite for plain least squares.
@@ -132,7 +132,7 @@ class Point:
     knee: Floats | None = None
 
     @classmethod
-    def at(cls, engine: Engine, vector: Floats, windows: list[Window]) -> Point | None:
+    def at(cls, engine: Engine, vector: Floats, windows: list[Window]) -> Iterate | None:
         """A point with its blocks and cost; None where it cannot be simulated."""
         blocks = engine.blocks(vector, windows)
         if blocks is None:
@@ -160,7 +160,7 @@ class Point:
 
 def _descend(
     engine: Engine,
-    point: Point,
+    point: Iterate,
     done: int,
     iterations: int,
     tolerance: float,
@@ -185,7 +185,7 @@ def _descend(
     return done
 
 
-def _relaxed(engine: Engine, point: Point) -> bool:
+def _relaxed(engine: Engine, point: Iterate) -> bool:
     """Seek each bad window's own states anew at fixed unknowns; True if that lowered the cost."""
     bad = [
         i for i, b in enumerate(point.blocks) if float(b.r @ b.r) > 1.3 * max(int(np.count_nonzero(b.r)), 1)
@@ -200,7 +200,7 @@ def _relaxed(engine: Engine, point: Point) -> bool:
     windows = list(point.windows)
     for i, window in zip(bad, found, strict=True):
         windows[i] = window
-    fresh = Point.at(engine, point.vector, windows)
+    fresh = Iterate.at(engine, point.vector, windows)
     if fresh is None or fresh.cost >= point.cost:
         return False
     point.windows, point.blocks, point.cost, point.damping = windows, fresh.blocks, fresh.cost, 1e-3
@@ -209,15 +209,15 @@ def _relaxed(engine: Engine, point: Point) -> bool:
 
 def conclude(
     engine: Engine, vector: Floats, windows: list[Window], blocks: list[Block], cost: float, done: int
-) -> Fit:
+) -> LeastSquaresFit:
     """The fit's summary at a point."""
     normal, _, _ = reduced(engine, blocks, windows, np.diag(engine.precision), np.zeros(len(vector)), 0.0)
     chi2 = float(sum(b.r @ b.r for b in blocks))
     readings = sum(int((engine.data[w.run].weight[w.start : w.stop] > 0).sum()) for w in windows)
-    return Fit(engine, vector, windows, blocks, chi2, cost, readings, normal, done)
+    return LeastSquaresFit(engine, vector, windows, blocks, chi2, cost, readings, normal, done)
 
 
-def _improve(engine: Engine, point: Point) -> tuple[Floats, list[Window], float, float] | None:
+def _improve(engine: Engine, point: Iterate) -> tuple[Floats, list[Window], float, float] | None:
     vector, windows, blocks, damping = point.vector, point.windows, point.blocks, point.damping
     low, high = engine.low, engine.high
     # far from the noise the misfit is the noise: the priors keep their say against it

@@ -12,7 +12,7 @@ from stickslip.declared.catalogue import CATALOGUE
 from stickslip.declared.effect_terms import Before
 from stickslip.declared.model import Model
 from stickslip.fitted.data import Data
-from stickslip.fitted.readings import Y1_LAG, Learned, curves_of
+from stickslip.fitted.readings import Y1_LAG, ReadingCurve, curves_of
 from stickslip.fitted.window import AUTO, SLIPPING, STICK, Window
 from stickslip.measured.sticks import rides
 from stickslip.simulated.states import AT, COUNT, DWELL, VISIBLE, X1, X2, Y1, Y2
@@ -63,7 +63,7 @@ def start_window(run: Data, number: int, model: Model, start: int, stop: int) ->
     return with_hidden(window, model, run)
 
 
-def behind(p: Mapping[str, float], curves: Sequence[Learned], t: float, read: Floats) -> Floats:
+def behind(p: Mapping[str, float], curves: Sequence[ReadingCurve], t: float, read: Floats) -> Floats:
     """x1, x2, y1, y2 behind readings and their rates (4,), as far as they tell: a lag is taken for settled.
 
     The model's own numbers undo what its sensors add; past the fold of a curvature the reading at the fold is taken.

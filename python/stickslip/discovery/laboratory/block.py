@@ -45,7 +45,7 @@ from stickslip.discovery.result import (
 from stickslip.discovery.set_points import doubtful_set_points
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.errors import StickslipError
-from stickslip.fitted.block_events.table import Measured, measure
+from stickslip.fitted.block_events.table import MeasuredBlock, measure
 from stickslip.fitted.block_events.table import prepare as prepare_events
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.fit import null
@@ -333,14 +333,14 @@ def _ranking(search: Search) -> tuple[Rival, ...]:
 
 
 def _train_views(
-    search: Search, train: Sequence[Measured], before: tuple[Model, Trial], after: tuple[Model, Trial]
+    search: Search, train: Sequence[MeasuredBlock], before: tuple[Model, Trial], after: tuple[Model, Trial]
 ) -> list[RunView]:
     """The runs of the fit, before and after."""
     was, now = (_motions(search, trial, train) for _, trial in (before, after))
     return [view(m, before[0], after[0], *both) for m, *both in zip(train, was, now, strict=True)]
 
 
-def _motions(search: Search, trial: Trial, train: Sequence[Measured]) -> list[Motion]:
+def _motions(search: Search, trial: Trial, train: Sequence[MeasuredBlock]) -> list[Motion]:
     """Readings, their rates and modes as a hypothesis has them, turned as the runs are; NaN between windows."""
     bench, length, omega = search.verdicts.bench, search.units.scales.length, search.units.scales.omega
     out: list[Motion] = []

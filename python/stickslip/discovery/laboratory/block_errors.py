@@ -12,7 +12,7 @@ from stickslip.declared.model import Model
 from stickslip.discovery.result import WORSE, ErrorBlock, RunError
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.predict import BlockForecaster, BlockPrediction, cycle_of, instants
-from stickslip.fitted.block_events.table import Measured
+from stickslip.fitted.block_events.table import MeasuredBlock
 from stickslip.measured.case import Case
 from stickslip.measured.stick_speed import why_idle
 
@@ -36,7 +36,7 @@ class Ahead:
     timing: float
 
 
-def ahead(model: Model, measured: Measured) -> Ahead:
+def ahead(model: Model, measured: MeasuredBlock) -> Ahead:
     """Forecast one cycle from the middle of up to 60 sticks."""
     cycle = cycle_of(measured)
     forecaster, run = BlockForecaster(model, measured), measured.run
@@ -65,7 +65,7 @@ def ahead(model: Model, measured: Measured) -> Ahead:
     )
 
 
-def _release_error(one: BlockPrediction, measured: Measured, start: float, cycle: float) -> float:
+def _release_error(one: BlockPrediction, measured: MeasuredBlock, start: float, cycle: float) -> float:
     """Error of the next breakaway's time, half a cycle where it does not come within the forecast."""
     coming = measured.events.t[measured.events.t > start]
     slid = np.flatnonzero(one.mode != 0)
@@ -78,7 +78,7 @@ def error_block(
     case: Case,
     before: Model,
     after: Model,
-    runs: Sequence[Measured],
+    runs: Sequence[MeasuredBlock],
     single: Mapping[str, tuple[float, float, float, float]],
 ) -> tuple[ErrorBlock, dict[str, tuple[Ahead, Ahead]], tuple[str, ...]]:
     """
@@ -123,7 +123,7 @@ def error_block(
 
 def _row(
     case: Case,
-    one: Measured,
+    one: MeasuredBlock,
     errors: tuple[float, float, float],
     spread: float,
     forecasts: tuple[Ahead, Ahead],

@@ -11,7 +11,7 @@ from stickslip.discovery.laboratory.block_errors import Ahead
 from stickslip.discovery.result import RunView
 from stickslip.fitted.block_events.levels import damping, true_stiffness
 from stickslip.fitted.block_events.sensor import reading_of
-from stickslip.fitted.block_events.table import Measured
+from stickslip.fitted.block_events.table import MeasuredBlock
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int8]
@@ -20,13 +20,13 @@ MOST = 20_000  # samples of a run drawn
 THINNEST = 4
 
 
-def validate_view(one: Measured, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
+def validate_view(one: MeasuredBlock, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
     """A run that was forecast; NaN where no forecast was made."""
     was, now = (_forecast(one, f) for f in forecasts)
     return view(one, before, after, was, now)
 
 
-def _forecast(one: Measured, ahead: Ahead) -> Motion:
+def _forecast(one: MeasuredBlock, ahead: Ahead) -> Motion:
     n = len(one.run.t)
     x, v, mode = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
     for p in ahead.predictions:
@@ -38,7 +38,7 @@ def _forecast(one: Measured, ahead: Ahead) -> Motion:
     return x, v, mode
 
 
-def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -> RunView:
+def view(one: MeasuredBlock, before: Model, after: Model, was: Motion, now: Motion) -> RunView:
     """A run as measured and as two motions have it."""
     run = one.run
     step = min(max(1, len(run.t) // MOST), THINNEST)
@@ -68,7 +68,7 @@ def view(one: Measured, before: Model, after: Model, was: Motion, now: Motion) -
     )
 
 
-def state_read(one: Measured, model: Model, m: Motion) -> Floats:
+def state_read(one: MeasuredBlock, model: Model, m: Motion) -> Floats:
     """(n, 2) deflections and velocities behind predicted readings and their rates."""
     reading = reading_of(model, one.run.force_channel)
     x = reading.bend.undone(m[0], one.run.t)
@@ -81,7 +81,7 @@ def _seen(m: Motion) -> Floats:
     return np.column_stack([m[0], m[1], none, none])
 
 
-def _force(one: Measured, model: Model, state: Floats, at: slice) -> Floats:
+def _force(one: MeasuredBlock, model: Model, state: Floats, at: slice) -> Floats:
     """T that the equation of motion needs, -(m x'' + c x' + k x)."""
     assert isinstance(model.rig, BlockOnBelt)
     stiffness = one.run.rig.stiffness * true_stiffness(model) / model.rig.stiffness

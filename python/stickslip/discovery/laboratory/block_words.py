@@ -10,14 +10,14 @@ import numpy as np
 from stickslip.declared.effect import CONSTANTS
 from stickslip.discovery.result import Alternative, Experiment, FoundEffect, Z
 from stickslip.discovery.rig_numbers import BEYOND
-from stickslip.fitted.block_events.table import Measured
+from stickslip.fitted.block_events.table import MeasuredBlock
 from stickslip.measured.case import Case
 
 STICKS = 5  # whose median has an error
 MEDIAN = 1.25  # standard error of a median over that of a mean
 
 
-def ridden(case: Case, runs: Sequence[Measured], effects: Sequence[FoundEffect]) -> tuple[str, ...]:
+def ridden(case: Case, runs: Sequence[MeasuredBlock], effects: Sequence[FoundEffect]) -> tuple[str, ...]:
     """
     Return what is said where nothing is named, and sticks all the same rise at another rate than the belt's.
 

@@ -15,7 +15,7 @@ TAIL = 3.0  # standard deviations from which a reading counts less
 
 
 @dataclass(frozen=True)
-class Windows:
+class SlipWindows:
     """Events cut out of a run: (e, n) times and readings, weight 0 beyond an event's end and at glitches."""
 
     t: Floats
@@ -24,7 +24,7 @@ class Windows:
 
 
 @dataclass(frozen=True)
-class Prior:
+class SlipPrior:
     """What an event's numbers are expected to be, (e, 6): weak, it only holds what the readings do not say."""
 
     centre: Floats
@@ -32,7 +32,7 @@ class Prior:
 
 
 @dataclass(frozen=True)
-class Fitted:
+class SlipFits:
     """Numbers (e, 6), their covariances (e, 6, 6), and the robust rms of each event's residual over the noise."""
 
     p: Floats
@@ -41,15 +41,15 @@ class Fitted:
     residual: Floats
 
 
-def fit(windows: Windows, start: Floats, prior: Prior, tail: float = TAIL) -> Fitted:
+def fit(windows: SlipWindows, start: Floats, prior: SlipPrior, tail: float = TAIL) -> SlipFits:
     """Fit all events of a run.
 
     Parameters
     ----------
-    windows : Windows
+    windows : SlipWindows
         `weight` is 1/noise.
     start : (e, 6) array
-    prior : Prior
+    prior : SlipPrior
     tail : float
         Standard deviations from which a reading counts less; infinite for plain least squares.
     """
@@ -80,15 +80,15 @@ def fit(windows: Windows, start: Floats, prior: Prior, tail: float = TAIL) -> Fi
     used = np.where(windows.weight > 0, r, np.nan)
     rms = np.nanmedian(np.abs(used), axis=1) / 0.6745
     covariance = np.linalg.inv(normal) * np.maximum(rms, 1.0)[:, None, None] ** 2
-    return Fitted(p, covariance, rms, used)
+    return SlipFits(p, covariance, rms, used)
 
 
-def _residual(p: Floats, windows: Windows, tail: float) -> tuple[Floats, Floats]:
+def _residual(p: Floats, windows: SlipWindows, tail: float) -> tuple[Floats, Floats]:
     r = (windows.x - positions(p, windows.t)) * windows.weight
     return r, 1 / np.sqrt(1 + (r / tail) ** 2)
 
 
-def _cost(r: Floats, p: Floats, prior: Prior, tail: float) -> Floats:
+def _cost(r: Floats, p: Floats, prior: SlipPrior, tail: float) -> Floats:
     """Minus twice the log of a density with heavy tails, whose weights are those of `_residual`."""
     tails = np.sum(r**2, axis=1) if np.isinf(tail) else tail**2 * np.sum(np.log1p((r / tail) ** 2), axis=1)
     return np.asarray(tails + np.sum(((p - prior.centre) / prior.spread) ** 2, axis=1))
@@ -105,4 +105,4 @@ def _diagonal(values: Floats) -> Floats:
     return np.asarray(values[:, :, None] * np.eye(values.shape[1]))
 
 
-__all__ = ["LOG_W2", "RATE", "RELEASE", "Fitted", "Prior", "Windows", "fit"]
+__all__ = ["LOG_W2", "RATE", "RELEASE", "SlipFits", "SlipPrior", "SlipWindows", "fit"]

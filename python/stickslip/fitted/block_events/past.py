@@ -17,7 +17,7 @@ from stickslip.declared.effect import FormulaEffect
 from stickslip.declared.model import Model
 from stickslip.errors import ModelWarning, StickslipError
 from stickslip.fitted.block_events.levels import carried, number_of
-from stickslip.fitted.block_events.sensor import Reading
+from stickslip.fitted.block_events.sensor import BlockChannel
 from stickslip.measured import sticks as segments
 from stickslip.measured.cutting import local_state
 from stickslip.simulated.lowering import hidden_states
@@ -30,7 +30,7 @@ RTOL, ATOL = 1e-9, 1e-4  # of the noise
 
 
 @dataclass(frozen=True)
-class Start:
+class BlockStart:
     """A state of the model at a sample; `contact` as `simulate` takes it."""
 
     at: int
@@ -39,19 +39,19 @@ class Start:
     hidden: dict[str, float]
     contact: str
 
-    def moved(self, model: Model, x: float) -> Start:
+    def moved(self, model: Model, x: float) -> BlockStart:
         """The start at another deflection, what hangs on it moved along."""
         by, hidden = x - self.x, dict(self.hidden)
         hidden["m"] += by
         hidden["z"] -= by * _softness(model)
-        return Start(self.at, x, self.v, hidden, self.contact)
+        return BlockStart(self.at, x, self.v, hidden, self.contact)
 
 
 @dataclass(frozen=True)
 class Leg:
     """The model from one start to the sample `stop`: chi-squared of the readings on the way, and how it went."""
 
-    start: Start
+    start: BlockStart
     stop: int
     misfit: float
     released: float  # deflection at which the model lets go on the way; NaN where it does not
@@ -67,9 +67,9 @@ class Past:
     noise: float
     speed: float
     track: segments.Track
-    chain: Reading
+    chain: BlockChannel
 
-    def simulated(self, model: Model, start: Start, t: Floats) -> Trajectory:
+    def simulated(self, model: Model, start: BlockStart, t: Floats) -> Trajectory:
         """The model at times t, the first of which is the start's or later.
 
         Raises
@@ -95,10 +95,10 @@ class Past:
         return out
 
     def lagged(self, out: Trajectory) -> Floats:
-        """What the sensor would make of a run before its gain: m of `Reading`."""
+        """What the sensor would make of a run before its gain: m of `BlockChannel`."""
         return out.hidden["m"] if self.chain.lag else out.state[:, 0]
 
-    def leg(self, model: Model, start: Start, stop: int) -> Leg | None:
+    def leg(self, model: Model, start: BlockStart, stop: int) -> Leg | None:
         """The model from a start to a sample; None where it cannot be simulated so far."""
         try:
             with warnings.catch_warnings():
@@ -112,7 +112,7 @@ class Past:
         released = float(moves.state[slips[0], 0]) if len(slips) else np.nan
         return Leg(start, stop, float(np.nansum(r**2)), released, out)
 
-    def resting(self, model: Model, at: int, stick: segments.Segment, before: Leg | None) -> Start:
+    def resting(self, model: Model, at: int, stick: segments.Segment, before: Leg | None) -> BlockStart:
         """The state in the middle of a stick: its height from the readings, what is hidden from the leg before."""
         x = float(np.nanmean(self.m[at : stick.stop] - self.speed * (self.t[at : stick.stop] - self.t[at])))
         x += self.chain.lag * self.speed
@@ -128,7 +128,7 @@ class Past:
                 start = start.moved(model, start.x + float(np.nanmean(off)))
         return start
 
-    def _entered(self, before: Leg | None, at: int) -> Start | None:
+    def _entered(self, before: Leg | None, at: int) -> BlockStart | None:
         """The state that the leg before ends in, where it sticks as the block does."""
         if before is None or before.stop != at:
             return None
@@ -137,9 +137,9 @@ class Past:
             return None
         hidden = dict.fromkeys(HIDDEN, 0.0) | {name: float(values[-1]) for name, values in end.hidden.items()}
         contact = "auto" if soft else "stick"
-        return Start(at, float(end.state[-1, 0]), float(end.state[-1, 1]), hidden, contact)
+        return BlockStart(at, float(end.state[-1, 0]), float(end.state[-1, 1]), hidden, contact)
 
-    def settled(self, model: Model, at: int, x: float, stick: segments.Segment) -> Start:
+    def settled(self, model: Model, at: int, x: float, stick: segments.Segment) -> BlockStart:
         """A stick of which nothing else is known: it began at its first sample, and belt and bristles have settled."""
         force = float(carried(model, np.array([x]), self.speed)[0])
         bristle = number_of(model, "contact_compliance", "k")
@@ -149,16 +149,16 @@ class Past:
             "m": self.chain.settled(x, self.speed),
             "dwell": float(self.t[at] - self.t[stick.start]),
         }
-        return Start(at, x, self.speed, hidden, "auto" if bristle else "stick")
+        return BlockStart(at, x, self.speed, hidden, "auto" if bristle else "stick")
 
-    def sliding(self, model: Model, at: int) -> Start:
+    def sliding(self, model: Model, at: int) -> BlockStart:
         """A state away from any stick, by a parabola through the readings around it."""
         m, v = local_state(self.t, self.m, at, self.track.width)
         x = m + self.chain.lag * v
         rest = self.settled(model, at, x, segments.Segment(at, at, 0))
-        return Start(at, x, v, rest.hidden | {"m": m, "w": v - self.speed}, "auto")
+        return BlockStart(at, x, v, rest.hidden | {"m": m, "w": v - self.speed}, "auto")
 
-    def fitted(self, model: Model, start: Start, stop: int) -> Leg | None:
+    def fitted(self, model: Model, start: BlockStart, stop: int) -> Leg | None:
         """The leg to sample `stop` from the start at which the readings on the way are met best."""
         sizes = self._free(model, start)
         readings = self.m[start.at : stop + 1]
@@ -180,7 +180,7 @@ class Past:
         legs = [self.leg(model, one, stop) for one in (_shifted(start, sizes, best), start)]
         return min((one for one in legs if one is not None), key=lambda one: one.misfit, default=None)
 
-    def _free(self, model: Model, start: Start) -> dict[str, float]:
+    def _free(self, model: Model, start: BlockStart) -> dict[str, float]:
         """What of a start the readings are left to tell, and how far each is moved to see it."""
         sizes = {"x": self.noise}
         if start.contact == "auto":
@@ -192,10 +192,10 @@ class Past:
         return sizes
 
 
-def _shifted(start: Start, sizes: dict[str, float], p: Floats) -> Start:
+def _shifted(start: BlockStart, sizes: dict[str, float], p: Floats) -> BlockStart:
     by = {name: size * float(step) for (name, size), step in zip(sizes.items(), p, strict=True)}
     hidden = {name: value + by.get(name, 0.0) for name, value in start.hidden.items()}
-    return Start(start.at, start.x + by["x"], start.v + by.get("v", 0.0), hidden, start.contact)
+    return BlockStart(start.at, start.x + by["x"], start.v + by.get("v", 0.0), hidden, start.contact)
 
 
 def _softness(model: Model) -> float:

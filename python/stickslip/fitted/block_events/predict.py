@@ -14,9 +14,9 @@ from stickslip.declared.model import Model
 from stickslip.errors import StickslipError
 from stickslip.fitted.block_events.cycle import S
 from stickslip.fitted.block_events.levels import carried
-from stickslip.fitted.block_events.past import Leg, Past, Start
-from stickslip.fitted.block_events.sensor import Reading, reading_of
-from stickslip.fitted.block_events.table import Measured, measure, natural_rate, prepare
+from stickslip.fitted.block_events.past import BlockStart, Leg, Past
+from stickslip.fitted.block_events.sensor import BlockChannel, reading_of
+from stickslip.fitted.block_events.table import MeasuredBlock, measure, natural_rate, prepare
 from stickslip.measured.recording import Recording
 from stickslip.measured.sticks import CLEAR
 
@@ -30,7 +30,7 @@ PERIODS = 2  # natural ones, of a past without sticks that its state is taken fr
 
 @dataclass(frozen=True)
 class BlockPrediction:
-    """Readings x, deflections and velocities, and modes at times t, (n,), as `Run` has them."""
+    """Readings x, deflections and velocities, and modes at times t, (n,), as `BlockRun` has them."""
 
     t: Floats
     reading: Floats
@@ -39,13 +39,13 @@ class BlockPrediction:
 
 
 @dataclass(frozen=True)
-class Step:
+class PastStick:
     """A stick of the past and the way from it to the next: chi-squared plain and at the level of the events before.
 
     `ratio` is the friction at its breakaway over the model's; `tried`: a level was known before it.
     """
 
-    start: Start
+    start: BlockStart
     misfit: float = 0.0
     sized: float = 0.0
     readings: int = 0
@@ -60,20 +60,20 @@ class BlockForecaster:
     Parameters
     ----------
     model : of a `BlockOnBelt`; its phases are kept unless the past says otherwise.
-    measured : the run; x rises in its sticks, as in `Run`.
+    measured : the run; x rises in its sticks, as in `BlockRun`.
     reading : of the measured run's channel; the model's own if none is given.
     sensor : of the readings to come; that of the measured run if none is given.
     """
 
     model: Model
-    measured: Measured
-    reading: InitVar[Reading | None] = None
-    sensor: Reading | None = None
+    measured: MeasuredBlock
+    reading: InitVar[BlockChannel | None] = None
+    sensor: BlockChannel | None = None
     past: Past = field(init=False)
-    walk: list[Step] = field(init=False, default_factory=list)
+    walk: list[PastStick] = field(init=False, default_factory=list)
     turned: int = field(init=False, default=0)  # legs that the phases are from
 
-    def __post_init__(self, reading: Reading | None) -> None:
+    def __post_init__(self, reading: BlockChannel | None) -> None:
         run = self.measured.run
         self.chain = reading or reading_of(self.model, run.force_channel)
         m, noise = self.chain.motion(run.t, run.sign * run.x, run.noise)
@@ -91,7 +91,7 @@ class BlockForecaster:
         """
         sensor = reading_of(model, recording.channel("x1") == "spring_force")
         measured = measure(prepare(bare(recording, sensor), at_rest=at_rest))
-        return cls(model, measured, Reading(lag=sensor.lag), sensor)
+        return cls(model, measured, BlockChannel(lag=sensor.lag), sensor)
 
     def free(self, at: int) -> BlockPrediction:
         """The model from sample `at` to the end, its phases from the whole run, its state from the readings there.
@@ -114,7 +114,7 @@ class BlockForecaster:
             start = start if leg is None else leg.start
         return self._predicted(self.model, start, run.t[at:])
 
-    def _predicted(self, model: Model, start: Start, t: Floats) -> BlockPrediction:
+    def _predicted(self, model: Model, start: BlockStart, t: Floats) -> BlockPrediction:
         out = self.past.simulated(model, start, t)
         sign, sensor = self.measured.run.sign, self.sensor or self.chain
         read = sensor.read(out.state[:, 0], out.hidden.get("m"), t)
@@ -137,14 +137,14 @@ class BlockForecaster:
         # from where the leg began, unless the readings are elsewhere: what is hidden goes on to the last digit
         return self._predicted(model, self._elsewhere(leg, stop) or leg.start, future)
 
-    def _sliding(self, model: Model, stop: int) -> Start:
+    def _sliding(self, model: Model, stop: int) -> BlockStart:
         """A state some natural periods before a sample, of a past without sticks."""
         run = self.measured.run
         back = PERIODS * 2 * np.pi / natural_rate(run.rig)
         first = int(np.searchsorted(run.t, run.t[stop - 1] - back))
         return self.past.sliding(model, max(0, min(first, stop - LAST)))
 
-    def _last(self, stop: int) -> tuple[Start, list[Step]]:
+    def _last(self, stop: int) -> tuple[BlockStart, list[PastStick]]:
         """Where the model starts to reach a sample, the middle of the last stick if there is one; and the way there."""
         walk = self._walked(stop)
         begun = next((s for s in self.sticks if s.start + CLEAR <= stop < s.stop), None)
@@ -158,7 +158,7 @@ class BlockForecaster:
             return walk[-1].start, walk
         return self._sliding(self.model, stop), walk
 
-    def _walked(self, stop: int) -> list[Step]:
+    def _walked(self, stop: int) -> list[PastStick]:
         """The sticks that end before a sample, each entered as the model comes from the one before."""
         count = sum(s.stop <= stop for s in self.sticks)
         for stick in self.sticks[len(self.walk) : count]:
@@ -166,12 +166,12 @@ class BlockForecaster:
             before = self.past.leg(self.model, self.walk[-1].start, at) if self.walk else None
             if before is not None:
                 self.walk[-1] = self._held_against(self.walk, before)
-            self.walk.append(Step(self.past.resting(self.model, at, stick, before)))
+            self.walk.append(PastStick(self.past.resting(self.model, at, stick, before)))
         # the way on from the last of them is not past yet
         done = self.walk[:count]
-        return [*done[:-1], *(Step(one.start) for one in done[-1:])]
+        return [*done[:-1], *(PastStick(one.start) for one in done[-1:])]
 
-    def _held_against(self, walk: list[Step], leg: Leg) -> Step:
+    def _held_against(self, walk: list[PastStick], leg: Leg) -> PastStick:
         """What friction's level of the events before would have made of a leg, and what its own event says of it."""
         e, run, law = self.measured.events, self.measured.run, self.model.friction
         inside = np.flatnonzero((e.t > run.t[leg.start.at]) & (e.t < run.t[leg.stop]))
@@ -187,16 +187,18 @@ class BlockForecaster:
         factor, sized = self._level(walk), leg
         if factor is not None:
             sized = self.past.leg(scaled(self.model, factor), leg.start, leg.stop) or leg
-        return Step(leg.start, leg.misfit, sized.misfit, leg.stop - leg.start.at, ratio, factor is not None)
+        return PastStick(
+            leg.start, leg.misfit, sized.misfit, leg.stop - leg.start.at, ratio, factor is not None
+        )
 
     @staticmethod
-    def _level(walk: list[Step]) -> float | None:
+    def _level(walk: list[PastStick]) -> float | None:
         """Friction of the last events over the model's; None where none is known."""
         ratios = [one.ratio for one in walk if np.isfinite(one.ratio)][-RECENT:]
         level = float(np.mean(ratios)) if ratios else 0.0
         return level if level > 0 else None
 
-    def _levelled(self, walk: list[Step]) -> Model:
+    def _levelled(self, walk: list[PastStick]) -> Model:
         """The model, its friction at the level of the last events where that has foretold the past better.
 
         No law predicts how runs and places differ; but the level is one more number, and must be worth it.
@@ -219,7 +221,7 @@ class BlockForecaster:
             if len(legs) < 2 * len(names) or not self._turned(names, legs):
                 return
 
-    def _turned(self, names: list[str], legs: list[Step]) -> bool:
+    def _turned(self, names: list[str], legs: list[PastStick]) -> bool:
         """Take the phases that meet the legs best, if they are worth it."""
 
         def misfit(model: Model) -> float:
@@ -242,7 +244,7 @@ class BlockForecaster:
             return True
         return False
 
-    def _elsewhere(self, leg: Leg, stop: int) -> Start | None:
+    def _elsewhere(self, leg: Leg, stop: int) -> BlockStart | None:
         """A state from the last readings alone; None where the model passes through them as well.
 
         In a stick the block is carried; in a slip a parabola of what the lag leaves is m, and x is m + lag m'.
@@ -262,7 +264,7 @@ class BlockForecaster:
         if not worth(float(np.sum(r[good] ** 2)), own, degree + 1, len(t)):
             return None
         hidden = dict(leg.start.hidden) | {name: float(x[-1]) for name, x in leg.end.hidden.items()}
-        start = Start(stop - 1, float(leg.end.state[-1, 0]), 0.0, hidden, leg.start.contact)
+        start = BlockStart(stop - 1, float(leg.end.state[-1, 0]), 0.0, hidden, leg.start.contact)
         x, v = state_behind(local, rides, lag)
         contact = start.contact if stuck else "auto"
         v = past.speed if stuck else run.sign * min(run.sign * v, run.belt_speed)
@@ -270,7 +272,7 @@ class BlockForecaster:
         return replace(moved, hidden=moved.hidden | {"m": float(local(0.0))})
 
 
-def bare(recording: Recording, sensor: Reading) -> Recording:
+def bare(recording: Recording, sensor: BlockChannel) -> Recording:
     """The recording as if its sensor added nothing but its lag."""
     t = recording.t - recording.t[0]
     m, _ = sensor.behind(recording.x1, np.gradient(recording.x1, t), t)
@@ -304,7 +306,7 @@ def scaled(model: Model, factor: float) -> Model:
     return replace(model, friction=type(law)(**sized))
 
 
-def instants(measured: Measured, cycle: float, most: int) -> list[int]:
+def instants(measured: MeasuredBlock, cycle: float, most: int) -> list[int]:
     """Samples to forecast from: the middles of sticks, after the first few events and before the last cycle."""
     run, e = measured.run, measured.events
     if len(e) < RECENT + 1:
@@ -317,7 +319,7 @@ def instants(measured: Measured, cycle: float, most: int) -> list[int]:
     return kept
 
 
-def cycle_of(measured: Measured) -> float:
+def cycle_of(measured: MeasuredBlock) -> float:
     """Mean time from event to event."""
     e = measured.events
     gaps = np.diff(e.t)

@@ -19,7 +19,7 @@ TURNS = 40  # of undoing curves: each leaves their slope's share of what the las
 
 
 @dataclass(frozen=True)
-class Reading:
+class BlockChannel:
     """What the channel makes of the deflection x: what `bend` makes of m, x or x lagged, and curves added.
 
     What formulas make of x is x and what they add, in the place of a curve.
@@ -87,7 +87,7 @@ class Reading:
         return out
 
 
-def reading_of(model: Model, force_channel: bool) -> Reading:
+def reading_of(model: Model, force_channel: bool) -> BlockChannel:
     """The chain from deflection to reading: a force is recorded by the true spring, and read by the declared one.
 
     Raises
@@ -104,7 +104,7 @@ def reading_of(model: Model, force_channel: bool) -> Reading:
     if any(one.variable == "x2" for one in curves) or any(X2 in one.states for one in formulas):
         words = "a curve of the reading in x2 cannot be undone where x1 alone is recorded; one in x1 or t can"
         raise InputError(words, key="learned_x1_x2")
-    return Reading(sensor, lag, (*curves, *formulas))
+    return BlockChannel(sensor, lag, (*curves, *formulas))
 
 
 def formula_adds(one: FormulaReading, x: Floats, t: Floats) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.errors import InputError
 from stickslip.fitted.block_events.cycle import LOG_W2, RATE, RELEASE, ZETA, K, S, arrest, lost
-from stickslip.fitted.block_events.fit import Fitted, Prior, Windows, fit
+from stickslip.fitted.block_events.fit import SlipFits, SlipPrior, SlipWindows, fit
 from stickslip.measured import signals
 from stickslip.measured import sticks as segments
 from stickslip.measured.case import Recording
@@ -23,7 +23,7 @@ MOST = 700  # samples of a window
 
 
 @dataclass(frozen=True)
-class Run:
+class BlockRun:
     """A recording made ready: x rises in its sticks (the belt's direction is turned if need be).
 
     `x` (n,) is NaN at glitches; `sign` undoes the turning; `noise` is the standard deviation of x, quantisation
@@ -80,10 +80,10 @@ class Sticks:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredBlock:
     """A run with its events."""
 
-    run: Run
+    run: BlockRun
     events: SlipEvents
     sticks: Sticks
 
@@ -98,7 +98,7 @@ def damping_ratio(rig: BlockOnBelt) -> float:
     return float(rig.damping / (2 * np.sqrt(rig.stiffness * rig.mass)))
 
 
-def prepare(recording: Recording, *, at_rest: bool = False) -> Run:
+def prepare(recording: Recording, *, at_rest: bool = False) -> BlockRun:
     """Turn a recording into a run, its noise estimated where it is not declared.
 
     Raises
@@ -127,7 +127,7 @@ def prepare(recording: Recording, *, at_rest: bool = False) -> Run:
     )
     steps = np.diff(np.unique(x[np.isfinite(x)]))
     step = float(np.min(steps)) if len(steps) and len(steps) < len(x) // 3 else 0.0
-    return Run(
+    return BlockRun(
         recording.name,
         str(recording.source),
         recording.role,
@@ -144,12 +144,12 @@ def prepare(recording: Recording, *, at_rest: bool = False) -> Run:
     )
 
 
-def measure(run: Run) -> Measured:
+def measure(run: BlockRun) -> MeasuredBlock:
     """Find the events of a run and fit each."""
-    return Measured(run, events(run), sticks(run))
+    return MeasuredBlock(run, events(run), sticks(run))
 
 
-def sticks(run: Run) -> Sticks:
+def sticks(run: BlockRun) -> Sticks:
     """How fast the sticks rise, over the set-point; none on a belt that stands still."""
     if run.belt_speed == 0:
         return Sticks(*(np.zeros(0),) * 4)
@@ -157,7 +157,7 @@ def sticks(run: Run) -> Sticks:
     return Sticks(found.t, found.x, found.speed / run.belt_speed, found.std / run.belt_speed)
 
 
-def events(run: Run) -> SlipEvents:
+def events(run: BlockRun) -> SlipEvents:
     """Slips with a stick on both sides, each fitted by itself."""
     bounds, starts = _windows(run)
     if not bounds:
@@ -172,16 +172,16 @@ def events(run: Run) -> SlipEvents:
     spread = np.empty_like(start)
     spread[:, [S, K]] = 100 * size[:, None]
     spread[:, RELEASE], spread[:, RATE], spread[:, LOG_W2], spread[:, ZETA] = 1 / w, run.belt_speed, 1.5, 0.3
-    return _table(run, bounds, _best(windows, start, Prior(start, spread)))
+    return _table(run, bounds, _best(windows, start, SlipPrior(start, spread)))
 
 
-def _best(windows: Windows, start: Floats, prior: Prior) -> Fitted:
+def _best(windows: SlipWindows, start: Floats, prior: SlipPrior) -> SlipFits:
     """The better of two starts of the frequency, event by event."""
     found = [fit(windows, _shifted(start, shift), prior) for shift in (0.0, 0.7)]
     first, second = ([float(np.nansum(np.log1p((r / 3) ** 2))) for r in one.residual] for one in found)
     take = np.array(second) < np.array(first)
     a, b = found
-    return Fitted(
+    return SlipFits(
         np.where(take[:, None], b.p, a.p),
         np.where(take[:, None, None], b.covariance, a.covariance),
         np.where(take, b.rms, a.rms),
@@ -195,7 +195,7 @@ def _shifted(start: Floats, shift: float) -> Floats:
     return out
 
 
-def _windows(run: Run) -> tuple[list[tuple[int, int]], list[list[float]]]:
+def _windows(run: BlockRun) -> tuple[list[tuple[int, int]], list[list[float]]]:
     """Sample ranges of the events, and where the fit of each starts."""
     track, dt = run.track, float(np.median(np.diff(run.t)))
     w = natural_rate(run.rig)
@@ -216,7 +216,7 @@ def _windows(run: Run) -> tuple[list[tuple[int, int]], list[list[float]]]:
     return bounds, starts
 
 
-def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
+def cut(run: BlockRun, bounds: Sequence[tuple[int, int]]) -> SlipWindows:
     """Readings of the events side by side."""
     longest = max(b - a for a, b in bounds)
     at = np.array([a for a, _ in bounds])[:, None] + np.arange(longest)
@@ -224,10 +224,10 @@ def cut(run: Run, bounds: Sequence[tuple[int, int]]) -> Windows:
     at = np.minimum(at, len(run.t) - 1)
     x = run.x[at]
     bad = beyond | ~np.isfinite(x)
-    return Windows(run.t[at], np.where(bad, 0.0, x), np.where(bad, 0.0, 1 / run.noise))
+    return SlipWindows(run.t[at], np.where(bad, 0.0, x), np.where(bad, 0.0, 1 / run.noise))
 
 
-def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEvents:
+def _table(run: BlockRun, bounds: Sequence[tuple[int, int]], found: SlipFits) -> SlipEvents:
     p = found.p
     variance = np.diagonal(found.covariance, axis1=1, axis2=2)
     std = np.sqrt(
@@ -254,7 +254,7 @@ def _table(run: Run, bounds: Sequence[tuple[int, int]], found: Fitted) -> SlipEv
     )
 
 
-def _rests(run: Run, release: Floats) -> tuple[Floats, Floats]:
+def _rests(run: BlockRun, release: Floats) -> tuple[Floats, Floats]:
     """Time at rest before each breakaway, and x where the rest began."""
     begun = np.array([s.start for s in run.track.sticks], dtype=np.int64)
     at = np.clip(np.searchsorted(run.t[begun], release) - 1, 0, len(begun) - 1)
