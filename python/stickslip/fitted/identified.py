@@ -13,6 +13,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.scale import law_scale, scales, to_digits
 from stickslip.declared.units import Channel
+from stickslip.fitted.constant import Constant
 from stickslip.fitted.saved_result import SavedResult
 from stickslip.fitted.shooting import FARTHEST
 from stickslip.measured.fit_window import Array
@@ -145,20 +146,6 @@ class Scatter:
     belt: Spread
     correlation: Spread
     length: float | None
-
-
-@dataclass(frozen=True)
-class Constant:
-    """What the runs say of a declared constant, or of a sensor's gain (declared as 1), with its 95 % interval.
-
-    `uncertainty` is the relative standard uncertainty of what was declared, None where it was not made use of.
-    """
-
-    value: float
-    low: float
-    high: float
-    declared: float
-    uncertainty: float | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -22,8 +22,9 @@ from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import plainly, to_digits
 from stickslip.errors import InputError
+from stickslip.fitted.constant import Constant
 from stickslip.fitted.covered_speeds import covered_speeds
-from stickslip.fitted.identified import Constant, Identified, estimate
+from stickslip.fitted.identified import Identified, estimate
 from stickslip.fitted.identify_check import explainable, misfit
 from stickslip.fitted.identify_windows import law_parameters, single_noise
 from stickslip.fitted.identify_words import fit_messages

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.declared.formula.tree import Apply, Name, Tree, substituted
-from stickslip.declared.formula.tree import Number as Constant
+from stickslip.declared.formula.tree import Apply, Name, Number, Tree, substituted
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.likelihoods.policy import Policy
@@ -96,8 +95,8 @@ def scattering(law: LawForm, place: int) -> LawForm:
     place : of the contact
     """
     kinetic, static = f"{KINETIC}{place}", f"{STATIC}{place}"
-    level: Tree = Apply("add", (Constant(1.0), Name(kinetic)))
-    more: Tree = Apply("add", (Constant(1.0), Name(static)))
+    level: Tree = Apply("add", (Number(1.0), Name(kinetic)))
+    more: Tree = Apply("add", (Number(1.0), Name(static)))
 
     def times(by: Tree, tree: Tree) -> Tree:
         return Apply("multiply", (by, tree))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from stickslip.declared.contact_laws import ContactLaws
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
 from stickslip.declared.scale import percent, to_digits
+from stickslip.fitted.constant import Constant
 from stickslip.fitted.identified import Estimate, Spread
 from stickslip.fitted.saved_result import SavedResult
 from stickslip.measured.fit_window import Array
@@ -18,34 +18,6 @@ from stickslip.objects import one_line
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-BEYOND = 3.0  # standard uncertainties within which a constant is as declared
-
-
-@dataclass(frozen=True)
-class Constant:
-    """What the runs say of a declared constant, or of a gain (declared as 1), with its 95 % interval.
-
-    `uncertainty` is the relative standard uncertainty of what was declared.
-    """
-
-    value: float
-    low: float
-    high: float
-    declared: float
-    uncertainty: float
-
-    @property
-    def off(self) -> float:
-        """How many standard uncertainties the value lies above what is declared."""
-        return math.log(self.value / self.declared) / self.uncertainty
-
-    @property
-    def beyond(self) -> bool:
-        """Whether the whole interval lies beyond three standard uncertainties of what is declared."""
-        ends = [math.log(one / self.declared) / self.uncertainty for one in (self.low, self.high)]
-        return min(ends) > BEYOND or max(ends) < -BEYOND
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 
 from stickslip.declared.scale import percent, plainly, scales
-from stickslip.fitted.identified import Constant, Scatter
+from stickslip.fitted.constant import BEYOND, Constant
+from stickslip.fitted.identified import Scatter
 from stickslip.fitted.identify import Material
 from stickslip.fitted.identify_words import EXPLAINED
 from stickslip.likelihoods.fit_state import Fit
@@ -16,7 +17,6 @@ from stickslip.likelihoods.memory import correlation
 from stickslip.likelihoods.repeating import swollen
 
 CHANCE = 0.01  # of a law that is right, to be doubted
-BEYOND = 3.0  # standard uncertainties
 
 
 def scatter_messages(
@@ -62,7 +62,7 @@ def differing(sizes: Mapping[str, float]) -> str:
 
 
 def _far(one: Constant) -> bool:
-    return bool(abs(np.log(one.value / one.declared)) > BEYOND * (one.uncertainty or np.inf))
+    return abs(one.off) > BEYOND
 
 
 def _moved(name: str, one: Constant) -> str:
