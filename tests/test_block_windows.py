@@ -14,7 +14,7 @@ from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.block_windows import BlockSensors, drowned
 from stickslip.likelihoods.scaled import Scaled
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.shown_levels import shown_levels
 from stickslip.likelihoods.stretches import stretches
 from stickslip.measured.sticks import rides
@@ -57,12 +57,12 @@ def made(run: Data, effects: tuple[ss.Effect, ...], *, force: bool = True) -> Be
     numbers = []
     for name in CONSTANTS:
         at = float(np.log(model.parameters[name]))
-        numbers.append(Number(name, at, at, 1.0, True))
+        numbers.append(SharedNumber(name, at, at, 1.0, True))
     channel = "gain.spring_force" if force else "gain.x1"
-    numbers.append(Number(channel, GAIN, 0.0, 0.01))
+    numbers.append(SharedNumber(channel, GAIN, 0.0, 0.01))
     for one in effects:
         numbers += [
-            Number(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
+            SharedNumber(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
             for k, v in one.parameters.items()
         ]
     sensors = BlockSensors((channel,), BLOCK.stiffness if force else None)

@@ -15,7 +15,7 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import unexplained
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 
 Floats = NDArray[np.float64]
 PLACED = [
@@ -69,7 +69,7 @@ def test_derivatives_with_an_effect_are_those_of_differences(
     name: str, effect: str, where: str, numbers: dict[str, float]
 ) -> None:
     model, one, bench = simulated(name, effect, where, numbers)
-    own = [Number(f"{one.label}.{key}", size, size, 1.0) for key, size in numbers.items()]
+    own = [SharedNumber(f"{one.label}.{key}", size, size, 1.0) for key, size in numbers.items()]
     own += of_drive(model, bench.data[0], 0, POLICY)
     assert ("drive_speed" in {one.name for one in own}) == (name == "drill")
     windows = replace(bench, policy=replace(POLICY, tolerance=1e-11)).windows(model, own)

@@ -12,7 +12,7 @@ from recorded import recording
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.block_windows import BlockSensors
-from stickslip.likelihoods.members import Events, Members
+from stickslip.likelihoods.members import ComingEvents, Members
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches, timed
@@ -55,7 +55,7 @@ def test_a_member_without_scatter_is_the_simulation(
     k = len(cut) - 4
     tail = timed(cut, windows.motions(windows.start, own))[k]
     nothing = np.zeros((1, windows.effects))
-    events = Events(np.zeros((windows.effects, 1)), nothing, nothing, np.ones(1))
+    events = ComingEvents(np.zeros((windows.effects, 1)), nothing, nothing, np.ones(1))
     members = Members(windows, windows.start, run, events, tail.rest, np.random.default_rng(0))
     made = members.run(own[[k]], tail, len(t)).readings[0]
     expected = np.column_stack([x1] if y1 is None else [x1, y1])[tail.start :]

@@ -10,7 +10,7 @@ from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.mixed import Floats, beside_bounds, products, solve, taken, within
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import Population, factor
-from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.shared import Declared, Prior, SharedNumber
 from stickslip.likelihoods.variances import Deviance, estimate
 
 SHARED, OWN, KNOTS = 2, 2, 4
@@ -221,7 +221,11 @@ def test_own_numbers_take_what_they_are_worth() -> None:
 
 
 def test_constants_that_follow_from_one_another_are_known_together() -> None:
-    numbers = [Number("a", 0.0, 0.0, np.inf), Number("law", 0.0, 1.0, 0.5), Number("b", 0.0, 0.0, np.inf)]
+    numbers = [
+        SharedNumber("a", 0.0, 0.0, np.inf),
+        SharedNumber("law", 0.0, 1.0, 0.5),
+        SharedNumber("b", 0.0, 0.0, np.inf),
+    ]
     covariance = np.array([[0.04, 0.03], [0.03, 0.09]])
     prior = Prior(numbers, Declared(("a", "b"), covariance), tail=1e9)
     away, precision = prior.at(np.zeros(3))
@@ -234,14 +238,18 @@ def test_constants_that_follow_from_one_another_are_known_together() -> None:
 
 
 def test_a_long_tail_lets_a_constant_that_is_far_off_go() -> None:
-    numbers = [Number("a", 0.0, 0.0, np.inf)]
+    numbers = [SharedNumber("a", 0.0, 0.0, np.inf)]
     prior = Prior(numbers, Declared(("a",), np.array([[1.0]])), tail=4.0)
     near, far = (prior.at(np.array([x]))[1][0, 0] for x in (0.1, 10.0))
     assert far < 0.1 * near
 
 
 def test_what_tails_forgive_is_what_a_gaussian_would_charge_beyond_them() -> None:
-    numbers = [Number("a", 0.0, 0.0, np.inf), Number("law", 0.0, 1.0, 0.5), Number("b", 0.0, 0.0, np.inf)]
+    numbers = [
+        SharedNumber("a", 0.0, 0.0, np.inf),
+        SharedNumber("law", 0.0, 1.0, 0.5),
+        SharedNumber("b", 0.0, 0.0, np.inf),
+    ]
     declared = Declared(("a", "b"), np.array([[0.04, 0.03], [0.03, 0.09]]))
     tails, strict = (Prior(numbers, declared, tail) for tail in (4.0, 1e9))
     for at in (np.zeros(3), np.array([0.1, 0.3, -0.2]), np.array([2.0, 0.0, -1.0])):

@@ -13,7 +13,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.declared_numbers import BESIDE
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.rig_windows import RigSensors
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.single_windows import lifted
 from stickslip.likelihoods.stretches import stretches
 
@@ -58,15 +58,15 @@ def made(data: list[Data], effects: tuple[ss.Effect, ...], *, beside: bool = Fal
     """Windows of a run under a model with effects, all their numbers shared; springs `beside` alpha1, too."""
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
     numbers = [
-        Number(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
+        SharedNumber(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
         for n in LAW
     ]
-    numbers += [Number(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
+    numbers += [SharedNumber(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
     if beside:
-        numbers.append(Number(BESIDE, 0.1, 0.0, 0.2))
+        numbers.append(SharedNumber(BESIDE, 0.1, 0.0, 0.2))
     for one in effects:
         numbers += [
-            Number(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
+            SharedNumber(f"{one.name}.{k}", v, v, np.inf, run=0 if k == "phi" else None)
             for k, v in one.parameters.items()
         ]
     return BeltWindows(model, data, stretches(data), numbers, Declared(), RigSensors())

@@ -15,7 +15,7 @@ from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.rig_windows import RigSensors
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.threads import side_by_side, threads
 from stickslip.simulated.lowering import WIDTH
@@ -44,18 +44,18 @@ def windows_of(data: list[Data], name: str, runs: range) -> BeltWindows:
     effects = EFFECTS[name]
     model = ss.Model(RIG, friction=ss.PaperFriction(), effects=effects)
     numbers = [
-        Number(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
+        SharedNumber(n, float(np.log(model.parameters[n])), float(np.log(model.parameters[n])), 1.0, True)
         for n in LAW
     ]
-    numbers += [Number(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
+    numbers += [SharedNumber(n, 0.002, 0.0, 0.01) for n in ("gain.x1", "gain.y1")]
     for one in effects:
         for k, v in one.parameters.items():
             if k == "phi":
                 numbers += [
-                    Number(f"{one.name}.phi", PHASES[r], 0.0, np.inf, run=i) for i, r in enumerate(runs)
+                    SharedNumber(f"{one.name}.phi", PHASES[r], 0.0, np.inf, run=i) for i, r in enumerate(runs)
                 ]
             else:
-                numbers.append(Number(f"{one.name}.{k}", v, v, np.inf))
+                numbers.append(SharedNumber(f"{one.name}.{k}", v, v, np.inf))
     some = [data[r] for r in runs]
     return BeltWindows(model, some, stretches(some), numbers, Declared(), RigSensors())
 

@@ -19,7 +19,7 @@ from stickslip.likelihoods.band import band
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin
-from stickslip.likelihoods.members import Events, Flown, Members
+from stickslip.likelihoods.members import ComingEvents, Flown, Members
 from stickslip.likelihoods.memory import of_effects
 from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import factor
@@ -37,7 +37,7 @@ FIRST = 3.0  # cycles of the past, at least one
 
 
 @dataclass(frozen=True)
-class Ahead:
+class EnsembleForecast:
     """
     One forecast.
 
@@ -71,7 +71,7 @@ class Ahead:
         return np.asarray(self.flown.readings[1:].std(axis=0, ddof=1))
 
 
-def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
+def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[EnsembleForecast]:
     """
     Return forecasts of a run from every cycle on; none where it has no windows, or where nothing can be simulated.
 
@@ -104,7 +104,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
         windows = known.windows
         assert isinstance(windows, BeltWindows)
         root = factor(fit.population, windows.places)[0]
-        events = Events(
+        events = ComingEvents(
             root,
             like,
             np.zeros((DRAWN + 1, windows.effects)),
@@ -120,7 +120,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[Ahead]:
         good = np.array([bool(np.isfinite(one[part]).all()) for one in flown.readings])
         if good[:KEPT].all() and good.sum() > DRAWN // 2:
             kept = Flown(flown.readings[good][:, part], flown.state[:, part], flown.mode[:, part])
-            out.append(Ahead(start, stop, windows.values(at, 0), windows.beside, kept))
+            out.append(EnsembleForecast(start, stop, windows.values(at, 0), windows.beside, kept))
     return out
 
 

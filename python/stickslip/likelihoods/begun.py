@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Past:
+class WindowPasts:
     """
     What the readings tell of the time before windows begin.
 
@@ -75,7 +75,7 @@ def lagged(t: Floats, x: Floats, tau: float) -> Floats:
     return out
 
 
-def past_of(data: Sequence[Data], places: Sequence[Stretch], tau: float) -> Past:
+def past_of(data: Sequence[Data], places: Sequence[Stretch], tau: float) -> WindowPasts:
     """
     Return what the readings tell of a lag before windows begin.
 
@@ -93,7 +93,7 @@ def past_of(data: Sequence[Data], places: Sequence[Stretch], tau: float) -> Past
         every = np.zeros((len(run.t), 2))
         every[:, : min(run.readings.shape[1], 2)] = run.readings[:, :2]
         read[here], behind[here] = every[rows], lagged(run.t, every, tau)[rows]
-    return Past(read, behind, np.array([one.dwell for one in places]))
+    return WindowPasts(read, behind, np.array([one.dwell for one in places]))
 
 
 def derived(
@@ -102,7 +102,7 @@ def derived(
     belt_speed: float | Floats,
     belt: Floats,
     at: Floats,
-    past: Callable[[float], Past],
+    past: Callable[[float], WindowPasts],
 ) -> Floats:
     """
     Return the states of `DERIVED`, (w, 5): speed of what sticks, droop, lagged reading, bristle, lagged slip.

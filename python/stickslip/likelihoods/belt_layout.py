@@ -26,7 +26,7 @@ from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.pooled_samples import PooledSamples
 from stickslip.likelihoods.population import STATIC, Population, start
 from stickslip.likelihoods.sensors import Sensors
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.static_limit import StaticLimit
 from stickslip.likelihoods.stretches import Stretch, knots, lasts, slipped
 from stickslip.simulated.lowering import SLOTS, Lowered, lower
@@ -63,7 +63,7 @@ class BeltLayout(EventWindows[Data, Stretch]):
         model: Model,
         data: Sequence[Data],
         stretches: Sequence[Stretch],
-        numbers: Sequence[Number],
+        numbers: Sequence[SharedNumber],
         declared: Declared,
         sensors: Sensors,
         policy: Policy = POLICY,

@@ -20,7 +20,7 @@ from stickslip.fitted.window import AUTO, STICK
 from stickslip.likelihoods import belt_waves
 from stickslip.likelihoods.begun import DERIVED, acting, derived, past_of, simple
 from stickslip.likelihoods.belt_layout import AT_ONCE, BeltLayout
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.sensors import Samples
 from stickslip.likelihoods.static_limit import StaticLimit
 from stickslip.likelihoods.threads import threads
@@ -131,7 +131,7 @@ class BeltPoint:
         self._gains(chain)
         return self._weighed(chain, np.asarray(raw["outcome"]) == _core.Outcome.finished)
 
-    def motions(self) -> list[Motion | None]:
+    def motions(self) -> list[WindowMotion | None]:
         """Simulate and read."""
         none = np.zeros((0, WIDTH + COUNT)), np.zeros(0, dtype=np.int32)
         raw = self._simulated(self._derived(self.values, self.own), *none, 0)
@@ -141,7 +141,7 @@ class BeltPoint:
         done = np.asarray(raw["outcome"]) == _core.Outcome.finished
         parts = zip(self.offset[:-1], self.offset[1:], done, strict=True)
         return [
-            Motion(self.t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
+            WindowMotion(self.t[a:b], state[a:b], mode[a:b], chain.values[a:b]) if ok else None
             for a, b, ok in parts
         ]
 

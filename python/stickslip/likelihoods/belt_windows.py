@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.belt_layout import BeltLayout
 from stickslip.likelihoods.belt_point import BeltPoint
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 
 Floats = NDArray[np.float64]
 
@@ -57,9 +57,9 @@ class BeltWindows(BeltLayout):
                     out[i] = block
         return out
 
-    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+    def motions(self, at: Floats, own: Floats) -> list[WindowMotion | None]:
         """See `EventWindows.motions`."""
-        out: list[Motion | None] = [None] * len(self.stretches)
+        out: list[WindowMotion | None] = [None] * len(self.stretches)
         for members in self.batches:
             with np.errstate(over="ignore", invalid="ignore"):
                 made = BeltPoint(self, members, at, own[members], (), False).motions()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip import _core
 from stickslip.errors import StickslipError
 from stickslip.fitted.bodies_data import BodiesData
-from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
+from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.policy import POLICY
 
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Ahead:
+class WindowForecasts:
     """
     What a model makes of each window from where the one before ends.
 
@@ -36,7 +36,7 @@ class Ahead:
     readings: Floats
 
 
-def _core_run(point: Point, values: Floats, modes: list[int], t: Floats) -> dict[str, Any] | None:
+def _core_run(point: RunWindows, values: Floats, modes: list[int], t: Floats) -> dict[str, Any] | None:
     raw: dict[str, Any] = _core.simulate_bodies(
         **point.lowered.arguments,
         values=values,
@@ -58,7 +58,7 @@ def free_run(fit: Fit, run: BodiesData, part: slice) -> Floats:
     """Return the readings of a run from the first window's start, friction the model's, which is the mean event's."""
     windows = fit.windows
     assert isinstance(windows, BodiesWindows)
-    point = Point(windows, 0, np.zeros(0), [])
+    point = RunWindows(windows, 0, np.zeros(0), [])
     own = fit.own[0].copy()
     own[windows.begins :] = 0.0
     values, _ = point.started(0, own)
@@ -68,7 +68,7 @@ def free_run(fit: Fit, run: BodiesData, part: slice) -> Floats:
     return point.read(raw, own, False)[0]
 
 
-def one_ahead(fit: Fit, run: BodiesData) -> Ahead:
+def one_ahead(fit: Fit, run: BodiesData) -> WindowForecasts:
     """
     Return what the model of a fit forecasts one window ahead; where it cannot be simulated, that nothing moves.
 
@@ -79,7 +79,7 @@ def one_ahead(fit: Fit, run: BodiesData) -> Ahead:
     """
     windows = fit.windows
     assert isinstance(windows, BodiesWindows)
-    point = Point(windows, 0, np.zeros(0), [])
+    point = RunWindows(windows, 0, np.zeros(0), [])
     out = np.full(run.readings.shape, np.nan)
     moved = 0.0
     for i, w in enumerate(windows.stretches[1:], start=1):
@@ -102,6 +102,6 @@ def one_ahead(fit: Fit, run: BodiesData) -> Ahead:
     off = np.where(seen, run.readings - np.where(seen, out, 0.0), 0.0)
     each = np.sqrt((off**2).sum(axis=0) / np.maximum(seen.sum(axis=0), 1))
     if moved == 0:
-        return Ahead(np.nan, np.nan, each, out)
+        return WindowForecasts(np.nan, np.nan, each, out)
     squares = float(((off * run.weight) ** 2).sum())
-    return Ahead(float(np.sqrt(squares / moved)), float(np.sqrt(seen.sum() / moved)), each, out)
+    return WindowForecasts(float(np.sqrt(squares / moved)), float(np.sqrt(seen.sum() / moved)), each, out)

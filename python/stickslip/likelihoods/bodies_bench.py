@@ -17,7 +17,7 @@ from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.declared_numbers import FAR, FAR_GAIN, STRIDE_CONSTANT, held_loosely
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.measured.recording import Recording
 
 WIDE = 2.3  # width of the prior of a number of a law that is identified, in the logarithm: a factor of ten
@@ -45,41 +45,43 @@ class BodiesBench:
     policy: Policy = POLICY
     law_spread: float = WIDE
 
-    def windows(self, model: Model | None = None, more: Sequence[Number] = ()) -> BodiesWindows:
+    def windows(self, model: Model | None = None, more: Sequence[SharedNumber] = ()) -> BodiesWindows:
         """Return the windows of a hypothesis: the declared model, or another with further numbers."""
         numbers = [*self.of_law(), *self.of_rig(), *self.of_sensors(), *more]
         return BodiesWindows(
             model or self.model, self.data, self.stretches, numbers, self.declared, self.policy
         )
 
-    def of_law(self) -> list[Number]:
+    def of_law(self) -> list[SharedNumber]:
         """Return the numbers of the laws, held loosely about what is declared."""
         return held_loosely(self.model.friction.numbers, self.law_spread)
 
-    def of_rig(self) -> list[Number]:
+    def of_rig(self) -> list[SharedNumber]:
         """Return the constants, over what is declared of them, and the gains that are not exact."""
         out = []
         for name in self.declared.names:
             if name in self.declared.gains:
-                out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
+                out.append(SharedNumber(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN))
             else:
-                out.append(Number(name, 0.0, 0.0, math.inf, True, low=-FAR, high=FAR, stride=STRIDE_CONSTANT))
+                out.append(
+                    SharedNumber(name, 0.0, 0.0, math.inf, True, low=-FAR, high=FAR, stride=STRIDE_CONSTANT)
+                )
         return out
 
-    def of_sensors(self) -> list[Number]:
+    def of_sensors(self) -> list[SharedNumber]:
         """Return the offsets of sensors that are not exact, as well known as declared."""
         given = self.data[0].offsets
-        return [Number(f"offset.{name}", 0.0, 0.0, size) for name, (_, size) in given.items()]
+        return [SharedNumber(f"offset.{name}", 0.0, 0.0, size) for name, (_, size) in given.items()]
 
 
-def of_drive(model: Model, run: BodiesData, number: int, policy: Policy) -> list[Number]:
+def of_drive(model: Model, run: BodiesData, number: int, policy: Policy) -> list[SharedNumber]:
     """Return the speed of a run's drive, as well known as a belt's; none where nothing is driven, or by a formula."""
     assert isinstance(model.rig, GeneralRig)
     speed = run.drive.constant
     if not model.rig.equations.driven or not speed:
         return []
     sd = policy.belt_sd * abs(speed)
-    return [Number("drive_speed", speed, speed, sd, run=number, stride=sd)]
+    return [SharedNumber("drive_speed", speed, speed, sd, run=number, stride=sd)]
 
 
 def bench_of(

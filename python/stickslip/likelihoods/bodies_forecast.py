@@ -23,7 +23,7 @@ from stickslip.errors import InputError, ModelWarning, StickslipError, number
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.bodies_cuts import cuts, tail
-from stickslip.likelihoods.bodies_windows import BodiesWindows, Point
+from stickslip.likelihoods.bodies_windows import BodiesWindows, RunWindows
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.own_phases import with_own_phases
@@ -44,7 +44,7 @@ RESTARTS = 20_000  # of one member
 
 
 @dataclass(frozen=True)
-class Distribution:
+class BodiesForecast:
     """
     Readings to come.
 
@@ -123,7 +123,7 @@ def forecast_bodies(
     return pd.DataFrame(columns)
 
 
-def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -> Distribution:
+def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -> BodiesForecast:
     """
     Return the readings that follow a run.
 
@@ -153,7 +153,7 @@ def distribution(model: Model, run: BodiesData, future: Floats, seed: int = 0) -
     if whole is None:
         raise StickslipError("most runs of the model stop before the horizon")
     low, high = band(whole, run.noise * np.sqrt(np.maximum(fit.noise, 1.0)), members.rng)
-    return Distribution(future, run.channels, whole.mean(axis=0), low, high)
+    return BodiesForecast(future, run.channels, whole.mean(axis=0), low, high)
 
 
 class _Members:
@@ -165,7 +165,7 @@ class _Members:
         self.data, self.future, self.rng, count = run, future, rng, len(fit.random)
         last = tail(run, of.stretches[-1])
         self.windows = BodiesWindows(of.model, [run], [last], [], Declared())
-        self.point = Point(self.windows, 0, np.zeros(0), [])
+        self.point = RunWindows(self.windows, 0, np.zeros(0), [])
         self.ahead = AHEAD * run.periods[0]
         self.begins = self.windows.begins
         sizes = np.diag(fit.population.factor(of.places)[0])

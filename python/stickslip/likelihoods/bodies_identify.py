@@ -14,11 +14,12 @@ from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError, StickslipError
+from stickslip.fitted.constant import Constant
 from stickslip.fitted.identified import Estimate, Spread, Status, estimate
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
-from stickslip.likelihoods.identified_rig import Constant, IdentifiedRig
+from stickslip.likelihoods.identified_rig import IdentifiedRig
 from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor

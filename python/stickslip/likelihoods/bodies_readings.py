@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.likelihoods.shared import Number
+from stickslip.likelihoods.shared import SharedNumber
 from stickslip.simulated.bodies_lowering import LoweredBodies
 from stickslip.simulated.sensed import weights
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 def sensor_rows(
     lowered: LoweredBodies,
     sensed: Sequence[str],
-    numbers: Sequence[Number],
+    numbers: Sequence[SharedNumber],
     at: Floats,
     shared: Sequence[int],
     moves: Mapping[str, Mapping[str, Floats]],
@@ -48,7 +48,7 @@ def gained(
     read: Floats,
     by: Floats,
     names: Sequence[str],
-    numbers: Sequence[Number],
+    numbers: Sequence[SharedNumber],
     at: Floats,
     shared: Sequence[int],
 ) -> None:
@@ -76,7 +76,7 @@ def shifted(
     read: Floats,
     by: Floats,
     names: Sequence[str],
-    numbers: Sequence[Number],
+    numbers: Sequence[SharedNumber],
     at: Floats,
     shared: Sequence[int],
 ) -> None:

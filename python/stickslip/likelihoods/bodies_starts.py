@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Start:
+class BodiesStart:
     """v = held + scale_v * (free @ numbers): what sticks moves with what it rubs on."""
 
     scale_q: Floats
@@ -22,7 +22,7 @@ class Start:
     held: Floats  # (n,)
 
 
-def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> Start:
+def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> BodiesStart:
     """
     Return how the velocities follow from a window's own numbers.
 
@@ -35,12 +35,12 @@ def start_of(D: Floats, speeds: Floats, scales: tuple[Floats, Floats]) -> Start:
     scale_q, scale_v = scales
     n = len(scale_q)
     if not len(D):
-        return Start(scale_q, scale_v, np.eye(n), np.zeros(n))
+        return BodiesStart(scale_q, scale_v, np.eye(n), np.zeros(n))
     scaled = D * scale_v
     _, _, turned = np.linalg.svd(scaled)
     free = np.zeros((n, n))
     free[:, : n - len(D)] = turned[len(D) :].T
-    return Start(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
+    return BodiesStart(scale_q, scale_v, free, scale_v * (np.linalg.pinv(scaled) @ speeds))
 
 
 def scales_of(run: BodiesData) -> tuple[Floats, Floats]:

@@ -25,7 +25,7 @@ from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
-from stickslip.likelihoods.bodies_starts import Start, scales_of, start_of
+from stickslip.likelihoods.bodies_starts import BodiesStart, scales_of, start_of
 from stickslip.likelihoods.contact_scatter import (
     OWN,
     ContactScatter,
@@ -34,9 +34,9 @@ from stickslip.likelihoods.contact_scatter import (
     scattering,
 )
 from stickslip.likelihoods.event_windows import EventWindows
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import POLICY, Policy
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import general
 from stickslip.simulated.sensed import everything, everything_moves, weights_move
@@ -70,7 +70,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         model: Model,
         data: Sequence[BodiesData],
         stretches: Sequence[Cut],
-        numbers: Sequence[Number],
+        numbers: Sequence[SharedNumber],
         declared: Declared,
         policy: Policy = POLICY,
     ) -> None:
@@ -111,7 +111,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         return self.differs.moved(self.differs.usual(self.policy)[0])
 
     @cached_property
-    def starts(self) -> list[Start]:
+    def starts(self) -> list[BodiesStart]:
         """How each window's state at its start follows from its own numbers."""
         out = []
         for w in self.stretches:
@@ -180,15 +180,15 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
     ) -> list[Floats | None]:
         """See `EventWindows.blocks`."""
         columns = list(range(len(self.numbers)) if shared is None else shared)
-        points = [Point(self, run, at, columns) for run in range(len(self.data))]
+        points = [RunWindows(self, run, at, columns) for run in range(len(self.data))]
         return [
             points[w.run].block(i, own[i], local) if select is None or select[i] else None
             for i, w in enumerate(self.stretches)
         ]
 
-    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+    def motions(self, at: Floats, own: Floats) -> list[WindowMotion | None]:
         """See `EventWindows.motions`."""
-        points = [Point(self, run, at, []) for run in range(len(self.data))]
+        points = [RunWindows(self, run, at, []) for run in range(len(self.data))]
         return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
 
 
@@ -215,7 +215,7 @@ def _scattering(law: LawForm, place: int) -> LawForm:
     return scattering(law, place)
 
 
-class Point:
+class RunWindows:
     """The windows of one run at one point of the shared numbers."""
 
     def __init__(self, windows: BodiesWindows, run: int, at: Floats, shared: list[int]) -> None:
@@ -254,7 +254,7 @@ class Point:
         row[self._place(one.name)] = 1.0
         return row
 
-    def _own_rows(self, start: Start) -> tuple[Floats, Floats]:
+    def _own_rows(self, start: BodiesStart) -> tuple[Floats, Floats]:
         """Seeds of a window's own numbers, (own, size); what of the start they do not move is in the values."""
         of, n = self.of, self.of.dimension
         rows = np.zeros((of.own, len(self.base)))
@@ -388,9 +388,11 @@ class Point:
         out *= self.data.weight[part][:, :, None]
         return out if np.isfinite(out).all() else None
 
-    def motion(self, i: int, own: Floats) -> Motion | None:
+    def motion(self, i: int, own: Floats) -> WindowMotion | None:
         """Simulate and read."""
         raw, done = self._simulated(i, own, False)
         if not done:
             return None
-        return Motion(raw["t"], raw["state"], raw["mode"].astype(np.int8), self.read(raw, own, False)[0])
+        return WindowMotion(
+            raw["t"], raw["state"], raw["mode"].astype(np.int8), self.read(raw, own, False)[0]
+        )

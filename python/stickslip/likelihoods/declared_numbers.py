@@ -15,7 +15,7 @@ from stickslip.declared.rig import Rig
 from stickslip.fitted.unknowns import HELD, SLIPPING
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.sensors import Sensors
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.measured.case import Case
 
 STRIDE_LAW, STRIDE_CONSTANT, STRIDE_GAIN = 0.5, 0.3, 0.1
@@ -26,13 +26,13 @@ IN_DOUBT = frozenset({"v_w_max"})  # at which friction is least; v_w_min is told
 BESIDE = "stiffness"  # of (2.1) what the block's springs have beside alpha1, in numbers of a fit
 
 
-def of_law(model: Model, policy: Policy) -> list[Number]:
+def of_law(model: Model, policy: Policy) -> list[SharedNumber]:
     """Return the numbers of the law, held loosely about what is declared."""
     law = {name: value for name, value in model.parameters.items() if hasattr(model.friction, name)}
     return held_loosely(law, policy.law_spread)
 
 
-def held_loosely(law: Mapping[str, float], spread: float) -> list[Number]:
+def held_loosely(law: Mapping[str, float], spread: float) -> list[SharedNumber]:
     """Return numbers of laws under a prior `spread` wide about what is declared; positive ones in the logarithm."""
     out = []
     for name, value in law.items():
@@ -40,30 +40,34 @@ def held_loosely(law: Mapping[str, float], spread: float) -> list[Number]:
             continue
         if value > 0:
             at = math.log(value)
-            out.append(Number(name, at, at, spread, True, stride=STRIDE_LAW))
+            out.append(SharedNumber(name, at, at, spread, True, stride=STRIDE_LAW))
         else:
-            out.append(Number(name, value, value, spread, low=0.0))
+            out.append(SharedNumber(name, value, value, spread, low=0.0))
     return out
 
 
-def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[Number]:
+def of_rig(model: Model, declared: Declared, sensors: Sensors) -> list[SharedNumber]:
     """Return the constants and gains that are not exact."""
     out = []
     for name in declared.names:
         if name in sensors.gains:
-            out.append(Number(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN, stride=STRIDE_GAIN))
+            out.append(
+                SharedNumber(name, 0.0, 0.0, math.inf, low=-FAR_GAIN, high=FAR_GAIN, stride=STRIDE_GAIN)
+            )
         elif name not in model.parameters:
             far = FAR_GAIN * model.parameters["alpha1"]
-            out.append(Number(name, 0.0, 0.0, math.inf, low=-far, high=far))
+            out.append(SharedNumber(name, 0.0, 0.0, math.inf, low=-far, high=far))
         else:
             at = math.log(model.parameters[name])
             out.append(
-                Number(name, at, at, math.inf, True, low=at - FAR, high=at + FAR, stride=STRIDE_CONSTANT)
+                SharedNumber(
+                    name, at, at, math.inf, True, low=at - FAR, high=at + FAR, stride=STRIDE_CONSTANT
+                )
             )
     return [*out, *_speeds(model, declared)]
 
 
-def _speeds(model: Model, declared: Declared) -> list[Number]:
+def _speeds(model: Model, declared: Declared) -> list[SharedNumber]:
     """Return speeds of the law that a fit holds, where they are counted in a unit of time that is in doubt."""
     if BESIDE in model.parameters or BESIDE not in declared.names:
         return []
@@ -72,7 +76,7 @@ def _speeds(model: Model, declared: Declared) -> list[Number]:
     out = []
     for name in sorted(IN_DOUBT.intersection(model.parameters)):
         at = math.log(model.parameters[name])
-        out.append(Number(name, at, at, doubt, True, stride=STRIDE_CONSTANT))
+        out.append(SharedNumber(name, at, at, doubt, True, stride=STRIDE_CONSTANT))
     return out
 
 

@@ -21,7 +21,7 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import Fit, begin, unexplained
 from stickslip.likelihoods.in_common import Common, in_common
-from stickslip.likelihoods.members import Events, Members
+from stickslip.likelihoods.members import ComingEvents, Members
 from stickslip.likelihoods.memory import KINETIC, memory, of_effects
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import factor
@@ -110,7 +110,7 @@ def _has_windows(model: Model) -> bool:
     return not taken and all(one.name != YIELDS for one in model.effects)
 
 
-def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[Events, Floats]:
+def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[ComingEvents, Floats]:
     """What a past shows of the events to come, and what its own have in common."""
     found, _ = memory(fit, KINETIC)
     # the past tells correlations poorly: every member has some that may be the true ones
@@ -124,14 +124,14 @@ def _events(fit: Fit, shared: Common | None, rng: np.random.Generator) -> tuple[
         # events that are alike, and scatter more than they seem to, tell less of what they have in common
         more = np.sqrt(np.maximum(wide**2 * (1 + found) / (1 - found) - 1, 0.0) / n)
         drawn = more[:, None] * (rng.standard_normal((MEMBERS, root.shape[1])) @ root.T)
-        return Events(root, like, doubt + drawn, wide, ahead=_ahead(shared, rng)), np.zeros(size)
+        return ComingEvents(root, like, doubt + drawn, wide, ahead=_ahead(shared, rng)), np.zeros(size)
     # the law is that of other runs: what the events of this one have in common is known from them alone
     count = len(fit.random) * (1 - found) / (1 + found)
     # so few events tell their standard deviation roughly: each member has one that they may come from
     wide = np.sqrt(len(fit.random) / rng.chisquare(len(fit.random), MEMBERS))
     spread = wide[:, None] * (rng.standard_normal((MEMBERS, root.shape[1])) @ root.T)
     common = fit.random.mean(axis=0)
-    return Events(root, like, common + spread / math.sqrt(max(count, 1.0)), wide), common
+    return ComingEvents(root, like, common + spread / math.sqrt(max(count, 1.0)), wide), common
 
 
 def _ahead(shared: Common, rng: np.random.Generator) -> Floats | None:

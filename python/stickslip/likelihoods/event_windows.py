@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.shared import Declared, Number, Prior
+from stickslip.likelihoods.shared import Declared, Prior, SharedNumber
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         model: Model,
         data: Sequence[RunT],
         stretches: Sequence[PlaceT],
-        numbers: Sequence[Number],
+        numbers: Sequence[SharedNumber],
         declared: Declared,
         policy: Policy,
     ) -> None:
@@ -164,7 +164,7 @@ class EventWindows(ABC, Generic[RunT, PlaceT]):
         return [None if one is None else one[:, :, :-1] for one in made]
 
     @abstractmethod
-    def motions(self, at: Floats, own: Floats) -> list[Motion | None]:
+    def motions(self, at: Floats, own: Floats) -> list[WindowMotion | None]:
         """Return each window as simulated; None where it fails."""
 
 

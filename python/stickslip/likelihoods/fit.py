@@ -22,7 +22,7 @@ from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.repeating import beyond_shown, explained, lost, swollen
 from stickslip.likelihoods.shown_levels import shown_levels, shown_scatter
 from stickslip.likelihoods.single_windows import lifted, polished, rescued, settled, stand
-from stickslip.likelihoods.variances import Estimate, estimate
+from stickslip.likelihoods.variances import PopulationEstimate, estimate
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -200,7 +200,7 @@ def _closed(here: Fit, policy: Policy, turns: int) -> Fit:
     return min(moved, scattered, stayed, key=lambda one: one.deviance)
 
 
-def _moved(fit: Fit, found: Estimate[Any], policy: Policy) -> Fit:
+def _moved(fit: Fit, found: PopulationEstimate[Any], policy: Policy) -> Fit:
     """The fit a whole step on, under another population."""
     assert fit.linear is not None
     solution = found.solution
@@ -217,7 +217,7 @@ def _moved(fit: Fit, found: Estimate[Any], policy: Policy) -> Fit:
     return _valued(there, _estimate(there, policy, 0))
 
 
-def _valued(fit: Fit, found: Estimate[Any]) -> Fit:
+def _valued(fit: Fit, found: PopulationEstimate[Any]) -> Fit:
     """The fit with its deviance: the cost of the windows as simulated, their own numbers integrated."""
     cost = Cost(fit, fit.population, fit.noise)
     _, total = cost.total(fit.blocks, fit.own, fit.at)
@@ -241,7 +241,7 @@ def _linearised(fit: Fit, policy: Policy) -> Fit:
     return replace(fit, linear=replace(linear, weight=weight), knee=knee)
 
 
-def _estimate(fit: Fit, policy: Policy, turns: int) -> Estimate[Any]:
+def _estimate(fit: Fit, policy: Policy, turns: int) -> PopulationEstimate[Any]:
     assert fit.linear is not None
     prior = fit.windows.prior.at(fit.at)
     return estimate(
@@ -282,15 +282,15 @@ def _stepped(fit: Fit, policy: Policy, damping: float, free: bool) -> tuple[Fit 
     return (there, saved, False) if trial is None else (trial[0], saved + trial[1], trial[2])
 
 
-def _deviance(fit: Fit, stay: Estimate[Any]) -> float:
+def _deviance(fit: Fit, stay: PopulationEstimate[Any]) -> float:
     """The deviance of a fit where it stands; `stay` is how its windows are solved there."""
     _, total = Cost(fit, fit.population, fit.noise).total(fit.blocks, fit.own, fit.at)
     return total + stay.solution.volume + stay.held
 
 
 def _apart(
-    fit: Fit, found: Estimate[Any], here: float, policy: Policy
-) -> tuple[Fit, Estimate[Any], float] | None:
+    fit: Fit, found: PopulationEstimate[Any], here: float, policy: Policy
+) -> tuple[Fit, PopulationEstimate[Any], float] | None:
     """The fit with population and noise on the way to others while its windows stay, as solved, and what that saves."""
     was, to = fit.population.coordinates(), found.population.coordinates()
     for size in STEPS:
@@ -306,7 +306,7 @@ def _apart(
 
 def _tried(
     fit: Fit,
-    found: Estimate[Any],
+    found: PopulationEstimate[Any],
     noise: Floats,
     damping: float,
     sizes: Sequence[float] = STEPS,
@@ -346,7 +346,7 @@ def _tried(
     return None
 
 
-def _freed_noise(fit: Fit, found: Estimate[Any]) -> Floats:
+def _freed_noise(fit: Fit, found: PopulationEstimate[Any]) -> Floats:
     """The noise's factors from what is left and what the windows' own numbers take of it."""
     assert fit.linear is not None
     count = (fit.linear.count * fit.linear.weight[:, None]).sum(0)

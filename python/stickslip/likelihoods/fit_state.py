@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.event_windows import EventWindows
-from stickslip.likelihoods.mixed import Solution, Windows, taken
-from stickslip.likelihoods.population import Scatter, factor
+from stickslip.likelihoods.mixed import Solution, WindowProducts, taken
+from stickslip.likelihoods.population import AnyScatter, factor
 
 Floats = NDArray[np.float64]
 LOST = 100.0  # chi-squared per reading of a window that cannot be simulated
@@ -38,10 +38,10 @@ class Fit:
     windows: Windowed
     at: Floats
     own: Floats
-    population: Any  # a `Scatter`, that of its windows
+    population: Any  # a `AnyScatter`, that of its windows
     noise: Floats
     knee: Floats
-    linear: Windows | None = None
+    linear: WindowProducts | None = None
     blocks: list[Floats | None] = field(default_factory=list, repr=False)
     deviance: float = np.inf
     solution: Solution | None = None
@@ -95,7 +95,7 @@ def soft(chi: Floats, knee: Floats) -> Floats:
 class Cost:
     """Penalised cost of windows at a population."""
 
-    def __init__(self, fit: Fit, population: Scatter, noise: Floats) -> None:
+    def __init__(self, fit: Fit, population: AnyScatter, noise: Floats) -> None:
         self.fit, self.noise = fit, noise
         roots = factor(population, fit.windows.places)
         covariance = roots @ roots.transpose(0, 2, 1)

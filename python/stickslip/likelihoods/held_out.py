@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit, soft
 from stickslip.likelihoods.mixed import solve
-from stickslip.likelihoods.population import Population, Scatter, factor
+from stickslip.likelihoods.population import AnyScatter, Population, factor
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -17,7 +17,7 @@ FOLDS = 3
 EXACT = 1e12  # precision of what is known from the other windows
 
 
-def deviances(fit: Fit, population: Scatter, noise: Floats) -> tuple[Floats, Mask]:
+def deviances(fit: Fit, population: AnyScatter, noise: Floats) -> tuple[Floats, Mask]:
     """
     Return -2 log marginal likelihood of each window, (w,), to first order about a fit without shared numbers.
 

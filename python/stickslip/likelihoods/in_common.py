@@ -15,11 +15,11 @@ from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit import ALONE, LAST_TURNS, fitted
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.members import with_windows
-from stickslip.likelihoods.mixed import Windows
+from stickslip.likelihoods.mixed import WindowProducts
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import Population, factor
 from stickslip.likelihoods.single_windows import settled
-from stickslip.likelihoods.variances import Estimate, estimate
+from stickslip.likelihoods.variances import PopulationEstimate, estimate
 from stickslip.simulated.states import X1
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ def in_common(fit: Fit, policy: Policy) -> Common | None:
     return Common(fit, covariance, _ahead(fit))
 
 
-def _alone(fit: Fit, policy: Policy) -> Estimate[Population]:
+def _alone(fit: Fit, policy: Policy) -> PopulationEstimate[Population]:
     """Scatter and noise with nothing in common."""
     assert fit.linear is not None
     nothing = np.zeros(0), np.zeros((0, 0))
@@ -82,7 +82,7 @@ def _alone(fit: Fit, policy: Policy) -> Estimate[Population]:
     )
 
 
-def _unlikely(fit: Fit, found: Estimate[Population], prior: Floats, first: bool) -> float:
+def _unlikely(fit: Fit, found: PopulationEstimate[Population], prior: Floats, first: bool) -> float:
     """-2 log of the evidence: what is in common integrated over what one event's scatter would let it be."""
     windows = fit.windows
     assert isinstance(windows, BeltWindows)
@@ -122,7 +122,7 @@ def _covariance(fit: Fit) -> Floats:
     return np.asarray(root @ root.T + EXACT * np.eye(len(root)))
 
 
-def _solved(fit: Fit, prior: Floats, policy: Policy) -> Estimate[Population]:
+def _solved(fit: Fit, prior: Floats, policy: Policy) -> PopulationEstimate[Population]:
     """Scatter and noise beside a step of what is in common, as the shared numbers."""
     windows, linear = fit.windows, fit.linear
     assert isinstance(windows, BeltWindows)
@@ -139,7 +139,7 @@ def _solved(fit: Fit, prior: Floats, policy: Policy) -> Estimate[Population]:
     )
 
 
-def _with_common(linear: Windows, which: list[int]) -> Windows:
+def _with_common(linear: WindowProducts, which: list[int]) -> WindowProducts:
     """The windows with some effects as shared numbers, too."""
     columns = np.array([*(linear.own + i for i in which), *range(linear.own + linear.effects + 1)])
     return replace(linear, gram=linear.gram[:, :, columns[:, None], columns], shared=len(which))
@@ -157,7 +157,7 @@ def _lasting(windows: BeltWindows) -> list[int]:
     return [*windows.statics, *windows.kinetics[0], *belt]
 
 
-def _about(fit: Fit, found: Estimate[Population]) -> Fit:
+def _about(fit: Fit, found: PopulationEstimate[Population]) -> Fit:
     """The fit a step on, its windows about what they were found to have in common."""
     was = fit.windows
     assert isinstance(was, BeltWindows)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import begin
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.population import Population
 from stickslip.likelihoods.shared import Declared
@@ -26,7 +26,7 @@ AHEAD = 2.0  # cycles that members are simulated at once
 
 
 @dataclass(frozen=True)
-class Events:
+class ComingEvents:
     """
     What is known of the events to come, for each of m members.
 
@@ -90,7 +90,7 @@ class Members:
         windows: BeltWindows,
         at: Floats,
         run: Data,
-        events: Events,
+        events: ComingEvents,
         rest: float,
         rng: np.random.Generator,
     ) -> None:
@@ -169,10 +169,10 @@ class Members:
                     onward[k, HIDING] = m.state[stick, HIDING]
         return out
 
-    def _simulated(self, cut: Sequence[Stretch], own: Floats, onward: Floats) -> list[Motion | None]:
+    def _simulated(self, cut: Sequence[Stretch], own: Floats, onward: Floats) -> list[WindowMotion | None]:
         return with_windows(self.windows, cut, self.data, onward=onward).motions(self.at, own)
 
-    def _kept(self, out: Flown, k: int, one: Stretch, motion: Motion | None, own: Floats) -> bool:
+    def _kept(self, out: Flown, k: int, one: Stretch, motion: WindowMotion | None, own: Floats) -> bool:
         """Keep what was simulated up to the next stick, `one` counted from the first sample; whether more comes."""
         if motion is None:
             return False
@@ -215,7 +215,7 @@ def with_windows(
     )
 
 
-def _stuck_again(motion: Motion) -> int | None:
+def _stuck_again(motion: WindowMotion) -> int | None:
     """The first sample of the stick that follows a slip, so later than the first of all."""
     slips = np.flatnonzero(motion.mode != 0)
     if not len(slips):

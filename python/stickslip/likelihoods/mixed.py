@@ -20,7 +20,7 @@ ROUNDING = 1e-14  # share of a product that sums of many lose
 
 
 @dataclass(frozen=True)
-class Windows:
+class WindowProducts:
     """
     Windows as products, so that a change of variances never looks at the readings again.
 
@@ -73,7 +73,7 @@ class Solution:
 
 def products(
     blocks: Sequence[Floats | None], run: Sequence[int], shared: int, own: int, channels: int
-) -> Windows:
+) -> WindowProducts:
     """
     Return the windows of `blocks`.
 
@@ -95,11 +95,13 @@ def products(
             gram[w, c] = column.T @ column
             count[w, c] = np.count_nonzero(column[:, -1])
     weight = np.array([0.0 if one is None else 1.0 for one in blocks])
-    return Windows(gram, count, weight, np.asarray(run, dtype=np.int64), shared, own, m - shared - own - 1)
+    return WindowProducts(
+        gram, count, weight, np.asarray(run, dtype=np.int64), shared, own, m - shared - own - 1
+    )
 
 
 def solve(
-    windows: Windows,
+    windows: WindowProducts,
     factor: Floats,
     noise: Floats,
     mean: Floats,
@@ -283,7 +285,7 @@ def turned(a: Floats, factor: Floats, at: Floats, first: int) -> Floats:
     return out
 
 
-def taken(windows: Windows, factor: Floats, found: Solution, noise: Floats) -> Floats:
+def taken(windows: WindowProducts, factor: Floats, found: Solution, noise: Floats) -> Floats:
     """
     Return by channel how many readings' worth of noise the windows' own numbers explain.
 

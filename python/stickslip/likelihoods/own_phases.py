@@ -18,7 +18,7 @@ from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.single_windows import settled
 
 TRIED = 8  # phases of a turn
@@ -45,7 +45,7 @@ def with_own_phases(model: Model, run: BodiesData, windows: Sequence[Cut]) -> Mo
     numbers = []
     for one in waves:
         at = model.parameters[f"{one.label}.phi"]
-        numbers.append(Number(f"{one.label}.phi", at, at, math.inf, run=0, stride=STRIDE))
+        numbers.append(SharedNumber(f"{one.label}.phi", at, at, math.inf, run=0, stride=STRIDE))
     fit = begin(BodiesWindows(model, [run], windows, numbers, Declared()))
     fit = fitted(replace(fit, own=settled(fit, TURNS)[0]), POLICY)
     found = fit.values()

@@ -21,7 +21,7 @@ LEAST, MOST = 1e-5, 0.5  # standard deviations sought; the least is nothing
 SHORTEST, LONGEST = 0.03, 5.0  # correlation lengths sought, over the way slipped
 
 
-class Scatter(Protocol):
+class AnyScatter(Protocol):
     """What differs from window to window on some rig: numbers whose logarithms are estimated."""
 
     @property
@@ -112,7 +112,7 @@ def start(policy: Policy) -> Population:
     return Population(policy.level_sd, policy.curve_sd, policy.curve_length, policy.static_sd, policy.belt_sd)
 
 
-def factor(population: Scatter, places: Sequence[Floats]) -> Floats:
+def factor(population: AnyScatter, places: Sequence[Floats]) -> Floats:
     """
     Return the factor of each run, (runs, effects, white).
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from stickslip.declared.friction.paper import PaperFriction
 from stickslip.declared.model import Model
 from stickslip.declared.rig import Rig
-from stickslip.fitted.identified import Branch, Constant, Estimate, Events, Identified, estimate
+from stickslip.fitted.constant import Constant
+from stickslip.fitted.identified import Branch, Estimate, Events, Identified, estimate
 from stickslip.fitted.identify import Material
 from stickslip.fitted.identify_words import event_messages, number_messages
 from stickslip.fitted.scatter import few

@@ -39,7 +39,7 @@ DECAYS = (1.5, 12.0)  # over the speed of a slip, that the hyperbolic law is sou
 
 
 @dataclass(frozen=True)
-class Bench:
+class RunsToFit:
     """
     Runs as they are fitted.
 
@@ -103,7 +103,7 @@ def scattered(
         return of_block(material, units, bench.declared, *found)
     if not isinstance(material.rig, Rig) or (data := _prepared(_as_used(material))) is None:
         return None
-    fit = Bench(data, RigSensors(), declared).fit(Model(material.rig, friction=law or PaperFriction()))
+    fit = RunsToFit(data, RigSensors(), declared).fit(Model(material.rig, friction=law or PaperFriction()))
     return None if fit is None or not (asked or not repeats(fit)) else of_rig(material, declared, fit)
 
 
@@ -127,7 +127,7 @@ def _prepared(recordings: Sequence[Recording]) -> list[Data] | None:
     return data if len(stretches(data)) >= POLICY.fewest_windows else None
 
 
-def _of_block(material: Material, declared: Declared, units: Scaled) -> Bench | None:
+def _of_block(material: Material, declared: Declared, units: Scaled) -> RunsToFit | None:
     """A block's runs in scaled numbers; None where they go both ways, or one shows no slips."""
     used = _as_used(material)
     data = _prepared([units.run(one) for one in used])
@@ -137,10 +137,12 @@ def _of_block(material: Material, declared: Declared, units: Scaled) -> Bench | 
         return None
     channel = used[0].channel("x1")
     force = units.block().stiffness if channel == "spring_force" else None
-    return Bench(data, BlockSensors((f"gain.{channel}",), force), declared)
+    return RunsToFit(data, BlockSensors((f"gain.{channel}",), force), declared)
 
 
-def _chosen(bench: Bench, material: Material, units: Scaled, alone: Alone | None) -> tuple[Fit, float] | None:
+def _chosen(
+    bench: RunsToFit, material: Material, units: Scaled, alone: Alone | None
+) -> tuple[Fit, float] | None:
     """A block's fit, of the kind declared or else of the likelier one; BIC(Coulomb) - BIC(hyperbolic)."""
     told = DeclaredLaw(material.told, frozenset(material.undeclared))
     if told.law is not None and told.kind is None:

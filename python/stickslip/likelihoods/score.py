@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.mixed import Windows, products, solve
+from stickslip.likelihoods.mixed import WindowProducts, products, solve
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.variances import estimate
@@ -98,7 +98,7 @@ def score(
     return Score(float(gain), found.shared[p:], found.covariance[p:, p:], found.shared[:p])
 
 
-def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k: int) -> Windows:
+def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k: int) -> WindowProducts:
     """Return the fit's windows with `k` further shared numbers, the last ones."""
     assert fit.linear is not None
     p = len(fit.windows.numbers)
@@ -114,7 +114,7 @@ def beside(fit: Fit, columns: Columns, place: Sequence[Sequence[int]] | None, k:
     return replace(made, weight=made.weight * fit.linear.weight)
 
 
-def plain(windows: Windows, p: int, k: int) -> Windows:
+def plain(windows: WindowProducts, p: int, k: int) -> WindowProducts:
     """Return windows without the last `k` of their shared numbers."""
     kept = [i for i in range(windows.gram.shape[-1]) if not p <= i < p + k]
     return replace(windows, gram=windows.gram[:, :, kept][:, :, :, kept], shared=p)

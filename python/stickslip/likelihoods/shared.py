@@ -14,7 +14,7 @@ JITTER = 1e-12  # relative, on the diagonal of a covariance whose numbers may fo
 
 
 @dataclass(frozen=True)
-class Number:
+class SharedNumber:
     """
     One number of a hypothesis in the coordinate it is fitted in.
 
@@ -76,7 +76,7 @@ class Prior:
     tail : degrees of freedom of Student's t, in the coordinates in which the constants are independent
     """
 
-    def __init__(self, numbers: Sequence[Number], declared: Declared, tail: float) -> None:
+    def __init__(self, numbers: Sequence[SharedNumber], declared: Declared, tail: float) -> None:
         self.tail = tail
         self.centre = np.array([n.centre for n in numbers])
         sd = np.array([n.sd for n in numbers])

@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.fitted.data import Data, velocity_width
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.measured.intervals import intervals
 from stickslip.measured.stick_speed import ridden_speed
@@ -178,7 +178,7 @@ def _velocity(run: Data, first: int, last: int) -> Floats:
     return np.asarray(scipy.signal.savgol_filter(run.readings[first:last, 0], width, 1, deriv=1, delta=dt))
 
 
-def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[Stretch]:
+def timed(every: Sequence[Stretch], motions: Sequence[WindowMotion | None]) -> list[Stretch]:
     """
     Return stretches with their sticks as long as a model has them that was fitted.
 
@@ -213,7 +213,7 @@ def timed(every: Sequence[Stretch], motions: Sequence[Motion | None]) -> list[St
     return out
 
 
-def _between(motion: Motion, k: int) -> float:
+def _between(motion: WindowMotion, k: int) -> float:
     return 0.5 * float(motion.t[k] + motion.t[k + 1])
 
 

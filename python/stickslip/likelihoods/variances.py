@@ -6,19 +6,19 @@ from typing import Generic, TypeVar
 import numpy as np
 from scipy.optimize import minimize
 
-from stickslip.likelihoods.mixed import Bounds, Floats, Solution, Windows, solve, taken
+from stickslip.likelihoods.mixed import Bounds, Floats, Solution, WindowProducts, solve, taken
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.population import Scatter
+from stickslip.likelihoods.population import AnyScatter
 
 NEARBY = 1e-4  # step of the length's logarithm
 NOISE = (0.3, 1e4)  # factors of the noise's variance sought
 
 
-P = TypeVar("P", bound=Scatter)
+P = TypeVar("P", bound=AnyScatter)
 
 
 @dataclass(frozen=True)
-class Estimate(Generic[P]):
+class PopulationEstimate(Generic[P]):
     """
     The population that makes the readings most likely.
 
@@ -38,7 +38,7 @@ class Estimate(Generic[P]):
 
 
 def estimate(
-    windows: Windows,
+    windows: WindowProducts,
     places: list[Floats],
     population: P,
     noise: Floats,
@@ -47,7 +47,7 @@ def estimate(
     policy: Policy,
     turns: int,
     bounds: Bounds | None = None,
-) -> Estimate[P]:
+) -> PopulationEstimate[P]:
     """
     Estimate scatter and noise from where they are.
 
@@ -73,18 +73,18 @@ def estimate(
         x = np.asarray(best.x)
     solved = free.solved(x)
     held = free.held(x)
-    return Estimate(population.moved(x[:k]), np.exp(x[k:]), solved, solved.deviance + held, held)
+    return PopulationEstimate(population.moved(x[:k]), np.exp(x[k:]), solved, solved.deviance + held, held)
 
 
 @dataclass
 class Deviance:
     """The deviance of population and noise with its slopes; shared and own numbers at their best."""
 
-    windows: Windows
+    windows: WindowProducts
     places: list[Floats]
     prior: tuple[Floats, Floats]
     at: Floats
-    like: Scatter
+    like: AnyScatter
     centre: Floats
     spread: Floats
     bounds: Bounds | None = None
@@ -96,7 +96,7 @@ class Deviance:
             self.windows, population.factor(self.places), noise, *self.prior, self.at, bounds=self.bounds
         )
 
-    def _split(self, x: Floats) -> tuple[Scatter, Floats]:
+    def _split(self, x: Floats) -> tuple[AnyScatter, Floats]:
         k = len(self.centre)
         return self.like.moved(x[:k]), np.exp(x[k:])
 

@@ -14,7 +14,7 @@ from stickslip.discovery.carry_over import deciding
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
-from stickslip.likelihoods.bodies_ahead import Ahead, one_ahead
+from stickslip.likelihoods.bodies_ahead import WindowForecasts, one_ahead
 from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.contact_scatter import ContactScatter
@@ -64,7 +64,7 @@ def error_block(
     recordings: Sequence[Recording],
     spare: float | None,
     less: Mapping[str, tuple[Told, float]],
-) -> tuple[ErrorBlock, list[tuple[Ahead, Ahead]]]:
+) -> tuple[ErrorBlock, list[tuple[WindowForecasts, WindowForecasts]]]:
     """
     Return `error` of the report, and the forecasts that it rests on.
 
@@ -118,7 +118,7 @@ def two_windows(run: BodiesData) -> list[Cut]:
     return cut
 
 
-def ahead(told: Told, run: BodiesData) -> tuple[Ahead, tuple[Floats, Mask]]:
+def ahead(told: Told, run: BodiesData) -> tuple[WindowForecasts, tuple[Floats, Mask]]:
     """
     Return what is forecast of a run, one window ahead, and how likely each window is, as of `deviances`.
 
@@ -141,7 +141,7 @@ def ahead(told: Told, run: BodiesData) -> tuple[Ahead, tuple[Floats, Mask]]:
     return made, deviances(fit, told.scatter, told.noise)
 
 
-def _row(run: BodiesData, recording: Recording, was: Ahead, now: Ahead) -> RunError:
+def _row(run: BodiesData, recording: Recording, was: WindowForecasts, now: WindowForecasts) -> RunError:
     error = {"before": was.error, "after": now.error, "floor": now.floor}
     rmse, unit = {}, {}
     for c, name in enumerate(run.channels):

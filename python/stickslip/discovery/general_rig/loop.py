@@ -25,7 +25,7 @@ from stickslip.discovery.result import FoundEffect, Verdict
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
-from stickslip.likelihoods.bodies_ahead import Ahead
+from stickslip.likelihoods.bodies_ahead import WindowForecasts
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import lost
@@ -168,7 +168,7 @@ def _train(bench: GeneralBench, found: Searched) -> list[RigView]:
     return [_drawn(run, was, now) for run, was, now in zip(bench.data, *sides, strict=True)]
 
 
-def _view(run: BodiesData, forecasts: tuple[Ahead, Ahead]) -> RigView:
+def _view(run: BodiesData, forecasts: tuple[WindowForecasts, WindowForecasts]) -> RigView:
     was, now = forecasts
     return _drawn(run, was.readings, now.readings)
 

@@ -25,7 +25,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.motion import Motion
+from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.score import Columns, score
 from stickslip.likelihoods.sensors import Sensors
@@ -93,7 +93,7 @@ def _asked(bench: _OnBelt) -> list[tuple[str, str]]:
     return out
 
 
-def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> Floats:
+def _levelled(bench: _OnBelt, motions: list[WindowMotion | None], one: _Shaped) -> Floats:
     """Which combinations of a curve's shapes are its own."""
     # friction as a whole is the law's, and so is a constant force on the block while all slip one way, and what of a
     # reading no angle body shows; speeds that are all off are the set-points'
@@ -103,7 +103,11 @@ def _levelled(bench: _OnBelt, motions: list[Motion | None], one: _Shaped) -> Flo
 
 
 def _scored(
-    bench: _OnBelt, fit: Fit, terms: Sequence[Term], motions: list[Motion | None], asked: tuple[str, str]
+    bench: _OnBelt,
+    fit: Fit,
+    terms: Sequence[Term],
+    motions: list[WindowMotion | None],
+    asked: tuple[str, str],
 ) -> Learned | None:
     """A curve; None where no window can be simulated with it."""
     one = _shaped(bench, fit, terms, motions, *asked)
@@ -137,7 +141,12 @@ def _scored(
 
 
 def _shaped(
-    bench: _OnBelt, fit: Fit, terms: Sequence[Term], motions: list[Motion | None], where: str, variable: str
+    bench: _OnBelt,
+    fit: Fit,
+    terms: Sequence[Term],
+    motions: list[WindowMotion | None],
+    where: str,
+    variable: str,
 ) -> _Shaped:
     grid = _grid(bench, motions, variable, bench.policy.curve_shapes)
     if where == "belt":
@@ -152,7 +161,7 @@ def _shaped(
     return _Shaped(where, variable, grid, columns, width, curve)
 
 
-def _at(bench: _OnBelt, run: int, motion: Motion, variable: str) -> Floats:
+def _at(bench: _OnBelt, run: int, motion: WindowMotion, variable: str) -> Floats:
     """What a curve is of, along a motion."""
     if variable == "t":
         return motion.t
@@ -161,13 +170,13 @@ def _at(bench: _OnBelt, run: int, motion: Motion, variable: str) -> Floats:
     return motion.state[:, states.AT[variable]]
 
 
-def _slips(bench: _OnBelt, motions: list[Motion | None], variable: str) -> Floats:
+def _slips(bench: _OnBelt, motions: list[WindowMotion | None], variable: str) -> Floats:
     """The same of all slips."""
     every = zip(bench.stretches, motions, strict=True)
     return np.concatenate([_at(bench, s.run, m, variable)[m.mode != 0] for s, m in every if m is not None])
 
 
-def _grid(bench: _OnBelt, motions: list[Motion | None], variable: str, count: int) -> Floats:
+def _grid(bench: _OnBelt, motions: list[WindowMotion | None], variable: str, count: int) -> Floats:
     """Places of a curve's knots: where slips pass often there are many, and none is far from the next."""
     every = _slips(bench, motions, variable)
     low, high = np.quantile(every, [0.002, 0.998])
@@ -175,7 +184,7 @@ def _grid(bench: _OnBelt, motions: list[Motion | None], variable: str, count: in
     return np.asarray(0.5 * (often + np.linspace(low, high, count)))
 
 
-def _mean(bench: _OnBelt, motions: list[Motion | None], variable: str, grid: Floats) -> Floats:
+def _mean(bench: _OnBelt, motions: list[WindowMotion | None], variable: str, grid: Floats) -> Floats:
     """Mean of each shape over all slips, (k,)."""
     return np.asarray(shapes(grid, _slips(bench, motions, variable)).mean(axis=0))
 
@@ -195,7 +204,7 @@ def _of_events(fit: Fit, factors: Factors) -> Columns:
     ]
 
 
-def _speeds(fit: Fit, motions: list[Motion | None], grid: Floats) -> Factors:
+def _speeds(fit: Fit, motions: list[WindowMotion | None], grid: Floats) -> Factors:
     """A window's belt speed, its line and its mean, over the set-point by each shape of a curve in t."""
     out: list[Floats | None] = []
     for motion in motions:

@@ -18,7 +18,7 @@ from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
 from stickslip.fitted.predict import Prediction, joined
 from stickslip.fitted.readings import reading_rate
-from stickslip.likelihoods.ahead import KEPT, Ahead, ahead
+from stickslip.likelihoods.ahead import KEPT, EnsembleForecast, ahead
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.foretold import deviance
 from stickslip.measured.case import Recording
@@ -191,32 +191,32 @@ def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | N
     return measured, floor
 
 
-def _first(one: Ahead, run: Data) -> tuple[int, int]:
+def _first(one: EnsembleForecast, run: Data) -> tuple[int, int]:
     """The samples of its first cycle."""
     stop = int(np.searchsorted(run.t, run.t[one.start] + run.cycle))
     return one.start, min(max(stop, one.start + 1), one.stop)
 
 
-def _deviance(one: Ahead, run: Data, stop: int, noise: Floats, knee: float) -> float:
+def _deviance(one: EnsembleForecast, run: Data, stop: int, noise: Floats, knee: float) -> float:
     """-2 log density of the readings it is of, to a sample."""
     part = slice(one.start, stop)
     members = one.flown.readings[1:, : stop - one.start, :2]
     return deviance(members, noise, run.readings[part, :2], run.weight[part, :2] > 0, knee)
 
 
-def _expected(every: Sequence[Ahead], run: Data, stops: Sequence[int]) -> Prediction:
+def _expected(every: Sequence[EnsembleForecast], run: Data, stops: Sequence[int]) -> Prediction:
     """Forecasts end to end: readings as they are expected, the motion where events have no friction of their own."""
     parts = [_part(one, run, stop, 0) for one, stop in zip(every, stops, strict=True)]
     means = [one.mean[: stop - one.start] for one, stop in zip(every, stops, strict=True)]
     return replace(joined(parts), readings=np.concatenate(means))
 
 
-def _member(every: Sequence[Ahead], run: Data, stops: Sequence[int], k: int) -> Prediction:
+def _member(every: Sequence[EnsembleForecast], run: Data, stops: Sequence[int], k: int) -> Prediction:
     """A member, which might have been the run."""
     return joined([_part(one, run, stop, k) for one, stop in zip(every, stops, strict=True)])
 
 
-def _part(one: Ahead, run: Data, stop: int, k: int) -> Prediction:
+def _part(one: EnsembleForecast, run: Data, stop: int, k: int) -> Prediction:
     n = stop - one.start
     t, state = run.t[one.start : stop], one.flown.state[k, :n]
     rate = reading_rate(t, state, one.values, one.beside)
@@ -230,7 +230,7 @@ def _as(run: Data, member: Prediction, samples: Samples) -> Data:
     return replace(run, readings=readings, v=v)
 
 
-def _spread(every: Sequence[Ahead], stops: Sequence[int], noise: Floats) -> tuple[float, float]:
+def _spread(every: Sequence[EnsembleForecast], stops: Sequence[int], noise: Floats) -> tuple[float, float]:
     """Rms errors of x1 and y1 that a model which is right has."""
     spread = np.concatenate(
         [one.spread[: stop - one.start, :2] for one, stop in zip(every, stops, strict=True)]

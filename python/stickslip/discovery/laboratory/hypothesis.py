@@ -20,7 +20,7 @@ from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit, Windowed
 from stickslip.likelihoods.policy import Policy
-from stickslip.likelihoods.shared import Declared, Number
+from stickslip.likelihoods.shared import Declared, SharedNumber
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -178,7 +178,7 @@ class Bench(ABC):
         """Return every curve beside a hypothesis of these terms, best first; the workers score them."""
 
 
-def of_term(one: Term, policy: Policy) -> list[Number]:
+def of_term(one: Term, policy: Policy) -> list[SharedNumber]:
     """Return the numbers of an effect: sizes flat, what must be positive by its logarithm, phases by run."""
     out = []
     for info in one.kind.parameters:
@@ -187,14 +187,14 @@ def of_term(one: Term, policy: Policy) -> list[Number]:
             continue
         if info.per_run:
             out += [
-                Number(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE)
+                SharedNumber(name, phase, phase, math.inf, run=r, stride=STRIDE_PHASE)
                 for r, phase in enumerate(one.phases)
             ]
         elif info.sought is None or info.spread is not None:
             curve = isinstance(one.effect, Tabulated)
             stride = math.inf if curve else max(STRIDE_SIZE * abs(value), LEAST * info.unit)
             out.append(
-                Number(
+                SharedNumber(
                     name,
                     value,
                     0.0,
@@ -211,7 +211,7 @@ def of_term(one: Term, policy: Policy) -> list[Number]:
             low, high = (math.log(x) for x in sought)
             at = min(max(math.log(max(value, 1e-12 * info.unit)), low), high)
             middle, width = 0.5 * (low + high), 0.5 * (high - low)
-            out.append(Number(name, at, middle, width, True, low=low, high=high, stride=stride))
+            out.append(SharedNumber(name, at, middle, width, True, low=low, high=high, stride=stride))
     return out
 
 
