@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from stickslip.discovery.driven_slider.dictionary import tried
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared
+from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import band, motion
 from stickslip.discovery.driven_slider.noise import Noise
@@ -46,7 +46,7 @@ def balanced(kind, noise=1e-7):
     drive = DRIVES[kind]
     x = moved(drive) + noise * np.random.default_rng(0).standard_normal(len(drive))
     band(T, x, drive, MASS)
-    out = Balance([motion("run", T, x, drive, MASS)], Declared(MASS))
+    out = Balance([motion("run", T, x, drive, MASS)], DeclaredMass(MASS))
     out.law = Law(MASS, 30.0, 7.0, 5.0)
     out.lay()
     out.take(Noise(noise, 1e-3))

@@ -11,7 +11,7 @@ import stickslip as ss
 from stickslip.discovery.driven_slider.dictionary import mass_term
 from stickslip.discovery.driven_slider.feedback import feedback
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared
+from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass
 from stickslip.discovery.driven_slider.motion import motion, spread
 from stickslip.discovery.driven_slider.noise import Noise, Sampling, Whitener, autoregressions
 from stickslip.discovery.driven_slider.policy import STEER
@@ -113,7 +113,7 @@ def test_the_gate_is_the_quantile_of_largest_values() -> None:
 
 def settled(uncertainty=0.0166, declared=truth.MASS, **physics):
     t, x, u = truth.record(12.0, **physics)
-    balance = Balance([motion("run", t, x, truth.GAIN * u, declared)], Declared(declared, uncertainty))
+    balance = Balance([motion("run", t, x, truth.GAIN * u, declared)], DeclaredMass(declared, uncertainty))
     return balance, balance.settle()
 
 
@@ -130,7 +130,7 @@ def test_friction_in_doubt_is_not_taken_for_force_noise() -> None:
     drawn = truth.draw(np.random.default_rng([9, 6]), closed=False, coloured=True, level=0.01)
     half, slider = len(drawn.t) // 2, drawn.slider
     run = motion("run", drawn.t[:half], drawn.x[:half], drawn.drive[:half], drawn.declared)
-    fit = Balance([run], Declared(drawn.declared, 0.0166)).settle()
+    fit = Balance([run], DeclaredMass(drawn.declared, 0.0166)).settle()
     assert fit.noise.reading == pytest.approx(drawn.reading, rel=0.03)
     force = drawn.level * np.sqrt(np.mean(drawn.drive**2))
     assert fit.noise.std * fit.law.mass == pytest.approx(force, rel=0.5)
@@ -145,7 +145,7 @@ def test_rounding_is_drawn_as_other_places_of_the_encoder_s_scale_leave_it() -> 
     zero = np.random.default_rng(0).random(count)
     rounded = [step * (np.rint(x / step + z) - (x / step + z)) for z in zero]
     run = motion("run", t, x + rounded[0], truth.GAIN * u, truth.MASS)
-    balance = Balance([run], Declared(truth.MASS, 0.0166))
+    balance = Balance([run], DeclaredMass(truth.MASS, 0.0166))
     balance.settle()
     assert run.step == pytest.approx(step, rel=1e-3)
     (sampling,), (white,) = balance.samplings, balance.whiteners

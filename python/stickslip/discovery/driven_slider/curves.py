@@ -9,9 +9,9 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated, tabulated
-from stickslip.discovery.driven_slider.motion import Motion
+from stickslip.discovery.driven_slider.motion import DrivenRun
 from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import Law, Term
+from stickslip.discovery.driven_slider.terms import ForceTerm, Law
 from stickslip.discovery.result import Curve
 
 Floats = NDArray[np.float64]
@@ -30,24 +30,24 @@ class CurveTerm:
         self.spline = scipy.interpolate.CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
         self.name = f"tabulated_{where}_{variable}"
 
-    def basis(self, run: Motion) -> Floats:
+    def basis(self, run: DrivenRun) -> Floats:
         """Values (n, k) of the spline for 1 at each free knot."""
         u = {"x1": run.x, "t": run.t, "v_w": run.v}[self.variable]
         return np.asarray(
             self.spline(np.clip(u, self.knots[0], self.knots[-1]))[:, self.free], dtype=np.float64
         )
 
-    def term(self) -> Term:
+    def term(self) -> ForceTerm:
         """The candidate."""
 
-        def columns(run: Motion, _: Floats, law: Law) -> Floats:
+        def columns(run: DrivenRun, _: Floats, law: Law) -> Floats:
             scale = -np.ones(len(run.t)) if self.where == "block" else law.friction(run)
             return scale[:, None] * self.basis(run)
 
         def parameters(_: Floats, b: Floats, __: Law) -> dict[str, float]:
             return {f"value_{i}": float(one) for i, one in enumerate(self.values(b))}
 
-        return Term(
+        return ForceTerm(
             self.name,
             (),
             len(self.free),
@@ -78,7 +78,7 @@ class CurveTerm:
         return tabulated(self.where, self.variable, self.knots.tolist(), self.values(b).tolist())
 
 
-def curves(runs: Sequence[Motion]) -> tuple[CurveTerm, ...]:
+def curves(runs: Sequence[DrivenRun]) -> tuple[CurveTerm, ...]:
     """The curves to try."""
     fastest = max(float(np.percentile(np.abs(run.v), 99.5)) for run in runs)
     low, high = min(float(run.x.min()) for run in runs), max(float(run.x.max()) for run in runs)

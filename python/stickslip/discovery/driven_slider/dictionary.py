@@ -11,22 +11,22 @@ from numpy.typing import NDArray
 from stickslip.declared.effect import POSITION_RIPPLES
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
+from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import Law, Term
+from stickslip.discovery.driven_slider.terms import ForceTerm, Law
 
 Floats = NDArray[np.float64]
 
 TINY = 1e-6  # share of a column's power that is none: what rounding leaves of one that is fitted already
 
 
-def mass_term(declared: float) -> Term:
+def mass_term(declared: float) -> ForceTerm:
     """The candidate that frees the declared mass."""
 
     def parameters(_: Floats, __: Floats, law: Law) -> dict[str, float]:
         return {"e": law.mass / declared - 1}
 
-    return Term("rig_mass", (), 1, lambda run, _, __: run.a[:, None], parameters)
+    return ForceTerm("rig_mass", (), 1, lambda run, _, __: run.a[:, None], parameters)
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Dictionary:
         self.balance = balance
         self.grids = tm.grids(balance.runs)
         self.entries: list[Choice] = []
-        self._chunks: list[tuple[Term, list[Floats]]] = []
+        self._chunks: list[tuple[ForceTerm, list[Floats]]] = []
         for term in tm.terms():
             if term.name in POSITION_RIPPLES[1:]:  # the same columns, another name
                 continue
@@ -61,7 +61,7 @@ class Dictionary:
             self.entries += [Choice(term, one) for one in insides]
         self.names = np.array([one.name for one in self.entries])
 
-    def _white(self, law: Law) -> Iterator[tuple[Term, Floats]]:
+    def _white(self, law: Law) -> Iterator[tuple[ForceTerm, Floats]]:
         """White columns (n', m) of some entries after the other."""
         for term, insides in self._chunks:
             if term.many:
@@ -70,7 +70,7 @@ class Dictionary:
                 columns = np.concatenate([self.balance.columns(term, one, law) for one in insides], axis=1)
             yield term, self.balance.whitened(columns)
 
-    def scores(self, fits: Sequence[Fit], draws: Floats | None = None) -> list[Scores]:
+    def scores(self, fits: Sequence[MotionFit], draws: Floats | None = None) -> list[Scores]:
         """Score every entry beside each of some fits, which share a noise, in its white units.
 
         Parameters
@@ -91,7 +91,7 @@ class Dictionary:
             Scores(one[:, 0], one[:, 1:].max(axis=0) if one.shape[1] > 1 else np.zeros(0)) for one in every
         ]
 
-    def _fitted(self, fit: Fit, draws: Floats | None) -> tuple[Floats, Floats, float]:
+    def _fitted(self, fit: MotionFit, draws: Floats | None) -> tuple[Floats, Floats, float]:
         """A basis of what is fitted (n', k), residuals (n', 1 + draws) beside it, and 1/mass."""
         y, X = self.balance.design(fit.choices, fit.law)
         rest = y - X @ fit.coefficients
@@ -104,7 +104,9 @@ class Dictionary:
         return q, residuals, float(fit.coefficients[0])
 
 
-def _gains(term: Term, white: Floats, power: Floats, inside: Floats, p: Floats, lightness: float) -> Floats:
+def _gains(
+    term: ForceTerm, white: Floats, power: Floats, inside: Floats, p: Floats, lightness: float
+) -> Floats:
     """Fall of chi-squared (entries, residuals) from columns (n', m), their powers, what of them is fitted already.
 
     `p` (m, residuals) are their products with the residuals, `lightness` is 1/mass.

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
-from stickslip.discovery.driven_slider.fitted_motion import Fit
+from stickslip.discovery.driven_slider.fitted_motion import MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.residual import Shown
+from stickslip.discovery.driven_slider.residual import BandedBalance
 from stickslip.discovery.result import ErrorBlock, RunError
 from stickslip.measured.case import Case, Recording
 from stickslip.simulated.driven_slider import forecast
@@ -23,7 +23,7 @@ METRIC = (
 
 
 def error_block(
-    case: Case, validate: Shown, null: Fit, chosen: Fit, before: Model, after: Model
+    case: Case, validate: BandedBalance, null: MotionFit, chosen: MotionFit, before: Model, after: Model
 ) -> ErrorBlock:
     """Both errors of every validate run, before and after; the floor is what the noise alone leaves."""
     ends = np.cumsum(validate.lengths)
@@ -92,7 +92,7 @@ def forecasts(model: Model, run: Recording, ahead: float) -> float:
     return float(np.sqrt(np.mean((path - measured)[-1] ** 2)))
 
 
-def floor_of_forecast(fit: Fit, run: Recording, ahead: float) -> float:
+def floor_of_forecast(fit: MotionFit, run: Recording, ahead: float) -> float:
     """The same error that the process noise alone makes: drawn and integrated twice."""
     step = float(np.median(np.diff(run.t)))
     steps = round(ahead / step)

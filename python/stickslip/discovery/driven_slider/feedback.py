@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Fit
+from stickslip.discovery.driven_slider.fitted_motion import MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
@@ -32,7 +32,7 @@ class Feedback:
         return self.chance < STEER.chance
 
 
-def feedback(balance: Balance, fit: Fit) -> Feedback:
+def feedback(balance: Balance, fit: MotionFit) -> Feedback:
     """Ask the first run, by the test of Caines and Chan (IEEE Trans. Automatic Control 20, 1975, 498).
 
     What its own past does not say of the drive is independent of what is new in the readings so far, unless the drive

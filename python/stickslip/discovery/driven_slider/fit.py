@@ -14,11 +14,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared, Fit
-from stickslip.discovery.driven_slider.motion import Motion, moved, rounded, spread
+from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass, MotionFit
+from stickslip.discovery.driven_slider.motion import DrivenRun, moved, rounded, spread
 from stickslip.discovery.driven_slider.noise import POLES, Noise, Rows, Sampling, Whitener, fitted
 from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.terms import Law, Term
+from stickslip.discovery.driven_slider.terms import ForceTerm, Law
 from stickslip.likelihoods.policy import POLICY
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ class Balance:
         The mass. Unless `rig_mass` is among the candidates it keeps to its uncertainty.
     """
 
-    def __init__(self, runs: Sequence[Motion], declared: Declared) -> None:
+    def __init__(self, runs: Sequence[DrivenRun], declared: DeclaredMass) -> None:
         self.runs, self.declared = tuple(runs), declared
         self.law = Law(declared.mass, 0.0, 0.0, 0.0)
         self.noise = Noise(1.0, 1.0)
@@ -89,7 +89,7 @@ class Balance:
                 out.append(z * white.sure[STEER.order :, None])
         return np.concatenate(out)
 
-    def settle(self) -> Fit:
+    def settle(self) -> MotionFit:
         """Estimate the noise, the motion and the declared law from each other; the last fit."""
         reading, force = (max(one) for one in zip(*(run.least for run in self.runs), strict=True))
         self.least = Noise(reading, force / self.declared.mass)
@@ -136,7 +136,7 @@ class Balance:
         parts = np.split(residual, np.cumsum(self.lengths)[:-1])
         return [Rows(r, s, d) for r, s, d in zip(parts, self.samplings, self.doubts, strict=True)]
 
-    def renoised(self, fit: Fit, rounds: int = STEER.rounds - 1) -> Fit:
+    def renoised(self, fit: MotionFit, rounds: int = STEER.rounds - 1) -> MotionFit:
         """The fit with the noise that goes with it: in turn, as the noise hardly moves the fit."""
         for _ in range(rounds):
             noise = fitted(self._rows(self.residual(fit)), self.least, fit.noise)
@@ -144,7 +144,7 @@ class Balance:
             fit = self.fit(fit.choices, fit.law)
         return fit
 
-    def shorter(self, fit: Fit) -> Fit:
+    def shorter(self, fit: MotionFit) -> MotionFit:
         """The fit in the likeliest of its own noise and of noises of short memory, everything fitted in each.
 
         Noise of long memory takes for its own what a slow effect does; with the effect in the fit it has less to do,
@@ -163,13 +163,13 @@ class Balance:
         self.at(best)
         return best
 
-    def columns(self, term: Term, inside: Floats, law: Law) -> Floats:
+    def columns(self, term: ForceTerm, inside: Floats, law: Law) -> Floats:
         """A candidate's columns (n, m) in N, as they act on the rows that are fitted."""
         return np.concatenate(
             [spread(term.columns(run, inside, law), run.sure if term.sliding else None) for run in self.runs]
         )
 
-    def white_columns(self, term: Term, inside: Floats, law: Law) -> Floats:
+    def white_columns(self, term: ForceTerm, inside: Floats, law: Law) -> Floats:
         """The same in white units; the last ones are remembered."""
         key = (term.name, inside.tobytes(), law if term.scaled else None)
         if key not in self._kept:
@@ -183,7 +183,7 @@ class Balance:
         parts = np.split(rows, np.cumsum(self.lengths)[:-1])
         return np.concatenate([white(part) for white, part in zip(self.whiteners, parts, strict=True)])
 
-    def fit(self, choices: Sequence[Choice] = (), law: Law | None = None) -> Fit:
+    def fit(self, choices: Sequence[Choice] = (), law: Law | None = None) -> MotionFit:
         """Fit the law's numbers and the candidates' amplitudes, their scanned numbers and the noise held.
 
         Parameters
@@ -204,7 +204,7 @@ class Balance:
         """Is the mass as declared, exactly?"""
         return self.declared.uncertainty == 0 and not any(one.name == "rig_mass" for one in choices)
 
-    def at(self, fit: Fit) -> None:
+    def at(self, fit: MotionFit) -> None:
         """Go back to the white units of a fit."""
         if fit.noise is not self.noise:
             self.take(fit.noise)
@@ -228,7 +228,7 @@ class Balance:
             X, y = np.vstack([X, last]), np.append(y, 1 / self.declared.uncertainty)
         return y, X
 
-    def once(self, choices: Sequence[Choice], law: Law) -> Fit:
+    def once(self, choices: Sequence[Choice], law: Law) -> MotionFit:
         """One fit with candidates that scale with friction computed with that of `law`."""
         y, X = self.design(choices, law)
         scale = lengths(X)
@@ -243,7 +243,7 @@ class Balance:
         white = y - X @ b
         chi2 = float(white @ white)
         inside = sum(len(one.inside) for one in choices)
-        return Fit(
+        return MotionFit(
             tuple(choices), self.law_of(b), self.amplitudes(choices, b), b, white[: len(self._white_response)],
             chi2, self._count, int(rank) + inside, self.noise, chi2 + self._determinant,
         )  # fmt: skip
@@ -263,7 +263,7 @@ class Balance:
             at += width
         return tuple(out)
 
-    def residual(self, fit: Fit) -> Floats:
+    def residual(self, fit: MotionFit) -> Floats:
         """What a fit leaves of the accelerations (n,), not whitened, of these runs or others."""
         law = fit.law
         y = self.response * law.mass - self.drive
@@ -275,7 +275,7 @@ class Balance:
                 y = y + (c[:, 0] if one.term.fixed else c @ b)
         return np.asarray(y / law.mass, dtype=np.float64)
 
-    def predicted(self, fit: Fit) -> Floats:
+    def predicted(self, fit: MotionFit) -> Floats:
         """Residual (n',) in white units of a fit to other runs: nothing is fitted here."""
         return self.whitened(self.residual(fit))
 
@@ -289,7 +289,7 @@ class Balance:
         self.lay()
         self.take(other.noise)
 
-    def sharpen(self, choices: Sequence[Choice], law: Law, *, last: bool = False) -> Fit:
+    def sharpen(self, choices: Sequence[Choice], law: Law, *, last: bool = False) -> MotionFit:
         """Fit the scanned numbers too, from where they are: all of them, or those of the last candidate alone."""
         moving = choices[-1:] if last else choices
         held = tuple(choices[: len(choices) - len(moving)])
@@ -332,7 +332,7 @@ class Balance:
         return 0.3
 
 
-def _law_columns(run: Motion, sampling: Sampling) -> Floats:
+def _law_columns(run: DrivenRun, sampling: Sampling) -> Floats:
     """Velocity and the two directions of friction (n - 2, 3), in N for the law's numbers.
 
     Friction is held over each interval, and left to the noise where its sign is in doubt.

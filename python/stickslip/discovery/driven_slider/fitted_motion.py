@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.noise import Noise
-from stickslip.discovery.driven_slider.terms import Law, Term
+from stickslip.discovery.driven_slider.terms import ForceTerm, Law
 
 Floats = NDArray[np.float64]
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 class Choice:
     """A candidate with its scanned numbers (k,)."""
 
-    term: Term
+    term: ForceTerm
     inside: Floats
 
     @property
@@ -27,7 +27,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredMass:
     """The declared mass [kg] and the relative standard uncertainty of what the motion says of it."""
 
     mass: float
@@ -35,7 +35,7 @@ class Declared:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class MotionFit:
     """A fitted motion.
 
     `choices` are the candidates in it, `amplitudes` their coefficients, `law` the declared law's numbers,

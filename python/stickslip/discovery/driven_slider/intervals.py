@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.fit import STEP, Balance, lengths
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
+from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 
@@ -28,7 +28,7 @@ class Numbers:
     deviations: dict[str, Floats]
 
 
-def intervals(balance: Balance, fit: Fit) -> Numbers:
+def intervals(balance: Balance, fit: MotionFit) -> Numbers:
     """Intervals of the law and of every candidate's parameters.
 
     The numbers are drawn from the normal distribution that the least squares give, its variance multiplied by
@@ -65,7 +65,7 @@ def intervals(balance: Balance, fit: Fit) -> Numbers:
     return out
 
 
-def derivatives(balance: Balance, fit: Fit) -> tuple[Floats, Floats, Floats]:
+def derivatives(balance: Balance, fit: MotionFit) -> tuple[Floats, Floats, Floats]:
     """White columns of everything fitted, those of the scanned numbers, and the step of the logarithm of each."""
     _, X = balance.design(fit.choices, fit.law)
     parts, steps = [np.zeros((len(X), 0))], []
@@ -86,7 +86,7 @@ def derivatives(balance: Balance, fit: Fit) -> tuple[Floats, Floats, Floats]:
     return X, np.column_stack(parts), np.array(steps)
 
 
-def _drawn(balance: Balance, fit: Fit, X: Floats, used: int) -> Floats:
+def _drawn(balance: Balance, fit: MotionFit, X: Floats, used: int) -> Floats:
     """Draws (draws, k) of the numbers whose columns are `X`: `used` coefficients, then shifts of scanned numbers.
 
     A mass that is held stays; a shift is endless both ways where nothing moves.

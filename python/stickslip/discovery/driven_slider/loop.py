@@ -18,13 +18,13 @@ from stickslip.declared.scale import percent, plainly
 from stickslip.discovery.driven_slider.errors import error_block, share
 from stickslip.discovery.driven_slider.feedback import Feedback, feedback
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Declared, Fit
+from stickslip.discovery.driven_slider.fitted_motion import Choice, DeclaredMass, MotionFit
 from stickslip.discovery.driven_slider.intervals import intervals
 from stickslip.discovery.driven_slider.motion import band, motion
 from stickslip.discovery.driven_slider.policy import STEER
-from stickslip.discovery.driven_slider.residual import Shown, describe, spectrum, views
+from stickslip.discovery.driven_slider.residual import BandedBalance, describe, spectrum, views
 from stickslip.discovery.driven_slider.result import DrivenFound
-from stickslip.discovery.driven_slider.search import Search
+from stickslip.discovery.driven_slider.search import DrivenSearch
 from stickslip.discovery.result import TIED, Alternative, Evidence, FoundEffect, Interval, Rival, Verdict
 from stickslip.discovery.result import Gate as FoundGate
 from stickslip.errors import InputError
@@ -66,8 +66,8 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
     first = max(case.train, key=len)
     assert first.drive is not None
     over = band(first.t, first.x1, first.drive, rig.mass)
-    declared = Declared(rig.mass, uncertainty(case))
-    search = Search(balance(case.train, declared), tell, seed)
+    declared = DeclaredMass(rig.mass, uncertainty(case))
+    search = DrivenSearch(balance(case.train, declared), tell, seed)
     validate = balance(case.validate, declared)
     validate.like(search.balance)
     chosen = carried(search, search.run(), validate)
@@ -77,7 +77,7 @@ def discover(case: Case, *, tell: Callable[[str], None], seed: int = 0) -> Drive
     before, after = model(case, search.null), model(case, chosen, search)
     observed = largest_gain(search)
     tell("forecasting the validate runs")
-    train_shown, shown = Shown(search.balance, over), Shown(validate, over)
+    train_shown, shown = BandedBalance(search.balance, over), BandedBalance(validate, over)
     own = intervals(search.balance, chosen).law
     return DrivenFound(
         title=case.title,
@@ -120,7 +120,7 @@ def uncertainty(case: Case) -> float:
     return float(np.hypot(known.relative("mass"), np.linalg.norm(gains)))
 
 
-def balance(runs: Sequence[Recording], declared: Declared) -> Balance:
+def balance(runs: Sequence[Recording], declared: DeclaredMass) -> Balance:
     """The motion of some recordings."""
     out = []
     for run in runs:
@@ -132,7 +132,7 @@ def balance(runs: Sequence[Recording], declared: Declared) -> Balance:
     return Balance(out, declared)
 
 
-def carried(search: Search, chosen: Fit, validate: Balance) -> Fit:
+def carried(search: DrivenSearch, chosen: MotionFit, validate: Balance) -> MotionFit:
     """The chosen fit without effects that have no bound, or that raise the error of the validate runs."""
     fit = chosen
     while fit.choices:
@@ -154,7 +154,7 @@ def carried(search: Search, chosen: Fit, validate: Balance) -> Fit:
     return fit
 
 
-def largest_gain(search: Search) -> float:
+def largest_gain(search: DrivenSearch) -> float:
     """The largest gain of a candidate that joined; where none did, of those that were tried."""
     joined = [search.gain(step.before, step.after) for step in search.steps]
     return max(joined or [search.gain(search.null, one) for one in search.joined(search.null)], default=0.0)
@@ -172,14 +172,14 @@ def _check(case: Case) -> None:
                 raise InputError(f"no verdict: {run.name}: {finding}")
 
 
-def verdict(chosen: Fit) -> Verdict:
+def verdict(chosen: MotionFit) -> Verdict:
     """What the chosen fit amounts to."""
     if any(name.startswith("tabulated") for name in chosen.names):
         return Verdict.unlisted_effect
     return Verdict.effect_found if chosen.names else Verdict.no_effect
 
 
-def model(case: Case, fit: Fit, search: Search | None = None) -> Model:
+def model(case: Case, fit: MotionFit, search: DrivenSearch | None = None) -> Model:
     """The fitted balance as a model: friction at rest as great as at the lowest speed."""
     law = fit.law
     minus, plus = max(law.minus, 0.0), max(law.plus, 0.0)
@@ -202,7 +202,7 @@ def _law(numbers: dict[str, Interval]) -> dict[str, Interval]:
     return {name: one for name, one in numbers.items() if name != "mass"}
 
 
-def found_effects(search: Search, chosen: Fit, validate: Balance) -> tuple[FoundEffect, ...]:
+def found_effects(search: DrivenSearch, chosen: MotionFit, validate: Balance) -> tuple[FoundEffect, ...]:
     """The effects of the chosen fit with their evidence, in order of weight."""
     numbers = intervals(search.balance, chosen)
     curves = {one.name: one for one in search.curves}
@@ -237,7 +237,12 @@ def found_effects(search: Search, chosen: Fit, validate: Balance) -> tuple[Found
 
 
 def evidence(
-    search: Search, chosen: Fit, less: Fit, one: Choice, rivals: Sequence[Fit], validate: Balance
+    search: DrivenSearch,
+    chosen: MotionFit,
+    less: MotionFit,
+    one: Choice,
+    rivals: Sequence[MotionFit],
+    validate: Balance,
 ) -> Evidence:
     """What the effect explains, what the best wrong one in its place would; what both are worth when validated."""
     drop = less.chi2 - chosen.chi2
@@ -264,7 +269,7 @@ def evidence(
     return Evidence(drop, drop - penalty, ratio, control, name, search.gate.threshold, words)
 
 
-def elsewhere(search: Search, less: Fit, one: Choice) -> tuple[float, str]:
+def elsewhere(search: DrivenSearch, less: MotionFit, one: Choice) -> tuple[float, str]:
     """What the same wave would explain at the best wrong wavelength or frequency: harmonics and neighbours left out."""
     if not one.term.many:
         return 0.0, ""
@@ -279,7 +284,7 @@ def elsewhere(search: Search, less: Fit, one: Choice) -> tuple[float, str]:
     return float(gains[best]), f"{one.name} with {one.term.scanned[0]} = {value:.3g}"
 
 
-def waves(search: Search, chosen: Fit) -> dict[str, Floats]:
+def waves(search: DrivenSearch, chosen: MotionFit) -> dict[str, Floats]:
     """What a force periodic in position would explain beside either model, wavelength by wavelength."""
     kept = np.flatnonzero(search.dictionary.names == RIPPLES[0])
     length = np.array([float(search.dictionary.entries[i].inside[0]) for i in kept])
@@ -290,16 +295,18 @@ def waves(search: Search, chosen: Fit) -> dict[str, Floats]:
     }
 
 
-def _power(balance: Balance, fit: Fit) -> float:
+def _power(balance: Balance, fit: MotionFit) -> float:
     white = balance.predicted(fit)
     return float(white @ white)
 
 
-def _tied(search: Search, chosen: Fit, rival: Fit) -> bool:
+def _tied(search: DrivenSearch, chosen: MotionFit, rival: MotionFit) -> bool:
     return search.score(rival) - search.score(chosen) < TIED
 
 
-def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]) -> list[Alternative]:
+def alternatives(
+    search: DrivenSearch, chosen: MotionFit, one: Choice, rivals: Sequence[MotionFit]
+) -> list[Alternative]:
     """Rivals in the place of an effect, everything refitted; those within reach first."""
     out = []
     if one.name in EXACT:
@@ -316,7 +323,7 @@ def alternatives(search: Search, chosen: Fit, one: Choice, rivals: Sequence[Fit]
     return out
 
 
-def ranking(search: Search, chosen: Fit) -> tuple[Rival, ...]:
+def ranking(search: DrivenSearch, chosen: MotionFit) -> tuple[Rival, ...]:
     """Every fit that was tried on the way, best first."""
     fits = [search.null, chosen]
     for step in search.steps:
@@ -336,7 +343,7 @@ def ranking(search: Search, chosen: Fit) -> tuple[Rival, ...]:
     return tuple(out)
 
 
-def remarks(search: Search, chosen: Fit, loop: Feedback) -> tuple[str, ...]:
+def remarks(search: DrivenSearch, chosen: MotionFit, loop: Feedback) -> tuple[str, ...]:
     """What a person should know of the verdict."""
     noise, mass = chosen.noise, chosen.law.mass
     out = [

@@ -93,7 +93,7 @@ def band(t: Floats, x: Floats, force: Floats, mass: float) -> Band:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class DrivenRun:
     """One run: (n,) arrays at the sampling rate, SI.
 
     `reading` is the position as read, `step` that of its encoder or file (0: none), `x` and `v` position and velocity
@@ -151,7 +151,7 @@ class Motion:
         return np.asarray(accelerated**2 * sizes[stretch], dtype=np.float64)
 
 
-def motion(name: str, t: Floats, x: Floats, force: Floats, mass: float) -> Motion:
+def motion(name: str, t: Floats, x: Floats, force: Floats, mass: float) -> DrivenRun:
     """Read a run's motion: the position smoothed by the noise model itself, friction being part of its noise.
 
     Parameters
@@ -172,14 +172,14 @@ def motion(name: str, t: Floats, x: Floats, force: Floats, mass: float) -> Motio
     a[0], a[-1] = a[1], a[-2]
     held = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
     none = np.zeros(len(x), dtype=bool)
-    raw = Motion(name, t, x, quantisation(x).step, x, x, instant(a), force, instant(held), none, dt)
+    raw = DrivenRun(name, t, x, quantisation(x).step, x, x, instant(a), force, instant(held), none, dt)
     sampling = Sampling(dt, 0.0)
     rows = Rows(raw.accelerations(sampling) - raw.driven(sampling) / mass, sampling, np.zeros(len(x)))
     reading, least = raw.least
     return moved(raw, fitted([rows], Noise(reading, least / mass)), rows)
 
 
-def moved(run: Motion, noise: Noise, rows: Rows) -> Motion:
+def moved(run: DrivenRun, noise: Noise, rows: Rows) -> DrivenRun:
     """The motion smoothed by a noise and the residual of what is known of the forces; where it is sure of its sign."""
     x = run.reading - Whitener(noise, rows.sampling, rows.doubt).reading_noise(rows.residual)
     v = np.gradient(x, run.dt)
@@ -200,7 +200,7 @@ def _deviation(noise: Noise, rows: Rows, dt: float) -> float:
     return float(np.std(np.gradient(e - known, dt)))
 
 
-def rounded(run: Motion, noise: Noise, count: int, generator: np.random.Generator) -> Floats:
+def rounded(run: DrivenRun, noise: Noise, count: int, generator: np.random.Generator) -> Floats:
     """Errors (n, count) of rounding to the run's step, had its scale been mounted elsewhere; other noise dithers it."""
     if not run.step:
         return np.zeros((len(run.t), count))
@@ -238,9 +238,9 @@ def spread(columns: Floats, sure: NDArray[np.bool_] | None = None) -> Floats:
     return np.asarray(counts[1:] * after + counts[:-1] * before, dtype=np.float64)
 
 
-Columns = Callable[[Motion], Floats]
+Columns = Callable[[DrivenRun], Floats]
 
 
-def stacked(runs: Sequence[Motion], over: Band, columns: Columns) -> Floats:
+def stacked(runs: Sequence[DrivenRun], over: Band, columns: Columns) -> Floats:
     """Columns (n, m) of every run, filtered, one run below the other."""
     return np.concatenate([over(columns(run)) for run in runs])

@@ -10,8 +10,8 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Fit
-from stickslip.discovery.driven_slider.motion import Band, Motion, stacked
+from stickslip.discovery.driven_slider.fitted_motion import MotionFit
+from stickslip.discovery.driven_slider.motion import Band, DrivenRun, stacked
 from stickslip.discovery.driven_slider.noise import Whitener
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.result import ForceView
@@ -24,7 +24,7 @@ PARTS = 4  # of speeds, places and times that are told apart
 
 
 @dataclass(frozen=True)
-class Shown:
+class BandedBalance:
     """The force balance of some runs within a band, in N: what a report shows, and the error is of."""
 
     balance: Balance
@@ -50,11 +50,11 @@ class Shown:
         blocks = [self.band(free(run, self.band.step)) for run in self.balance.runs]
         return np.asarray(scipy.linalg.block_diag(*map(basis, blocks)), dtype=np.float64)
 
-    def unexplained(self, fit: Fit) -> Floats:
+    def unexplained(self, fit: MotionFit) -> Floats:
         """What a fit leaves of the force (n,): nothing is fitted here but friction while its sign is in doubt."""
         return self._left(fit.law.mass * self.balance.residual(fit))
 
-    def floor(self, fit: Fit) -> float:
+    def floor(self, fit: MotionFit) -> float:
         """Root mean square of what the noise of a fit alone leaves [N]: drawn."""
         generator = np.random.default_rng(0)
         drawn = []
@@ -77,7 +77,7 @@ def basis(columns: Floats) -> Floats:
     return np.asarray(u[:, sizes > least], dtype=np.float64)
 
 
-def free(run: Motion, step: int) -> Floats:
+def free(run: DrivenRun, step: int) -> Floats:
     """Columns (n, m): while the sign of the velocity is in doubt friction may take any value (a stick's is set-valued).
 
     Triangles `step` samples apart over each such stretch.
@@ -94,7 +94,7 @@ def free(run: Motion, step: int) -> Floats:
     return np.column_stack(out)
 
 
-def describe(balance: Balance, fit: Fit) -> Residual:
+def describe(balance: Balance, fit: MotionFit) -> Residual:
     """The residual of a fit, in white units, against the noise: over all, by direction, speed, place and time."""
     w = fit.white
     chi2 = float(w @ w) / max(fit.count - fit.freedom, 1)
@@ -151,7 +151,7 @@ def spectrum(balance: Balance, before: Floats, after: Floats) -> dict[str, Float
     return {"frequency": 2 * np.pi * f[1:], "before": was[1:] * unit, "after": now[1:] * unit}
 
 
-def views(role: str, shown: Shown, before: Fit, after: Fit) -> tuple[ForceView, ...]:
+def views(role: str, shown: BandedBalance, before: MotionFit, after: MotionFit) -> tuple[ForceView, ...]:
     """The balances to draw of every run."""
     was, now = shown.unexplained(before), shown.unexplained(after)
     out, at = [], 0

@@ -14,7 +14,7 @@ from stickslip.discovery.driven_slider import terms as tm
 from stickslip.discovery.driven_slider.curves import CurveTerm, curves
 from stickslip.discovery.driven_slider.dictionary import Dictionary, mass_term, tried
 from stickslip.discovery.driven_slider.fit import Balance
-from stickslip.discovery.driven_slider.fitted_motion import Choice, Fit
+from stickslip.discovery.driven_slider.fitted_motion import Choice, MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.result import Interval
 from stickslip.likelihoods.policy import POLICY
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Gate:
+class DrivenGate:
     """The largest gain of any candidate on noise drawn from the fitted null, and what the false ones seldom pass."""
 
     threshold: float
@@ -32,16 +32,16 @@ class Gate:
 
 
 @dataclass(frozen=True)
-class Step:
+class DrivenStep:
     """One candidate that joined: the fit before and after, and its rivals' fits."""
 
-    before: Fit
-    after: Fit
-    rivals: tuple[Fit, ...]
+    before: MotionFit
+    after: MotionFit
+    rivals: tuple[MotionFit, ...]
 
 
 @dataclass
-class Search:
+class DrivenSearch:
     """A balance with its noise known, ready to be searched.
 
     Parameters
@@ -58,9 +58,9 @@ class Search:
     tell: Callable[[str], None]
     seed: int = 0
     dictionary: Dictionary = field(init=False)
-    null: Fit = field(init=False)
-    gate: Gate = field(init=False)
-    steps: list[Step] = field(init=False, default_factory=list)
+    null: MotionFit = field(init=False)
+    gate: DrivenGate = field(init=False)
+    steps: list[DrivenStep] = field(init=False, default_factory=list)
     curves: tuple[CurveTerm, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -69,27 +69,27 @@ class Search:
         self.dictionary = Dictionary(self.balance)
         self.tell("drawing the gate")
         (first,) = self.dictionary.scores([self.null], self.balance.read_again(POLICY.draws, self.seed))
-        self._scored: list[tuple[Fit, Floats]] = [(self.null, first.gains)]
-        self.gate = Gate(extreme(first.drawn, 1 - POLICY.false_alarm), first.drawn)
+        self._scored: list[tuple[MotionFit, Floats]] = [(self.null, first.gains)]
+        self.gate = DrivenGate(extreme(first.drawn, 1 - POLICY.false_alarm), first.drawn)
         self.curves = curves(self.balance.runs)
 
-    def scores(self, fit: Fit) -> Floats:
+    def scores(self, fit: MotionFit) -> Floats:
         """What every entry of the dictionary would gain beside a fit, to first order."""
         if not any(one is fit for one, _ in self._scored):
             self.score_all([fit])
         return next(gains for one, gains in self._scored if one is fit)
 
-    def score_all(self, fits: Sequence[Fit]) -> None:
+    def score_all(self, fits: Sequence[MotionFit]) -> None:
         """Score beside fits that share a noise, at the cost of one."""
         self.balance.at(fits[0])
         scored = [one.gains for one in self.dictionary.scores(fits)]
         self._scored = [self._scored[0], *zip(fits, scored, strict=True)]
 
-    def gain(self, before: Fit, after: Fit) -> float:
+    def gain(self, before: MotionFit, after: MotionFit) -> float:
         """Fall of -2 log likelihood, the noise refitted on either side."""
         return before.deviance - after.deviance
 
-    def pays(self, before: Fit, after: Fit) -> bool:
+    def pays(self, before: MotionFit, after: MotionFit) -> bool:
         """Does the fall pass the gate and the price of its numbers?
 
         A declared constant is one number that is asked for by name: it is held against its own uncertainty.
@@ -104,11 +104,11 @@ class Search:
             least = STEER.far**2
         return self.gain(before, after) > least
 
-    def joined(self, fit: Fit, taken: Sequence[str] = ()) -> tuple[Fit, ...]:
+    def joined(self, fit: MotionFit, taken: Sequence[str] = ()) -> tuple[MotionFit, ...]:
         """Fits with one more candidate each in the noise of `fit`, best first; names `taken` stay out."""
         return self.fitted(fit, self.first(fit, taken))
 
-    def first(self, fit: Fit, taken: Sequence[str], *, every: bool = False) -> list[Choice]:
+    def first(self, fit: MotionFit, taken: Sequence[str], *, every: bool = False) -> list[Choice]:
         """The candidates that the score puts first beside a fit, and the mass."""
         gains, names = self.scores(fit), self.dictionary.names
         size = np.array([one.term.size for one in self.dictionary.entries])
@@ -134,7 +134,7 @@ class Search:
             choices.append(Choice(mass_term(self.balance.declared.mass), np.zeros(0)))
         return choices
 
-    def fitted(self, fit: Fit, choices: Sequence[Choice]) -> tuple[Fit, ...]:
+    def fitted(self, fit: MotionFit, choices: Sequence[Choice]) -> tuple[MotionFit, ...]:
         """The possible fits with each of some candidates, in the noise of `fit`, best first."""
         self.balance.at(fit)
         found = []
@@ -143,26 +143,26 @@ class Search:
             found.append(self.balance.sharpen((*fit.choices, choice), fit.law, last=True))
         return tuple(sorted(filter(self.possible, found), key=self.score))
 
-    def possible(self, fit: Fit) -> bool:
+    def possible(self, fit: MotionFit) -> bool:
         """Whether every number of a fit is one that may be, and was not carried to the end of what is tried."""
         return possible(fit) and tried(self.dictionary.grids, fit.choices)
 
-    def score(self, fit: Fit) -> float:
+    def score(self, fit: MotionFit) -> float:
         """-2 log likelihood with the price of the numbers."""
         return fit.deviance + fit.price * fit.freedom
 
-    def renoised(self, fit: Fit) -> Fit:
+    def renoised(self, fit: MotionFit) -> MotionFit:
         """The fit, its scanned numbers and its noise fitted too."""
         self.balance.at(fit)
         sharper = self.balance.sharpen(fit.choices, fit.law)
         return self.balance.shorter(self.balance.renoised(sharper if self.possible(sharper) else fit))
 
-    def quickly(self, fit: Fit) -> Fit:
+    def quickly(self, fit: MotionFit) -> MotionFit:
         """The fit in a noise of its own, its scanned numbers held."""
         self.balance.take(fit.noise)
         return self.balance.renoised(fit, rounds=1)
 
-    def run(self) -> Fit:
+    def run(self) -> MotionFit:
         """Let candidates join while they pay, then learned curves; then drop those that no longer do."""
         fit = self.null
         while len(fit.choices) < STEER.most:
@@ -180,12 +180,12 @@ class Search:
             if not paying:
                 break
             self.steps.append(
-                Step(fit, paying[0], tuple(one for one in rivals if one.names != paying[0].names))
+                DrivenStep(fit, paying[0], tuple(one for one in rivals if one.names != paying[0].names))
             )
             fit = paying[0]
         return self._thinned(fit)
 
-    def learned(self, fit: Fit) -> tuple[Fit, ...]:
+    def learned(self, fit: MotionFit) -> tuple[MotionFit, ...]:
         """Fits with one more learned curve each, best first."""
         fresh = [one for one in self.curves if one.name not in fit.names]
         self.tell(f"learning a curve beside {' + '.join(fit.names) or 'the declared law'}")
@@ -195,17 +195,17 @@ class Search:
         fits = [self.balance.shorter(self.quickly(one)) for one in fits]
         return tuple(sorted(fits, key=self.score))
 
-    def clearly(self, fit: Fit, curve: Fit, named: Fit) -> bool:
+    def clearly(self, fit: MotionFit, curve: MotionFit, named: MotionFit) -> bool:
         """Does a curve do so much better than the best name that the name would only be the nearest word for it?"""
         drop, best = self.gain(fit, curve), self.gain(fit, named)
         return self.score(curve) < self.score(named) and best < STEER.faithful * drop
 
-    def bare(self, fit: Fit) -> Fit:
+    def bare(self, fit: MotionFit) -> MotionFit:
         """The declared law alone, in the noise of a fit."""
         self.balance.at(fit)
         return self.balance.fit((), self.null.law)
 
-    def excess(self, chosen: Fit) -> float:
+    def excess(self, chosen: MotionFit) -> float:
         """chi-squared of the declared law beyond what the noise leaves, in the noise of a fit."""
         return max(self.bare(chosen).chi2 - chosen.chi2, 1e-300)
 
@@ -219,13 +219,13 @@ class Search:
         sizes = [own for name, own in numbers.items() if name not in one.term.scanned and name != "phi"]
         return one.term.size <= 2 and any(_low(own) * _high(own) <= 0 for own in sizes if own.value)
 
-    def without(self, fit: Fit, name: str) -> Fit:
+    def without(self, fit: MotionFit, name: str) -> MotionFit:
         """The fit without one of its candidates, in its own noise."""
         rest = tuple(one for one in fit.choices if one.name != name)
         self.balance.at(fit)
         return self.balance.fit(rest, fit.law)
 
-    def _thinned(self, fit: Fit) -> Fit:
+    def _thinned(self, fit: MotionFit) -> MotionFit:
         for one in list(fit.choices):
             less = self.balance.renoised(self.without(fit, one.name))
             if self.possible(less) and not self.pays(less, fit):
@@ -241,7 +241,7 @@ def _high(one: Interval) -> float:
     return np.inf if one.high is None else one.high
 
 
-def _term(name: str) -> tm.Term:
+def _term(name: str) -> tm.ForceTerm:
     return next(one for one in tm.terms() if one.name == name)
 
 
@@ -251,7 +251,7 @@ def extreme(drawn: Floats, level: float) -> float:
     return float(np.mean(drawn) + scale * (-np.log(-np.log(level)) - np.euler_gamma))
 
 
-def possible(fit: Fit) -> bool:
+def possible(fit: MotionFit) -> bool:
     """Whether every named effect of a fit has numbers within the bounds that the catalogue sets them."""
     numbers = fit.parameters()
     return np.isfinite(fit.law.mass) and all(
@@ -261,4 +261,4 @@ def possible(fit: Fit) -> bool:
     )
 
 
-__all__ = ["Choice", "Gate", "Search", "Step"]
+__all__ = ["Choice", "DrivenGate", "DrivenSearch", "DrivenStep"]

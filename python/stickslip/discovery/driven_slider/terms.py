@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import POSITION_RIPPLES as RIPPLES
-from stickslip.discovery.driven_slider.motion import Motion, instant
+from stickslip.discovery.driven_slider.motion import DrivenRun, instant
 from stickslip.discovery.driven_slider.policy import STEER
 
 Floats = NDArray[np.float64]
@@ -30,13 +30,13 @@ class Law:
     minus: float
     plus: float
 
-    def friction(self, run: Motion) -> Floats:
+    def friction(self, run: DrivenRun) -> Floats:
         """T (n,)."""
         return run.sign * np.where(run.sign > 0, self.plus, self.minus)
 
 
 @dataclass(frozen=True)
-class Term:
+class ForceTerm:
     """A candidate.
 
     Attributes
@@ -55,7 +55,7 @@ class Term:
     name: str
     scanned: tuple[str, ...]
     amplitudes: int
-    columns: Callable[[Motion, Floats, Law], Floats]
+    columns: Callable[[DrivenRun, Floats, Law], Floats]
     parameters: Callable[[Floats, Floats, Law], dict[str, float]]
     fixed: bool = False
     many: bool = False
@@ -71,13 +71,13 @@ class Term:
 def _one(
     name: str,
     parameter: str,
-    column: Callable[[Motion, Law], Floats],
+    column: Callable[[DrivenRun, Law], Floats],
     sign: float = 1.0,
     *,
     scaled: bool = False,
-) -> Term:
+) -> ForceTerm:
     """A candidate with one amplitude and nothing inside; its parameter is `sign` times the coefficient."""
-    return Term(
+    return ForceTerm(
         name,
         (),
         1,
@@ -105,52 +105,52 @@ def _pairs(turns: Floats, weight: Floats) -> Floats:
 
 
 def _ripple(
-    name: str, weight: Callable[[Motion, Law], Floats], sign: float = 1.0, *, scaled: bool = False
-) -> Term:
+    name: str, weight: Callable[[DrivenRun, Law], Floats], sign: float = 1.0, *, scaled: bool = False
+) -> ForceTerm:
     """Something that goes with a sinusoid of the position."""
 
-    def columns(run: Motion, inside: Floats, law: Law) -> Floats:
+    def columns(run: DrivenRun, inside: Floats, law: Law) -> Floats:
         return _pairs(run.x[:, None] * (1 / inside), sign * weight(run, law))
 
     def parameters(inside: Floats, b: Floats, _: Law) -> dict[str, float]:
         a, phi = _wave(b)
         return {"a": a, "L": float(inside[0]), "phi": phi}
 
-    return Term(name, ("L",), 2, columns, parameters, many=True, scaled=scaled, sliding=scaled)
+    return ForceTerm(name, ("L",), 2, columns, parameters, many=True, scaled=scaled, sliding=scaled)
 
 
-def _harmonic() -> Term:
-    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+def _harmonic() -> ForceTerm:
+    def columns(run: DrivenRun, inside: Floats, _: Law) -> Floats:
         return _pairs(run.t[:, None] * (inside / (2 * np.pi)), np.ones(len(run.t)))
 
     def parameters(inside: Floats, b: Floats, _: Law) -> dict[str, float]:
         a, phi = _wave(b)
         return {"a": a, "w": float(inside[0]), "phi": phi}
 
-    return Term("harmonic_forcing", ("w",), 2, columns, parameters, many=True)
+    return ForceTerm("harmonic_forcing", ("w",), 2, columns, parameters, many=True)
 
 
-def _stribeck() -> Term:
-    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+def _stribeck() -> ForceTerm:
+    def columns(run: DrivenRun, inside: Floats, _: Law) -> Floats:
         return np.asarray((run.sign * np.exp(-((run.v / inside[0]) ** 2)))[:, None])
 
-    return Term(
+    return ForceTerm(
         "stribeck_peak", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])},
         sliding=True,
     )  # fmt: skip
 
 
-def _thinning() -> Term:
-    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+def _thinning() -> ForceTerm:
+    def columns(run: DrivenRun, inside: Floats, _: Law) -> Floats:
         return np.asarray((run.sign * -np.expm1(-np.abs(run.v) / inside[0]))[:, None])
 
-    return Term(
+    return ForceTerm(
         "viscous_saturation", ("v_s",), 1, columns, lambda i, b, _: {"dT": float(b[0]), "v_s": float(i[0])},
         sliding=True,
     )  # fmt: skip
 
 
-def bristle(run: Motion, d: float) -> Floats:
+def bristle(run: DrivenRun, d: float) -> Floats:
     """Relative bristle deflection z, |z| <= 1: dz/dx = (sgn(v) - z)/d, exact over each sample (n,)."""
     dx = np.diff(run.x)
     keep = np.exp(-np.abs(dx) / d)
@@ -162,10 +162,10 @@ def bristle(run: Motion, d: float) -> Floats:
     return z
 
 
-def _compliance() -> Term:
+def _compliance() -> ForceTerm:
     """Friction that follows a bristle instead of the sign: T z, with z as in `bristle`; 1/k = d/T."""
 
-    def columns(run: Motion, inside: Floats, law: Law) -> Floats:
+    def columns(run: DrivenRun, inside: Floats, law: Law) -> Floats:
         z = bristle(run, float(inside[0]))
         full = np.where(z > 0, law.plus, law.minus) * z
         return np.asarray((full - law.friction(run))[:, None])
@@ -173,19 +173,21 @@ def _compliance() -> Term:
     def parameters(inside: Floats, _: Floats, law: Law) -> dict[str, float]:
         return {"k": 0.5 * (law.minus + law.plus) / float(inside[0]), "c": 0.0}
 
-    return Term("contact_compliance", ("d",), 1, columns, parameters, fixed=True, scaled=True, sliding=True)
+    return ForceTerm(
+        "contact_compliance", ("d",), 1, columns, parameters, fixed=True, scaled=True, sliding=True
+    )
 
 
-def _lag() -> Term:
+def _lag() -> ForceTerm:
     """The drive's force follows its command with a first-order lag: tau f' = command - f."""
 
-    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+    def columns(run: DrivenRun, inside: Floats, _: Law) -> Floats:
         return (run.drive - lagged(run, float(inside[0])))[:, None]
 
-    return Term("drive_lag", ("tau",), 1, columns, lambda i, _, __: {"tau": float(i[0])}, fixed=True)
+    return ForceTerm("drive_lag", ("tau",), 1, columns, lambda i, _, __: {"tau": float(i[0])}, fixed=True)
 
 
-def lagged(run: Motion, tau: float) -> Floats:
+def lagged(run: DrivenRun, tau: float) -> Floats:
     """The lagged drive at the samples (n,), for a held command."""
     keep = np.exp(-run.dt / tau)
     at_end, _ = scipy.signal.lfilter([1 - keep], [1, -keep], run.command, zi=[keep * run.command[0]])
@@ -195,14 +197,16 @@ def lagged(run: Motion, tau: float) -> Floats:
     return instant(np.concatenate([mean[:1], 0.5 * (mean[1:] + mean[:-1])]))
 
 
-def _delay() -> Term:
-    def columns(run: Motion, inside: Floats, _: Law) -> Floats:
+def _delay() -> ForceTerm:
+    def columns(run: DrivenRun, inside: Floats, _: Law) -> Floats:
         return np.asarray((run.drive - np.interp(run.t - inside[0], run.t, run.drive))[:, None])
 
-    return Term("drive_delay", ("delay",), 1, columns, lambda i, _, __: {"delay": float(i[0])}, fixed=True)
+    return ForceTerm(
+        "drive_delay", ("delay",), 1, columns, lambda i, _, __: {"delay": float(i[0])}, fixed=True
+    )
 
 
-def terms() -> tuple[Term, ...]:
+def terms() -> tuple[ForceTerm, ...]:
     """Every named candidate but `rig_mass`, which needs the declared mass."""
     return (
         _one("viscous_asymmetry", "c", lambda run, _: np.abs(run.v)),
@@ -225,13 +229,13 @@ def terms() -> tuple[Term, ...]:
     )
 
 
-def usual_speed(run: Motion) -> float:
+def usual_speed(run: DrivenRun) -> float:
     """Median speed; of the samples in motion, where the slider may be at rest at more than half of them."""
     moving = ~run.rest if np.mean(run.rest) > 0.5 else slice(None)
     return float(np.median(np.abs(run.v[moving])))
 
 
-def grids(runs: Sequence[Motion]) -> dict[str, Floats]:
+def grids(runs: Sequence[DrivenRun]) -> dict[str, Floats]:
     """Values to try of every scanned number, from what the runs can tell."""
     fastest = max(float(np.percentile(np.abs(run.v), 99)) for run in runs)
     slow = min(usual_speed(run) for run in runs if not run.rest.all())
