@@ -45,7 +45,7 @@ SEED = 4
 
 
 @dataclass(frozen=True)
-class Told:
+class Story:
     """What the story ends with: the result, the causes it was made with, and the files written."""
 
     found: Found
@@ -71,7 +71,7 @@ RUNS = (
 )
 
 
-def story(out: Path, console: Console, *, force: bool = False) -> Told:
+def story(out: Path, console: Console, *, force: bool = False) -> Story:
     """Make the case, search for the cause, write its report, and tell it.
 
     Parameters
@@ -85,7 +85,7 @@ def story(out: Path, console: Console, *, force: bool = False) -> Told:
 
     Returns
     -------
-    Told
+    Story
     """
     place = out / "rotated_portrait"
     path = write_case(place, force=force)
@@ -108,7 +108,7 @@ def story(out: Path, console: Console, *, force: bool = False) -> Told:
     console.print(
         f"See {paths[1]}: the phase trajectory before and after, over the measurement.\n", soft_wrap=True
     )
-    return Told(found, CAUSE, paths)
+    return Story(found, CAUSE, paths)
 
 
 def write_case(place: Path, *, force: bool = False) -> Path:

@@ -34,7 +34,7 @@ class Saved:
 
 
 @dataclass(frozen=True)
-class Shown:
+class PageFigure:
     """A figure in a page: the drawn one, for paper, and the one that zooms."""
 
     drawn: Markup
@@ -59,9 +59,9 @@ def saved(figure: Figure, folder: Path, name: str) -> Saved:
     return Saved(path, interactive(figure, name))
 
 
-def shown(drawings: Mapping[str, Saved]) -> dict[str, Shown]:
+def shown(drawings: Mapping[str, Saved]) -> dict[str, PageFigure]:
     """Figures as a page takes them."""
-    return {name: Shown(inline(one.svg, name), one.live) for name, one in drawings.items()}
+    return {name: PageFigure(inline(one.svg, name), one.live) for name, one in drawings.items()}
 
 
 def render(package: str, template: str, given: Mapping[str, Any]) -> str:
