@@ -11,7 +11,7 @@ from stickslip.discovery.laboratory import block
 from stickslip.discovery.laboratory import proven as proving
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import Term, terms_at
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.likelihoods.fit import null
@@ -37,7 +37,7 @@ def alone(bench: BeltBench, *terms: Term) -> Trial:
     return Trial(terms_at(terms, fit.windows, fit.at), fit)
 
 
-def in_x1(bench: BeltBench, base: Trial) -> Learned:
+def in_x1(bench: BeltBench, base: Trial) -> ScoredCurve:
     every = bench.curves(base.fit, base.terms)
     return next(one for one in every if (one.where, one.variable) == ("block", "x1"))
 

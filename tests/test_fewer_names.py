@@ -12,9 +12,9 @@ import pytest
 import stickslip as ss
 from stickslip.discovery.carry_over import claimed, deciding, of_falls
 from stickslip.discovery.laboratory.fewer import beside_others, fewer
-from stickslip.discovery.laboratory.gate import Gate
+from stickslip.discovery.laboratory.gate import SearchGate
 from stickslip.discovery.laboratory.hypothesis import Term
-from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.search import Searched, SearchStep
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import ErrorBlock, FoundEffect, Likelihood, Verdict
 
@@ -41,13 +41,13 @@ def trial(deviance: float, *terms: Term) -> Trial:
     return Worth(terms, fit)
 
 
-def gate(threshold: float) -> Gate:
-    return Gate(np.zeros(1), threshold)
+def gate(threshold: float) -> SearchGate:
+    return SearchGate(np.zeros(1), threshold)
 
 
-def searched(chosen: Trial, *tried: Trial, waves: dict[str, Gate] | None = None) -> Searched:
+def searched(chosen: Trial, *tried: Trial, waves: dict[str, SearchGate] | None = None) -> Searched:
     null = trial(1000.0)
-    step = Step(null, None, list(tried), gate(10.0), waves=waves or {})  # type: ignore[arg-type]
+    step = SearchStep(null, None, list(tried), gate(10.0), waves=waves or {})  # type: ignore[arg-type]
     return Searched(null, chosen, [step])
 
 

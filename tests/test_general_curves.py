@@ -17,10 +17,10 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of
 from stickslip.discovery.general_rig.curve_kinds import CurveKind
 from stickslip.discovery.general_rig.outcome import effects, standing
-from stickslip.discovery.laboratory.gate import Gate
+from stickslip.discovery.laboratory.gate import SearchGate
 from stickslip.discovery.laboratory.hypothesis import label, term
 from stickslip.discovery.laboratory.screen import Screen, columns
-from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.search import Searched, SearchStep
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import Curve, Evidence, FoundEffect
 from stickslip.likelihoods.fit import null
@@ -128,7 +128,10 @@ def test_a_curve_has_what_a_name_does_at_its_place() -> None:
     fit = null(own.windows(terms), replace(own.policy, most_steps=1))
     base = Trial((), fit)
     told = effects(
-        own, Searched(base, Trial(terms, fit), [Step(base, Screen((), ()), [], Gate(np.zeros(0), 0.0))])
+        own,
+        Searched(
+            base, Trial(terms, fit), [SearchStep(base, Screen((), ()), [], SearchGate(np.zeros(0), 0.0))]
+        ),
     )
     (one,) = told
     assert one.curve is not None

@@ -16,7 +16,7 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.discovery.laboratory.two_degree import bench_of
-from stickslip.discovery.laboratory.waves import Wave, Waves, wave_columns
+from stickslip.discovery.laboratory.waves import WaveColumns, Waves, wave_columns
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import closed, null
 from stickslip.likelihoods.fit_state import begin
@@ -181,7 +181,7 @@ def test_a_window_that_a_slow_wave_makes_another_of_is_drawn_with_a_belt_of_its_
     odd = [one if one is None or i != 3 else 1e3 * one for i, one in enumerate(plain)]
     drawn = {}
     for name, columns_of_wave in (("plain", plain), ("odd", odd)):
-        screen = Screen((), (Waves(bench, ripple, [Wave(1.0, columns_of_wave)]),))
+        screen = Screen((), (Waves(bench, ripple, [WaveColumns(1.0, columns_of_wave)]),))
         made = records(bench, fit, Null(fit), screen, ((0.0, 0.0),) * 3, np.random.default_rng(1))
         drawn[name] = np.array([math.nan if one is None else np.sqrt(np.mean(one**2)) for one in made])
     assert np.all(drawn["odd"] < 2 * drawn["plain"])
@@ -195,7 +195,7 @@ def test_a_wave_of_the_readings_is_asked_as_those_of_the_draws_are(tmp_path: Pat
     plain = null(bench.windows(), bench.policy)
     (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
     w = 2 * np.pi / 4.0
-    seams = Waves(bench, kind, [Wave(w, wave_columns(bench, plain, (), kind, w))])
+    seams = Waves(bench, kind, [WaveColumns(w, wave_columns(bench, plain, (), kind, w))])
     seams.apart = seams.step  # one frequency: a half of it further down
     screen, runs = Screen((), (seams,)), len(bench.data)
     found = refitted(bench, plain, screen, "belt_seam", 0, plain)

@@ -14,7 +14,7 @@ from quick_figures import quickly
 from scattering import MASS, STIFFNESS, block_case
 from short_search import naming
 from stickslip.discovery.laboratory import block, verdicts
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.proven import proven
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
@@ -147,7 +147,7 @@ def test_a_curve_of_the_reading_in_the_speed_is_told_and_forecasts_do_without(
 ) -> None:
     """It cannot be undone where x1 alone is recorded: with it in the model after no run could be forecast."""
 
-    def best(bench: block.BeltBench, found: Searched, *_: object) -> tuple[Learned, Trial]:
+    def best(bench: block.BeltBench, found: Searched, *_: object) -> tuple[ScoredCurve, Trial]:
         every = bench.curves(found.null.fit)
         (curve,) = [one for one in every if (one.where, one.variable) == ("x1 channel", "x2")]
         return proven(bench, found.null, replace(curve, threshold=0.0))

@@ -13,11 +13,11 @@ from scattering import RIG, case
 from stickslip.declared.effect import Effect, Tabulated
 from stickslip.discovery.laboratory import curves, search, verdicts
 from stickslip.discovery.laboratory.curve_term import curve_term
-from stickslip.discovery.laboratory.gate import Gate
-from stickslip.discovery.laboratory.hypothesis import Bench, Learned, Term
+from stickslip.discovery.laboratory.gate import SearchGate
+from stickslip.discovery.laboratory.hypothesis import Bench, ScoredCurve, Term
 from stickslip.discovery.laboratory.proven import beside, proven
 from stickslip.discovery.laboratory.screen import Screen
-from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.search import Searched, SearchStep
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.two_degree import bench_of
 from stickslip.fitted.data import prepare
@@ -50,7 +50,7 @@ class Left:
         return Searched(self.null, self.named)
 
     @cached_property
-    def curve(self) -> Learned | None:
+    def curve(self) -> ScoredCurve | None:
         told = verdicts.left_over(self.bench, self.searched, 0)
         return None if told is None else told[0]
 
@@ -107,7 +107,7 @@ def test_a_curve_beside_which_friction_scatters_without_bound_is_not_told(
     assert pulled.curve is not None
     every = curves.leading(pulled.bench, pulled.named, pulled.named.fit, 0)
 
-    def astray(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
+    def astray(bench: Bench, base: Trial, curve: ScoredCurve) -> tuple[ScoredCurve, Trial]:
         found, after = proven(bench, base, curve)
         return found, replace(
             after, fit=replace(after.fit, population=replace(after.fit.population, level=MOST))
@@ -166,7 +166,7 @@ def test_what_a_stuck_fit_was_short_of_is_no_curve(levelled: bool) -> None:
     x = np.linspace(-1.0, 1.0, 5)
     free = scipy.linalg.null_space(np.full((1, 5), 0.2)) if levelled else np.eye(5)
     known = np.diag([1.0, 1.0, 0.0 if levelled else 1.0, 1.0, 1.0])  # one value is where the law has a level
-    scored = Learned("block", "x1", 2000.0, x, x, x, free.shape[1], [], free=free, threshold=10.0)
+    scored = ScoredCurve("block", "x1", 2000.0, x, x, x, free.shape[1], [], free=free, threshold=10.0)
     for size, told in ((0.01, False), (1.0, True)):
         fitted_there = scored.fitted(size * x, 0.02**2 * known, 5955.0)
         assert fitted_there.worth(30) > 5000.0
@@ -179,7 +179,7 @@ def test_the_curve_that_is_told_is_the_model_s() -> None:
     """What was left out for the law's level was no constant: the report drew a curve of another shape."""
     x, mean = np.linspace(-1.0, 1.0, 5), np.array([0.5, 0.2, 0.1, 0.1, 0.1])
     free = scipy.linalg.null_space(mean[None])
-    scored = Learned("contact", "v_w", 900.0, x, x, x, 4, [], free=free, threshold=10.0)
+    scored = ScoredCurve("contact", "v_w", 900.0, x, x, x, 4, [], free=free, threshold=10.0)
     root = np.random.default_rng(0).standard_normal((5, 5))
     root[2] = 0.0  # one value stays where it is
     there = scored.fitted(x**2, root @ root.T, 900.0)
@@ -208,7 +208,8 @@ def test_a_curve_that_adds_nothing_to_names_is_not_fitted_in_their_place(
     """Fitting curves that could not replace a right name took longer than to find it."""
     x = np.linspace(-1.0, 1.0, 5)
     scored = [
-        Learned("block", variable, 900.0, x, x, x, 4, [], threshold=10.0) for variable in ("x1", "x2", "t")
+        ScoredCurve("block", variable, 900.0, x, x, x, 4, [], threshold=10.0)
+        for variable in ("x1", "x2", "t")
     ]
     monkeypatch.setattr(verdicts, "leading", lambda *_: scored)
     asked = list[str]()
@@ -251,7 +252,7 @@ def test_names_that_passed_fall_to_a_curve_beside_them_that_passes_by_more_than_
     assert pulled.curve is not None
     worth = pulled.curve.worth(len(pulled.bench.stretches))
     for beyond, told in ((30.0, True), (10.0, False)):
-        step = Step(pulled.null, Screen((), ()), [], Gate(np.zeros(1), worth - beyond))
+        step = SearchStep(pulled.null, Screen((), ()), [], SearchGate(np.zeros(1), worth - beyond))
         found = Searched(pulled.null, pulled.named, [step])
         assert (verdicts.left_over(pulled.bench, found, 0) is not None) == told
 
@@ -263,7 +264,7 @@ def test_a_curve_passes_no_gate_that_a_name_would_not(bent: Left) -> None:
     assert told is not None
     worth = told[0].worth(len(bent.bench.stretches))
     for gate, passes in ((0.5 * worth, True), (2.0 * worth, False)):
-        step = Step(bent.null, Screen((), ()), [], Gate(np.zeros(1), gate))
+        step = SearchStep(bent.null, Screen((), ()), [], SearchGate(np.zeros(1), gate))
         found = verdicts.curve_alone(bent.bench, Searched(bent.null, bent.null, [step]), 0)
         assert (found is not None) == passes
 

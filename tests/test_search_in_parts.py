@@ -13,11 +13,11 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory import block, outcome, trials, verdicts
 from stickslip.discovery.laboratory import search as searching
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.gate import Gate
+from stickslip.discovery.laboratory.gate import SearchGate
 from stickslip.discovery.laboratory.hypothesis import Term, of_term, term
 from stickslip.discovery.laboratory.outcome import evidence
 from stickslip.discovery.laboratory.screen import Screen, screened
-from stickslip.discovery.laboratory.search import Searched, Step, told_by_sizes
+from stickslip.discovery.laboratory.search import Searched, SearchStep, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.laboratory.waves import SMALL, wave_columns
 from stickslip.discovery.workers import Workers
@@ -84,7 +84,7 @@ def test_an_effect_alone_is_held_against_the_declared_model(bench: BeltBench, fi
     base = Trial((), fit)
     one = Trial((term(kind, {"k": 4.0}),), replace(fit, deviance=fit.deviance - 100.0))
     stale = Trial((), replace(fit, deviance=fit.deviance + 900.0))
-    step = Step(base, Screen((), ()), [one], Gate(np.array([5.0]), 10.0))
+    step = SearchStep(base, Screen((), ()), [one], SearchGate(np.array([5.0]), 10.0))
     said = evidence(Searched(base, one, [step], {"spring_cubic_k1": stale}), "spring_cubic_k1")
     assert said.delta_chi2 == pytest.approx(100.0)
 
@@ -151,10 +151,10 @@ def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     best = Trial((term(kind, {"k": 4.0}),), replace(fit, population=usual, deviance=fit.deviance - 1475.0))
     asked: list[Fit] = []
 
-    def gate(_: BeltBench, at: Fit, screen: Screen, *__: object) -> Gate:
+    def gate(_: BeltBench, at: Fit, screen: Screen, *__: object) -> SearchGate:
         asked.append(at)
         assert screen is screens[at.deviance]
-        return Gate(np.array([5.0]), 1200.0 if at.deviance == fit.deviance else 9.0)
+        return SearchGate(np.array([5.0]), 1200.0 if at.deviance == fit.deviance else 9.0)
 
     screens = {one.fit.deviance: Screen((), ()) for one in (null, best)}
     monkeypatch.setattr(searching, "gate", gate)
@@ -186,13 +186,15 @@ def test_a_wave_has_a_gate_of_its_own(
     best = Trial((seam,), replace(fit, windows=bench.windows((seam,)), deviance=fit.deviance - 60.0))
     asked: list[Fit] = []
 
-    def refitted(_: BeltBench, at: Fit, __: Screen, name: str, ___: int, like: Fit, ____: Workers) -> Gate:
+    def refitted(
+        _: BeltBench, at: Fit, __: Screen, name: str, ___: int, like: Fit, ____: Workers
+    ) -> SearchGate:
         assert (at, name) == (null.fit, "belt_seam")
         asked.append(like)
-        return Gate(np.array([5.0]), 58.0, gained)
+        return SearchGate(np.array([5.0]), 58.0, gained)
 
     monkeypatch.setattr(searching, "refitted", refitted)
-    monkeypatch.setattr(searching, "gate", lambda *_: Gate(np.array([5.0]), 6.0))
+    monkeypatch.setattr(searching, "gate", lambda *_: SearchGate(np.array([5.0]), 6.0))
     monkeypatch.setattr(searching, "screened", lambda *_: Screen((), ()))
     monkeypatch.setattr(searching, "explained", lambda _: True)
     monkeypatch.setattr(searching, "all_full", lambda *_: ([best], ()))
@@ -231,8 +233,8 @@ def test_a_name_stands_beside_the_wave_that_scatter_may_have_made(
     monkeypatch.setattr(searching, "leader_anew", lambda _, __, found, *___: found)
     monkeypatch.setattr(searching, "again_from", lambda _, base, __: base)
     monkeypatch.setattr(searching, "told_by_sizes", lambda _: math.inf)
-    monkeypatch.setattr(searching, "gate", lambda *_: Gate(np.array([5.0]), 6.0))
-    monkeypatch.setattr(searching, "refitted", lambda *_: Gate(np.array([5.0]), 99.0, 80.0))
+    monkeypatch.setattr(searching, "gate", lambda *_: SearchGate(np.array([5.0]), 6.0))
+    monkeypatch.setattr(searching, "refitted", lambda *_: SearchGate(np.array([5.0]), 99.0, 80.0))
     monkeypatch.setattr(searching, "fitted_beside", lambda *_: made((seam, own), 90.0 + gained))
     monkeypatch.setattr(searching, "with_wrong_constant", lambda *given: given[-1])
     one = replace(bench, policy=replace(bench.policy, most_effects=1))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.scale import plainly
-from stickslip.discovery.residual import Fitted, by_run
+from stickslip.discovery.residual import AnyFit, by_run
 from stickslip.errors import InputError
 from stickslip.fitted.data import Data, refined, rounding, without_outliers
 
@@ -21,7 +21,7 @@ OFF = 0.2  # in the logarithm, from which a declared noise is not believed
 
 
 def cleaned(
-    data: Sequence[Data], first: Fitted, declared: Mapping[str, float]
+    data: Sequence[Data], first: AnyFit, declared: Mapping[str, float]
 ) -> tuple[list[Data], tuple[str, ...]]:
     """The runs with single outliers masked and their noise corrected, and what was corrected in words.
 

@@ -27,7 +27,7 @@ DRAWS = 3  # of the floor: what one draw of the noise leaves differs from the ne
 
 
 @dataclass
-class Measured:
+class ForecastErrors:
     """What one model makes of one run."""
 
     one: float
@@ -43,7 +43,7 @@ class Measured:
     deviance: Mapping[int, float] = field(default_factory=dict)  # of each forecast, by its first sample
 
 
-def measure(model: Model, run: Data) -> Measured:
+def measure(model: Model, run: Data) -> ForecastErrors:
     """Forecast a run one and two cycles ahead and compare with its readings."""
     forecaster = Forecaster(model, run, 1, curves_of(model))
     try:
@@ -58,7 +58,7 @@ def measure(model: Model, run: Data) -> Measured:
 
 def compared(
     run: Data, prediction: Prediction, samples: NDArray[np.int64], two: tuple[float, float] | None
-) -> Measured:
+) -> ForecastErrors:
     """
     Return what forecasts of one cycle make of a run.
 
@@ -69,7 +69,7 @@ def compared(
     two : rms errors of x1 and y1 over two cycles, None where the run is too short
     """
     one, v = rmse(prediction, samples, run), as_seen(run, prediction.rate)
-    return Measured(
+    return ForecastErrors(
         relative(one, run),
         float("nan") if two is None else relative(two, run),
         *_events(v, run, samples),
@@ -148,7 +148,7 @@ def error_block(
     recordings: Sequence[Recording],
     workers: Workers,
     seed: int = 0,
-) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
+) -> tuple[ErrorBlock, dict[str, tuple[ForecastErrors, ForecastErrors]]]:
     """`error` of the report on the validate runs, and the forecasts it rests on, each made by one of the workers."""
     asked = [("after", 0), *(("floor", seed + i) for i in range(DRAWS))]
     if before != after:
@@ -173,7 +173,7 @@ def block(metric: str, table: Sequence[RunError]) -> ErrorBlock:
     return ErrorBlock(metric, mean["before"], mean["after"], mean["floor"], tuple(table))
 
 
-def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> Measured | None:
+def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> ForecastErrors | None:
     """One of `WHO` on a run; None where the model after cannot make readings of its own."""
     who, run, seed = task
     if who != "floor":
@@ -185,7 +185,7 @@ def _forecast(task: tuple[str, Data, int], *, before: Model, after: Model) -> Me
         return None
 
 
-def mean(draws: Sequence[Measured]) -> Measured | None:
+def mean(draws: Sequence[ForecastErrors]) -> ForecastErrors | None:
     """Return one with the mean of what these measured; None of none."""
     if not draws:
         return None
@@ -195,7 +195,9 @@ def mean(draws: Sequence[Measured]) -> Measured | None:
     return replace(draws[0], **numbers, rmse=(x1, y1))  # type: ignore[arg-type]  # floats by name
 
 
-def row(run: Data, recording: Recording, measured: tuple[Measured, Measured, Measured]) -> RunError:
+def row(
+    run: Data, recording: Recording, measured: tuple[ForecastErrors, ForecastErrors, ForecastErrors]
+) -> RunError:
     """Return the errors on one run, before, after and at the floor."""
 
     def each(name: str) -> dict[str, float]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.residual import Fitted, by_run
+from stickslip.discovery.residual import AnyFit, by_run
 from stickslip.fitted.data import Data, read_again, refined
 from stickslip.measured.case import Case
 
@@ -23,7 +23,7 @@ PEAKED = 3.5  # kurtosis beyond which a residual is the burst of a misfit; noise
 MOST = 1.1  # of the noise's variance, that a channel of white noise may leave
 
 
-def filtered(fit: Fitted, data: Sequence[Data]) -> tuple[int, Floats] | None:
+def filtered(fit: AnyFit, data: Sequence[Data]) -> tuple[int, Floats] | None:
     """How many samples apart the noise of what a fit leaves is independent, and its size over what `data` has it as
     by channel (c,); None where it is white, or what is left is not noise.
 

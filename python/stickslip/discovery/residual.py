@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.result import Part, Residual
 from stickslip.fitted.data import Data
+from stickslip.fitted.window import WindowSpan
 from stickslip.measured.findings import FINE
 from stickslip.measured.signals import quantisation
 
@@ -22,20 +23,18 @@ NEAR = 4  # samples on either side that belong to a transition
 BINS = 120
 
 
-class _Span(Protocol):
-    @property
-    def run(self) -> int: ...
-    @property
-    def start(self) -> int: ...
-    @property
-    def stop(self) -> int: ...
+class WindowResidual(Protocol):
+    """What a fit leaves of a window."""
 
+    @property
+    def r(self) -> Floats:
+        """Residuals over their noise."""
+        ...
 
-class _Block(Protocol):
     @property
-    def r(self) -> Floats: ...
-    @property
-    def mode(self) -> NDArray[np.int8]: ...
+    def mode(self) -> NDArray[np.int8]:
+        """Mode at each sample."""
+        ...
 
 
 class _Runs(Protocol):
@@ -43,7 +42,7 @@ class _Runs(Protocol):
     def data(self) -> Sequence[Data]: ...
 
 
-class Fitted(Protocol):
+class AnyFit(Protocol):
     """A fit of windows, whichever engine made it."""
 
     @property
@@ -52,12 +51,12 @@ class Fitted(Protocol):
         ...
 
     @property
-    def windows(self) -> Sequence[_Span]:
+    def windows(self) -> Sequence[WindowSpan]:
         """Where the windows are."""
         ...
 
     @property
-    def blocks(self) -> Sequence[_Block]:
+    def blocks(self) -> Sequence[WindowResidual]:
         """Residuals and modes of each."""
         ...
 
@@ -83,7 +82,7 @@ class Fitted(Protocol):
 
 
 @dataclass
-class _Samples:
+class _Residuals:
     """All residuals of a fit, flat: one entry a reading."""
 
     r: Floats
@@ -93,7 +92,7 @@ class _Samples:
     third: NDArray[np.int64]
 
 
-def describe(fit: Fitted, limit: float = LIMIT) -> Residual:
+def describe(fit: AnyFit, limit: float = LIMIT) -> Residual:
     """Residual of a fit, in all and in parts, worst first.
 
     It is clean where neither all readings nor those of a channel leave more than noise does, by `limit` sampling
@@ -112,7 +111,7 @@ def describe(fit: Fitted, limit: float = LIMIT) -> Residual:
     return Residual(chi2, error, whiteness(fit), clean, tuple(parts), said, tuple(alike))
 
 
-def left_over(fit: Fitted) -> float:
+def left_over(fit: AnyFit) -> float:
     """chi-squared per reading above 1 in its sampling errors: of all readings, or of the channel that leaves most.
 
     A channel counts by itself where its noise is declared. One that was read off the readings is no measure so sharp.
@@ -126,7 +125,7 @@ def left_over(fit: Fitted) -> float:
     return out
 
 
-def _of_channel(fit: Fitted, c: int) -> tuple[float, int]:
+def _of_channel(fit: AnyFit, c: int) -> tuple[float, int]:
     """Sum of squares of a channel's residuals over the noise, and how many there are."""
     power, count = 0.0, 0
     for w, b in zip(fit.windows, fit.blocks, strict=True):
@@ -137,7 +136,7 @@ def _of_channel(fit: Fitted, c: int) -> tuple[float, int]:
     return power, count
 
 
-def correlation(fit: Fitted) -> list[float]:
+def correlation(fit: AnyFit) -> list[float]:
     """By channel, the largest correlation over lags 1 to 20 in its sampling errors: of a misfit it is positive.
 
     0 for a channel whose noise is no larger than twice its steps: these go on from reading to reading too.
@@ -174,7 +173,7 @@ def _sentence(chi2: float, error: float, clean: bool, parts: list[Part]) -> str:
     return f"chi-squared is {chi2:.4g} per reading where noise alone leaves 1 +- {error:.3f}; most in {words}"
 
 
-def _collect(fit: Fitted) -> _Samples:
+def _collect(fit: AnyFit) -> _Residuals:
     columns: list[list[Floats]] = [[], [], [], [], []]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         run = fit.engine.data[w.run]
@@ -196,7 +195,7 @@ def _collect(fit: Fitted) -> _Samples:
         ):
             target.append(np.asarray(value)[used])
     r, *labels = (np.concatenate(one) for one in columns)
-    return _Samples(r, *(one.astype(np.int64) for one in labels))
+    return _Residuals(r, *(one.astype(np.int64) for one in labels))
 
 
 def _modes(mode: NDArray[np.int8]) -> NDArray[np.int64]:
@@ -206,7 +205,7 @@ def _modes(mode: NDArray[np.int8]) -> NDArray[np.int64]:
     return out
 
 
-def _parts(fit: Fitted, s: _Samples, share: float) -> Iterator[Part]:
+def _parts(fit: AnyFit, s: _Residuals, share: float) -> Iterator[Part]:
     channels = fit.engine.data[0].channels
     for c, name in enumerate(channels):
         yield from _part("channel", name, s.r[s.channel == c], share)
@@ -226,7 +225,7 @@ def _part(what: str, name: str, r: Floats, share: float) -> Iterator[Part]:
         yield Part(what, name, float(r @ r) / (len(r) * share), math.sqrt(2.0 / len(r)), len(r))
 
 
-def by_run(fit: Fitted) -> list[Floats]:
+def by_run(fit: AnyFit) -> list[Floats]:
     """Residuals in units of the noise, run by run as its readings are (n, c); NaN where a reading is not used."""
     out = [np.full(run.readings.shape, np.nan) for run in fit.engine.data]
     for w, b in zip(fit.windows, fit.blocks, strict=True):
@@ -235,14 +234,14 @@ def by_run(fit: Fitted) -> list[Floats]:
     return out
 
 
-def _series(fit: Fitted) -> Iterator[Floats]:
+def _series(fit: AnyFit) -> Iterator[Floats]:
     """Residual of each window and channel in time order."""
     for w, b in zip(fit.windows, fit.blocks, strict=True):
         c = fit.engine.data[w.run].readings.shape[1]
         yield from b.r.reshape(-1, c).T
 
 
-def whiteness(fit: Fitted) -> float:
+def whiteness(fit: AnyFit) -> float:
     """Largest autocorrelation over lags 1 to 20, over the limit that white noise passes one time in twenty."""
     top, norm, count = np.zeros(LAGS), 0.0, 0
     for r in _series(fit):
@@ -255,7 +254,7 @@ def whiteness(fit: Fitted) -> float:
     return float(np.max(np.abs(top)) / max(norm, 1e-300) / limit)
 
 
-def spectrum(before: Fitted, after: Fitted) -> Mapping[str, Floats]:
+def spectrum(before: AnyFit, after: AnyFit) -> Mapping[str, Floats]:
     """Mean normalised power of residuals over angular frequency, in even bins of its logarithm; white noise is 1."""
     w, was = _power(before)
     _, now = _power(after)
@@ -263,7 +262,7 @@ def spectrum(before: Fitted, after: Fitted) -> Mapping[str, Floats]:
     return {"frequency": w[filled], "before": was[filled], "after": now[filled]}
 
 
-def _power(fit: Fitted) -> tuple[Floats, Floats]:
+def _power(fit: AnyFit) -> tuple[Floats, Floats]:
     data = fit.engine.data
     dt = float(np.median([np.median(np.diff(run.t)) for run in data]))
     edges = np.geomspace(np.pi / max(float(run.t[-1]) for run in data), np.pi / dt, BINS + 1)

@@ -36,7 +36,7 @@ def declared(rig: AnyRig, name: str) -> float:
 
 
 @dataclass(frozen=True)
-class Constant:
+class SIConstant:
     """The SI constant behind a number of the rig, everything else as declared: (number - least) size."""
 
     name: str
@@ -53,7 +53,7 @@ class Constant:
         return (value - self.least) * self.size
 
 
-def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> Constant | None:
+def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> SIConstant | None:
     """What a wrong number says of the SI constants by (2.1), with r, k2 and the units as declared.
 
     c2 is in eta12 - eta1, with the eta1 `found` if it was. alpha1 in both places is none: a mass and a spring k1 that
@@ -64,12 +64,12 @@ def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> Constant 
     omega, k2, r = rig.scales.omega, rig.scales.k2, rig.scales.r
     eta1 = found["eta1"].value if "eta1" in found else rig.eta1
     known = {
-        "alpha2": Constant("J", r * r * k2 / omega**2),
-        "beta3": Constant("k3", k2, 1.0),
-        "eta1": Constant("c1", k2 / omega),
-        "eta12": Constant("c2", k2 / omega, eta1),
-        "inertia": Constant("m", k2 / omega**2),
-        "stiffness": Constant("k1", k2, 1.0),
+        "alpha2": SIConstant("J", r * r * k2 / omega**2),
+        "beta3": SIConstant("k3", k2, 1.0),
+        "eta1": SIConstant("c1", k2 / omega),
+        "eta12": SIConstant("c2", k2 / omega, eta1),
+        "inertia": SIConstant("m", k2 / omega**2),
+        "stiffness": SIConstant("k1", k2, 1.0),
     }
     return known.get(name)
 

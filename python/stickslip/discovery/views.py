@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.rig import Rig
-from stickslip.discovery.errors import Measured
+from stickslip.discovery.errors import ForecastErrors
 from stickslip.discovery.result import RunView
 from stickslip.fitted.data import Data
 from stickslip.simulated.states import BELT, X1, X2, Y1, Y2
@@ -26,7 +26,7 @@ class Made:
     mode: NDArray[np.int8]
 
 
-def validate_view(run: Data, before: Measured, after: Measured, rig: object) -> RunView:
+def validate_view(run: Data, before: ForecastErrors, after: ForecastErrors, rig: object) -> RunView:
     """A run that was forecast; NaN before the first forecast."""
     seen = view(run, _forecast(run, before), _forecast(run, after), rig)
     if after.band is None:
@@ -46,7 +46,7 @@ def nothing(run: Data) -> Made:
     )
 
 
-def _forecast(run: Data, measured: Measured) -> Made:
+def _forecast(run: Data, measured: ForecastErrors) -> Made:
     made, got = nothing(run), measured.prediction
     made.readings[measured.samples] = got.readings
     made.rate[measured.samples] = got.rate

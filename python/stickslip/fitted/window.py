@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,22 @@ Floats = NDArray[np.float64]
 STATES, BELT, LAGGED, DWELL = states.COUNT, states.BELT, states.LAGGED, states.DWELL
 AUTO, STICK = 2, 0
 SLIPPING = 3  # AUTO for the core, and sure not to start in stick
+
+
+class WindowSpan(Protocol):
+    """Where a window is: samples start <= i < stop of a run."""
+
+    @property
+    def run(self) -> int:
+        """Number of the run."""
+
+    @property
+    def start(self) -> int:
+        """First sample."""
+
+    @property
+    def stop(self) -> int:
+        """The sample behind the last."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.fitted.window import WindowSpan
 from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.shared import Declared, Prior, SharedNumber
@@ -25,24 +26,8 @@ class Read(Protocol):
         """The array."""
 
 
-class Placed(Protocol):
-    """A window: samples start to stop of a run."""
-
-    @property
-    def run(self) -> int:
-        """Number of the run."""
-
-    @property
-    def start(self) -> int:
-        """First sample."""
-
-    @property
-    def stop(self) -> int:
-        """The sample behind the last."""
-
-
 RunT = TypeVar("RunT", bound=Read)
-PlaceT = TypeVar("PlaceT", bound=Placed)
+PlaceT = TypeVar("PlaceT", bound=WindowSpan)
 
 
 class EventWindows(ABC, Generic[RunT, PlaceT]):

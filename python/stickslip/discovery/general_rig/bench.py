@@ -20,7 +20,7 @@ from stickslip.discovery.general_rig.curve_kinds import curve_kinds
 from stickslip.discovery.general_rig.kinds import Sizes, placed_kinds, rival_at, slip
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.bodies_data import BodiesData, way
 from stickslip.likelihoods import bodies_bench
@@ -190,7 +190,7 @@ class GeneralBench(Bench):
         fit: Fit,  # noqa: ARG002  # none as yet
         terms: Sequence[Term] = (),  # noqa: ARG002
         workers: Workers = ALONE,  # noqa: ARG002
-    ) -> Sequence[Learned]:
+    ) -> Sequence[ScoredCurve]:
         """See `Bench.curves`."""
         return ()
 

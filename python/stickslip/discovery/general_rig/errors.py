@@ -36,7 +36,7 @@ NONE = dict.fromkeys(WHO, math.nan)
 
 
 @dataclass(frozen=True)
-class Told:
+class FittedRig:
     """
     What the runs that were fitted tell: a model, and what its sensors make of what they read.
 
@@ -58,12 +58,12 @@ class Told:
 
 
 def error_block(
-    before: Told,
-    after: Told,
+    before: FittedRig,
+    after: FittedRig,
     runs: Sequence[BodiesData],
     recordings: Sequence[Recording],
     spare: float | None,
-    less: Mapping[str, tuple[Told, float]],
+    less: Mapping[str, tuple[FittedRig, float]],
 ) -> tuple[ErrorBlock, list[tuple[WindowForecasts, WindowForecasts]]]:
     """
     Return `error` of the report, and the forecasts that it rests on.
@@ -118,7 +118,7 @@ def two_windows(run: BodiesData) -> list[Cut]:
     return cut
 
 
-def ahead(told: Told, run: BodiesData) -> tuple[WindowForecasts, tuple[Floats, Mask]]:
+def ahead(told: FittedRig, run: BodiesData) -> tuple[WindowForecasts, tuple[Floats, Mask]]:
     """
     Return what is forecast of a run, one window ahead, and how likely each window is, as of `deviances`.
 

@@ -14,7 +14,7 @@ from stickslip.declared.model import Model
 from stickslip.discovery.carry_over import claimed
 from stickslip.discovery.general_rig import outcome
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of, of_single_events
-from stickslip.discovery.general_rig.errors import Told, error_block, two_windows
+from stickslip.discovery.general_rig.errors import FittedRig, error_block, two_windows
 from stickslip.discovery.general_rig.result import GeneralFound, RigView
 from stickslip.discovery.laboratory import outcome as usual
 from stickslip.discovery.laboratory.fewer import beside_others, fewer
@@ -113,11 +113,11 @@ def _found(
     before, after = (outcome.model(bench, one, declared) for one in (found.null, chosen))
     tell("forecasting the validate runs")
 
-    def told(one: Trial) -> Told:
+    def told(one: Trial) -> FittedRig:
         made = (
             before if one is found.null else after if one is chosen else outcome.model(bench, one, declared)
         )
-        return Told(made, outcome.sensors(bench, one), one.fit.population, one.fit.noise)
+        return FittedRig(made, outcome.sensors(bench, one), one.fit.population, one.fit.noise)
 
     was = now = told(chosen)
     if chosen is not found.null:

@@ -16,7 +16,7 @@ from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.belt_curves import learned
 from stickslip.discovery.laboratory.gate import chain
 from stickslip.discovery.laboratory.hypothesis import Bench, Term, of_term
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -189,6 +189,6 @@ class BeltBench(Bench):
         made = root @ rng.standard_normal((len(points), self.policy.draws))
         return np.asarray(made.reshape(len(members), len(places), self.policy.draws))
 
-    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> list[Learned]:
+    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> list[ScoredCurve]:
         """See `Bench.curves`."""
         return learned(self, fit, terms, workers)

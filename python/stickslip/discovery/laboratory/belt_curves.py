@@ -20,7 +20,7 @@ from stickslip.declared.effect import Tabulated, tabulated
 from stickslip.declared.model import Model
 from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.hypothesis import Term
-from stickslip.discovery.laboratory.learned import Factors, Learned
+from stickslip.discovery.laboratory.learned import Factors, ScoredCurve
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -73,7 +73,9 @@ class _OnBelt(Protocol):
     def windows(self, terms: Sequence[Term] = ()) -> BeltWindows: ...
 
 
-def learned(bench: _OnBelt, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> list[Learned]:
+def learned(
+    bench: _OnBelt, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE
+) -> list[ScoredCurve]:
     """Return every curve beside a hypothesis, best first; the workers score them."""
     motions = fit.windows.motions(fit.at, fit.own)
     every = workers.map(partial(_scored, bench, fit, terms, motions), _asked(bench))
@@ -108,7 +110,7 @@ def _scored(
     terms: Sequence[Term],
     motions: list[WindowMotion | None],
     asked: tuple[str, str],
-) -> Learned | None:
+) -> ScoredCurve | None:
     """A curve; None where no window can be simulated with it."""
     one = _shaped(bench, fit, terms, motions, *asked)
     if all(each is None for each in one.columns):
@@ -124,7 +126,7 @@ def _scored(
     effect = one.effect and one.effect.replace(
         **{name: float(x) for name, x in zip(one.effect.parameters, value, strict=True)}
     )
-    return Learned(
+    return ScoredCurve(
         one.where,
         one.variable,
         found.gain,

@@ -62,7 +62,7 @@ NOT_AFTER = (
 
 
 @dataclass(frozen=True)
-class Search:
+class BlockSearch:
     """
     A case as it was searched.
 
@@ -101,7 +101,7 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     bench, units, data, left_out = bench_of(case)
     case, unused = with_windows(case, bench.data, bench.stretches, left_out)
     verdicts, said = _verdicts(bench, case, tell, seed, workers)
-    searched = Search(case, units, data, verdicts)
+    searched = BlockSearch(case, units, data, verdicts)
     found = claimed(
         _found(searched, tell, began, seed, workers),
         (_found(replace(searched, verdicts=less), tell, began, seed, workers) for less in verdicts.fewer()),
@@ -188,7 +188,9 @@ def _displaced(units: Scaled, run: Data) -> Data:
     return replace(units.data(run), readings=run.readings * units.scales.length)
 
 
-def _found(search: Search, tell: Callable[[str], None], began: float, seed: int, workers: Workers) -> Found:
+def _found(
+    search: BlockSearch, tell: Callable[[str], None], began: float, seed: int, workers: Workers
+) -> Found:
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
     chosen = search.verdicts.told
@@ -269,14 +271,14 @@ def _errors(
     }
 
 
-def _model(search: Search, trial: Trial) -> Model:
+def _model(search: BlockSearch, trial: Trial) -> Model:
     """The model of a hypothesis: declared constants with what the runs say of them beside, as relative errors."""
     bench = search.verdicts.bench
     made = outcome.model(bench, trial, search.case.model())
     return search.units.model(made, trial.fit.values(), bench.sensors.gains[0], search.case.candidates)
 
 
-def _effects(search: Search, chosen: Trial) -> tuple[FoundEffect, ...]:
+def _effects(search: BlockSearch, chosen: Trial) -> tuple[FoundEffect, ...]:
     """What was found, by weight: named effects and a constant, or a curve that no name explains."""
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     if curve is not None:
@@ -324,7 +326,7 @@ def _error(one: Freed) -> Interval:
     return Interval(*(None if x is None else x - 1 for x in (at.value, at.low, at.high)))  # type: ignore[arg-type]
 
 
-def _ranking(search: Search) -> tuple[Rival, ...]:
+def _ranking(search: BlockSearch) -> tuple[Rival, ...]:
     units = search.units
     rows = outcome.ranking(search.verdicts.searched)
     return tuple(
@@ -333,14 +335,17 @@ def _ranking(search: Search) -> tuple[Rival, ...]:
 
 
 def _train_views(
-    search: Search, train: Sequence[MeasuredBlock], before: tuple[Model, Trial], after: tuple[Model, Trial]
+    search: BlockSearch,
+    train: Sequence[MeasuredBlock],
+    before: tuple[Model, Trial],
+    after: tuple[Model, Trial],
 ) -> list[RunView]:
     """The runs of the fit, before and after."""
     was, now = (_motions(search, trial, train) for _, trial in (before, after))
     return [view(m, before[0], after[0], *both) for m, *both in zip(train, was, now, strict=True)]
 
 
-def _motions(search: Search, trial: Trial, train: Sequence[MeasuredBlock]) -> list[Motion]:
+def _motions(search: BlockSearch, trial: Trial, train: Sequence[MeasuredBlock]) -> list[Motion]:
     """Readings, their rates and modes as a hypothesis has them, turned as the runs are; NaN between windows."""
     bench, length, omega = search.verdicts.bench, search.units.scales.length, search.units.scales.omega
     out: list[Motion] = []

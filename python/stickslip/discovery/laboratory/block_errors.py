@@ -27,7 +27,7 @@ NAN = float("nan")
 
 
 @dataclass(frozen=True)
-class Ahead:
+class BlockForecasts:
     """Forecasts of one cycle from the past alone: samples, predictions, and their errors."""
 
     samples: NDArray[np.int64]
@@ -36,7 +36,7 @@ class Ahead:
     timing: float
 
 
-def ahead(model: Model, measured: MeasuredBlock) -> Ahead:
+def ahead(model: Model, measured: MeasuredBlock) -> BlockForecasts:
     """Forecast one cycle from the middle of up to 60 sticks."""
     cycle = cycle_of(measured)
     forecaster, run = BlockForecaster(model, measured), measured.run
@@ -55,9 +55,9 @@ def ahead(model: Model, measured: MeasuredBlock) -> Ahead:
         errors.append(float(np.nanmean(off**2)))
         timing.append(_release_error(one, measured, float(run.t[stop - 1]), cycle))
     if not errors:
-        return Ahead(np.zeros(0, dtype=np.int64), (), NAN, NAN)
+        return BlockForecasts(np.zeros(0, dtype=np.int64), (), NAN, NAN)
     spread = float(np.nanstd(run.x))
-    return Ahead(
+    return BlockForecasts(
         np.concatenate(samples),
         tuple(predictions),
         float(np.sqrt(np.mean(errors))) / spread,
@@ -80,7 +80,7 @@ def error_block(
     after: Model,
     runs: Sequence[MeasuredBlock],
     single: Mapping[str, tuple[float, float, float, float]],
-) -> tuple[ErrorBlock, dict[str, tuple[Ahead, Ahead]], tuple[str, ...]]:
+) -> tuple[ErrorBlock, dict[str, tuple[BlockForecasts, BlockForecasts]], tuple[str, ...]]:
     """
     `error` of the report on the validate runs, the forecasts, and a sentence on them for each run.
 
@@ -126,7 +126,7 @@ def _row(
     one: MeasuredBlock,
     errors: tuple[float, float, float],
     spread: float,
-    forecasts: tuple[Ahead, Ahead],
+    forecasts: tuple[BlockForecasts, BlockForecasts],
 ) -> RunError:
     recording = case.run(one.run.name)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
 from stickslip.declared.rig import BlockOnBelt
-from stickslip.discovery.laboratory.block_errors import Ahead
+from stickslip.discovery.laboratory.block_errors import BlockForecasts
 from stickslip.discovery.result import RunView
 from stickslip.fitted.block_events.levels import damping, true_stiffness
 from stickslip.fitted.block_events.sensor import reading_of
@@ -20,13 +20,15 @@ MOST = 20_000  # samples of a run drawn
 THINNEST = 4
 
 
-def validate_view(one: MeasuredBlock, before: Model, after: Model, forecasts: tuple[Ahead, Ahead]) -> RunView:
+def validate_view(
+    one: MeasuredBlock, before: Model, after: Model, forecasts: tuple[BlockForecasts, BlockForecasts]
+) -> RunView:
     """A run that was forecast; NaN where no forecast was made."""
     was, now = (_forecast(one, f) for f in forecasts)
     return view(one, before, after, was, now)
 
 
-def _forecast(one: MeasuredBlock, ahead: Ahead) -> Motion:
+def _forecast(one: MeasuredBlock, ahead: BlockForecasts) -> Motion:
     n = len(one.run.t)
     x, v, mode = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
     for p in ahead.predictions:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.declared.model import Model
 from stickslip.discovery import errors
 from stickslip.discovery.carry_over import deciding
-from stickslip.discovery.errors import Measured
+from stickslip.discovery.errors import ForecastErrors
 from stickslip.discovery.result import ErrorBlock, Likelihood, RunError
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data
@@ -42,7 +42,7 @@ def error_block(
     seed: int,
     spare: float | None = None,
     less: Mapping[str, tuple[Fit, float]] = NOTHING,
-) -> tuple[ErrorBlock, dict[str, tuple[Measured, Measured]]]:
+) -> tuple[ErrorBlock, dict[str, tuple[ForecastErrors, ForecastErrors]]]:
     """
     Return `error` of the report, and the forecasts it rests on.
 
@@ -65,7 +65,7 @@ def error_block(
     done = iter(workers.map(partial(_made, seed=seed), tasks))
     falls, each = list[float](), {name: list[float]() for name in less}
     table: list[RunError] = []
-    kept: dict[str, tuple[Measured, Measured]] = {}
+    kept: dict[str, tuple[ForecastErrors, ForecastErrors]] = {}
     for run, recording in zip(runs, recordings, strict=True):
         flown = [next(done) for _ in light]
         made = [one for one in flown[: 1 if same else 2] if one is not None]
@@ -133,7 +133,7 @@ def _falls(was: Mapping[int, float], now: Mapping[int, float]) -> list[float]:
     return [each - now[at] for at, each in was.items() if at in now]
 
 
-def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[Measured, Measured]]) -> float | None:
+def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[ForecastErrors, ForecastErrors]]) -> float | None:
     """Share of the readings that the bands of the model after hold."""
     inside = []
     for run in runs:
@@ -145,7 +145,7 @@ def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[Measured, Measured]]
     return float(np.mean(np.concatenate(inside))) if inside else None
 
 
-def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[Measured, Measured] | None:
+def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[ForecastErrors, ForecastErrors] | None:
     """What a fit makes of a run, and of what it might itself have been; None where it forecasts nothing."""
     fit, run = task
     short = two = ahead(fit, run, 2.0, seed)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from stickslip.discovery.laboratory.gate import gate
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.screen import Screen, Shapes
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.workers import ALONE, Workers
@@ -22,8 +22,8 @@ def leading(
     workers: Workers = ALONE,
     least: float = 0.0,
     names: float = 0.0,
-    every: Sequence[Learned] | None = None,
-) -> list[Learned]:
+    every: Sequence[ScoredCurve] | None = None,
+) -> list[ScoredCurve]:
     """
     Return the best curves beside a hypothesis, best first, with the gate that draws set for all curves.
 
@@ -51,7 +51,7 @@ def leading(
     return sorted(told, key=lambda one: -one.worth(count))[: bench.policy.fullest]
 
 
-def drawn(bench: Bench, fit: Fit, best: Fit, every: Sequence[Learned], seed: int) -> float:
+def drawn(bench: Bench, fit: Fit, best: Fit, every: Sequence[ScoredCurve], seed: int) -> float:
     """Return what the best of these curves gains, prices paid, in one of `1/false_alarm` records that lack nothing."""
     screen = Screen((), tuple(Shapes(one.count, (one.columns,)) for one in every))
     return gate(bench, fit, screen, seed, best, tight=True).threshold

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
-from stickslip.discovery.laboratory.waves import Wave
+from stickslip.discovery.laboratory.waves import WaveColumns
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import BELT, KINETIC, MOST, STATIC, memory
 
@@ -27,7 +27,7 @@ GUMBEL = 0.5772156649  # Euler's constant
 
 
 @dataclass(frozen=True)
-class Gate:
+class SearchGate:
     """
     The largest gains, prices paid, that draws from a hypothesis that lacks nothing show.
 
@@ -43,7 +43,7 @@ class Gate:
     observed: float = math.nan
 
 
-def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> Gate:
+def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bool = False) -> SearchGate:
     """
     Return the gate of a fitted hypothesis.
 
@@ -64,7 +64,7 @@ def gate(bench: Bench, fit: Fit, screen: Screen, seed: int, best: Fit, tight: bo
     count, most = len(bench.stretches), np.full(bench.policy.draws, -np.inf)
     for one in screen.shapes:
         most = np.maximum(most, one.gains(null, drawn, shared) - one.count * math.log(count))
-    return Gate(most, max(quantile(most, bench.policy.false_alarm / screen.gates), 0.0))
+    return SearchGate(most, max(quantile(most, bench.policy.false_alarm / screen.gates), 0.0))
 
 
 def quantile(best: Floats, probability: float) -> float:
@@ -144,7 +144,7 @@ def wandering_belt(fit: Fit, slow: Floats, rng: np.random.Generator) -> Floats:
     return np.asarray(fit.population.belt * np.sqrt(slow) * out)
 
 
-def _astray(null: Null, waves: Sequence[tuple[Wave, Floats]]) -> NDArray[np.bool_]:
+def _astray(null: Null, waves: Sequence[tuple[WaveColumns, Floats]]) -> NDArray[np.bool_]:
     """
     Return the windows that slow waves of the belt, as they are drawn, leave more of than the readings do.
 
@@ -159,7 +159,7 @@ def _astray(null: Null, waves: Sequence[tuple[Wave, Floats]]) -> NDArray[np.bool
 
 def _wobble(
     bench: Bench, screen: Screen, rng: np.random.Generator, whole: float
-) -> Sequence[tuple[Wave, Floats]]:
+) -> Sequence[tuple[WaveColumns, Floats]]:
     """Slow waves of the belt, each with amplitudes (runs, 2, draws), their sum as large as the belt wobbles."""
     waves = screen.of_belt(bench.policy)
     if not waves:

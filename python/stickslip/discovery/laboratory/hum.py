@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.residual import LIMIT, by_run, left_over
 
@@ -38,7 +38,7 @@ class Line:
     amplitudes: Floats
 
 
-def humming(left: Left) -> Learned | None:
+def humming(left: Left) -> ScoredCurve | None:
     """
     Return the hum of a channel: one frequency, at an amplitude and a phase of its own in each run.
 
@@ -65,7 +65,9 @@ def humming(left: Left) -> Learned | None:
     x = np.linspace(0.0, 2 * math.pi / line.w, KNOTS)
     numbers = 2 * len(left.engine.data) + 1
     value, spread = size * np.sin(line.w * x), np.full(KNOTS, std)
-    return Learned(f"{channels[c]} channel", "t", gain, x, value, spread, numbers, (), period=float(x[-1]))
+    return ScoredCurve(
+        f"{channels[c]} channel", "t", gain, x, value, spread, numbers, (), period=float(x[-1])
+    )
 
 
 def _line(left: Left, residuals: list[Floats], channel: int) -> Line:

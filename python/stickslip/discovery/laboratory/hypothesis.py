@@ -15,7 +15,7 @@ from stickslip.declared.catalogue import KINDS
 from stickslip.declared.effect import Effect, FormulaEffect, Tabulated, effect
 from stickslip.declared.effect_kind import EffectKind, ParameterInfo
 from stickslip.declared.model import Model
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.rival_kind import RivalKind
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.fit_state import Fit, Windowed
@@ -174,7 +174,7 @@ class Bench(ABC):
         """
 
     @abstractmethod
-    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> Sequence[Learned]:
+    def curves(self, fit: Fit, terms: Sequence[Term] = (), workers: Workers = ALONE) -> Sequence[ScoredCurve]:
         """Return every curve beside a hypothesis of these terms, best first; the workers score them."""
 
 

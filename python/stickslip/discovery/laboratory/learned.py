@@ -19,7 +19,7 @@ DRAWN = 49  # places between the outer knots
 
 
 @dataclass(frozen=True)
-class Learned:
+class ScoredCurve:
     """
     A curve that was scored.
 
@@ -56,7 +56,7 @@ class Learned:
     period: float | None = None
     told: float = math.inf
 
-    def fitted(self, values: Floats, covariance: Floats, gain: float) -> Learned:
+    def fitted(self, values: Floats, covariance: Floats, gain: float) -> ScoredCurve:
         """
         Return the curve as it was fitted: the values of the model, whose law goes with their level.
 

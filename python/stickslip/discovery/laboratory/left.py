@@ -10,20 +10,14 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.fitted.data import Data
+from stickslip.fitted.window import WindowSpan
 from stickslip.likelihoods.fit_state import Fit
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class _Span:
-    run: int
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True)
-class _Block:
+class _WindowLeft:
     r: Floats
     mode: NDArray[np.int8]
 
@@ -38,8 +32,8 @@ class Left:
     """What a fit leaves, as `residual.describe` takes it."""
 
     engine: _Engine
-    windows: Sequence[_Span]
-    blocks: Sequence[_Block]
+    windows: Sequence[WindowSpan]
+    blocks: Sequence[_WindowLeft]
     readings: int
     dof: float
     chi2: float
@@ -56,8 +50,8 @@ def left(bench: Bench, fit: Fit, data: Sequence[Data] | None = None) -> Left:
     spans, blocks = [], []
     for s, block, motion in zip(bench.stretches, fit.blocks, motions, strict=True):
         if block is not None and motion is not None:
-            spans.append(_Span(s.run, s.start, s.stop))
-            blocks.append(_Block(block[:, :, -1].ravel(), motion.mode))
+            spans.append(s)
+            blocks.append(_WindowLeft(block[:, :, -1].ravel(), motion.mode))
     assert fit.linear is not None
     assert fit.solution is not None
     count = int(fit.linear.count.sum())

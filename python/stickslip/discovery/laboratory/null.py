@@ -19,7 +19,7 @@ NOTHING = 1e-12  # and of itself, against those that say nothing: what sticks ha
 
 
 @dataclass(frozen=True)
-class Row:
+class NullWindow:
     """
     One window, over its noise, (n, ...) each.
 
@@ -67,7 +67,7 @@ class Null:
         prior = fit.windows.prior
         away, schur = prior.tight(fit.at) if tight else prior.at(fit.at)
         self.pull = schur @ away
-        self.rows: list[Row | None] = []
+        self.rows: list[NullWindow | None] = []
         whole = np.zeros(p)
         for i, block in enumerate(fit.blocks):
             if block is None or fit.linear.weight[i] == 0:
@@ -85,7 +85,7 @@ class Null:
             schur = schur + x[:, :p].T @ shared
             whole += (x[:, :p] ** 2).sum(axis=0)
             self.pull = self.pull + shared.T @ right
-            self.rows.append(Row(effects, local, hat, shared, right))
+            self.rows.append(NullWindow(effects, local, hat, shared, right))
         schur[range(p), range(p)] = beyond_rounding(schur, whole) * (1 + TINY)
         bounds = fit.windows.steps(fit.at)
         at_bound = (bounds[0] >= 0) | (bounds[1] <= 0)
@@ -172,6 +172,6 @@ class Null:
         return out
 
 
-def _beside(row: Row, e: Floats) -> Floats:
+def _beside(row: NullWindow, e: Floats) -> Floats:
     """Return columns or readings of a window, over its noise, less what its own numbers explain of them."""
     return e - row.local @ (row.hat @ e)

@@ -15,10 +15,10 @@ from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curve_words import guess
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.rival_kind import within
-from stickslip.discovery.laboratory.search import Searched, Step
+from stickslip.discovery.laboratory.search import Searched, SearchStep
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import NEAR, evidence_of, rivals_of
 from stickslip.discovery.next_experiment import next_experiments
@@ -150,7 +150,7 @@ def _wrong_constant(bench: Bench, found: Searched, wrong: Freed) -> FoundEffect:
     )
 
 
-def _step_of(found: Searched, name: str) -> Step:
+def _step_of(found: Searched, name: str) -> SearchStep:
     """The step that an effect was taken in, or the first in which it was fitted."""
     for step in found.steps:
         if any(t.names[-1] == name for t in step.trials):
@@ -220,7 +220,7 @@ def _least(found: Searched, trial: Trial) -> float:
     return min(alike, default=trial.whole())
 
 
-def unlisted(found: Searched, curve: Learned, told: Trial) -> FoundEffect:
+def unlisted(found: Searched, curve: ScoredCurve, told: Trial) -> FoundEffect:
     """Return what no name explains: a place, a variable and a curve; beside names in the model `told` that stand in."""
     terms = {
         "contact": "friction factor minus 1",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.discovery.laboratory.curve_term import curve_term
 from stickslip.discovery.laboratory.hypothesis import Bench, terms_at
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -25,7 +25,7 @@ HELD = 1e-9  # what a number that stays where it is may move by
 GAUSSIAN = 1e6  # degrees of freedom of Student's t, so many that it has no tails
 
 
-def proven(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
+def proven(bench: Bench, base: Trial, curve: ScoredCurve) -> tuple[ScoredCurve, Trial]:
     """
     Return a curve as it stands with all else fitted beside it, and the hypothesis with it.
 
@@ -49,7 +49,7 @@ def proven(bench: Bench, base: Trial, curve: Learned) -> tuple[Learned, Trial]:
     return curve.fitted(np.array([numbers[name] for name in names]), covariance, gain), after
 
 
-def beside(bench: Bench, base: Trial, curve: Learned) -> Trial:
+def beside(bench: Bench, base: Trial, curve: ScoredCurve) -> Trial:
     """
     Return a hypothesis with a curve, fitted.
 
@@ -73,7 +73,7 @@ def beside(bench: Bench, base: Trial, curve: Learned) -> Trial:
     return replace(base, fit=fitted(start, bench.policy, bench.policy.candidate_steps, held=2))
 
 
-def _with_term(bench: Bench, base: Trial, curve: Learned) -> Trial:
+def _with_term(bench: Bench, base: Trial, curve: ScoredCurve) -> Trial:
     """
     The hypothesis with a curve as a term, fitted from where it stands without it.
 

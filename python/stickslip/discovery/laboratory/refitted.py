@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.discovery.laboratory.gate import Gate, quantile, records
+from stickslip.discovery.laboratory.gate import SearchGate, quantile, records
 from stickslip.discovery.laboratory.hypothesis import Bench
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.screen import Screen
@@ -30,7 +30,7 @@ RECORDS = 30  # of the draws, as each is fitted twice; waves that act gain five 
 
 def refitted(
     bench: Bench, fit: Fit, screen: Screen, name: str, seed: int, best: Fit, workers: Workers = ALONE
-) -> Gate:
+) -> SearchGate:
     """
     Return the gate of a wave beside a hypothesis, and what it gains of the readings by the same measure.
 
@@ -55,7 +55,9 @@ def refitted(
     away, _ = fit.windows.prior.at(fit.at)
     observed = _gained(bench, _reading(fit, null.rights, 0), waves, waves.best(null), away) - price
     # how friction is alike along the belt a fit tells poorly: a wave pays for its numbers once more
-    return Gate(draws, max(quantile(draws, bench.policy.false_alarm / screen.gates), 0.0) + price, observed)
+    return SearchGate(
+        draws, max(quantile(draws, bench.policy.false_alarm / screen.gates), 0.0) + price, observed
+    )
 
 
 def _reading(fit: Fit, every: list[Floats | None], record: int) -> Fit:

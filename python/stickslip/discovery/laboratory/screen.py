@@ -16,7 +16,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.rival_kind import RivalKind
-from stickslip.discovery.laboratory.waves import Wave, Waves, coarse, wave_columns
+from stickslip.discovery.laboratory.waves import WaveColumns, Waves, coarse, wave_columns
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit_state import Fit
@@ -102,7 +102,7 @@ class Screen:
         """Return the columns of a periodic effect."""
         return next(one for one in self.scored if isinstance(one, Waves) and label(one.kind) == name)
 
-    def of_belt(self, policy: Policy) -> tuple[Wave, ...]:
+    def of_belt(self, policy: Policy) -> tuple[WaveColumns, ...]:
         """Return the waves of the belt's speed at the frequencies that belts wobble at."""
         low, high = policy.slow
         return tuple(
@@ -146,7 +146,7 @@ def _part(bench: Bench, fit: Fit, terms: Sequence[Term], null: Null, part: tuple
     """The columns of some frequencies; of another effect its candidate and its shapes."""
     kind, frequencies = part
     if kind.wave:
-        return [Wave(float(w), wave_columns(bench, fit, terms, kind, float(w))) for w in frequencies]
+        return [WaveColumns(float(w), wave_columns(bench, fit, terms, kind, float(w))) for w in frequencies]
     return _shape(bench, fit, terms, kind, null)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.laboratory.constants import Freed, freed
-from stickslip.discovery.laboratory.gate import Gate, gate
+from stickslip.discovery.laboratory.gate import SearchGate, gate
 from stickslip.discovery.laboratory.hypothesis import Bench, sizes_of, terms_at
 from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.rival_kind import RivalKind
@@ -34,7 +34,7 @@ from stickslip.likelihoods.repeating import beyond_shown, explained, swollen
 
 
 @dataclass
-class Step:
+class SearchStep:
     """
     One step forward.
 
@@ -49,15 +49,15 @@ class Step:
     base: Trial
     screen: Screen
     trials: list[Trial]
-    gate: Gate
+    gate: SearchGate
     beside: Screen | None = None
-    waves: dict[str, Gate] = field(default_factory=dict)
+    waves: dict[str, SearchGate] = field(default_factory=dict)
 
     def gained(self, trial: Trial) -> float:
         """Return what a trial gains, prices paid, and what of it is no finding."""
         return trial.over(self.base)
 
-    def gate_of(self, trial: Trial) -> Gate:
+    def gate_of(self, trial: Trial) -> SearchGate:
         """Return the gate that a trial must pass."""
         return self.waves.get(trial.names[-1], self.gate)
 
@@ -79,7 +79,7 @@ class Searched:
 
     null: Trial
     chosen: Trial
-    steps: list[Step] = field(default_factory=list)
+    steps: list[SearchStep] = field(default_factory=list)
     without: dict[str, Trial] = field(default_factory=dict)
 
     @property
@@ -130,7 +130,7 @@ def search(
 
 
 def _passing(
-    bench: Bench, step: Step, tell: Callable[[str], None], seed: int, workers: Workers
+    bench: Bench, step: SearchStep, tell: Callable[[str], None], seed: int, workers: Workers
 ) -> Trial | None:
     """The best trial that passes its gate; that of a wave is drawn when it is asked."""
     for trial in sorted(step.trials, key=Trial.whole):
@@ -145,7 +145,7 @@ def _passing(
     return None
 
 
-def _stands_beside_waves(bench: Bench, step: Step, trial: Trial) -> bool:
+def _stands_beside_waves(bench: Bench, step: SearchStep, trial: Trial) -> bool:
     """
     Whether what is no wave passes its gate beside one that explains more, too, if there is one that did not pass.
 
@@ -159,7 +159,7 @@ def _stands_beside_waves(bench: Bench, step: Step, trial: Trial) -> bool:
     return both is not None and both.over(wave) > step.gate.threshold
 
 
-def _leader(step: Step) -> Trial:
+def _leader(step: SearchStep) -> Trial:
     """The best of what does not come and go, or of what it stands beside."""
     return min([step.base, *(t for t in step.trials if not t.comes_and_goes)], key=Trial.worth)
 
@@ -226,8 +226,8 @@ def _forward(
     seed: int,
     workers: Workers,
     scored: Screen | None = None,
-    before: Sequence[Step] = (),
-) -> tuple[Step, Trial]:
+    before: Sequence[SearchStep] = (),
+) -> tuple[SearchStep, Trial]:
     """
     Score and fit what could stand beside a hypothesis; the hypothesis, as it stands best, is the second.
 
@@ -254,7 +254,7 @@ def _forward(
         if not stuck or turn:
             break
     tell("asking what scatter alone would gain")
-    step = Step(base, screen, trials, Gate(np.zeros(0), math.inf))
+    step = SearchStep(base, screen, trials, SearchGate(np.zeros(0), math.inf))
     best = _leader(step)
     if swollen(base.fit) and is_usual(best.fit):
         # what scatter would do to motions that are not those of the readings, nobody asks
@@ -297,7 +297,7 @@ def worth_fitting(bench: Bench, base: Trial, screen: Screen) -> list[Candidate]:
 
 
 def _of_another_kind(
-    bench: Bench, tried: Sequence[Trial], screen: Screen, before: Sequence[Step]
+    bench: Bench, tried: Sequence[Trial], screen: Screen, before: Sequence[SearchStep]
 ) -> list[Candidate]:
     """
     Contacts that no score reaches: where nothing tried is a model of the windows they are fitted all the same.

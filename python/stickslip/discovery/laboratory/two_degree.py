@@ -41,7 +41,7 @@ MANY = 5  # readings taken out, from which the fits before are worth repeating
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _RigSearch:
     """
     A case as it is searched.
 
@@ -92,7 +92,7 @@ def discover(
     if not used:  # that there is nothing to cut is for others to say
         used = list(data[:many])
     case, unused = with_windows(case, used, stretches(used), why)
-    asked, verdicts, said = _searched(_Asked(case, [*used, *data[many:]], tell, seed, workers))
+    asked, verdicts, said = _searched(_RigSearch(case, [*used, *data[many:]], tell, seed, workers))
     notes = (*notes, *unused, *said)
     return claimed(
         _found(asked, verdicts, notes, began),
@@ -109,7 +109,7 @@ def bench_of(case: Case, data: Sequence[Data]) -> BeltBench:
     return BeltBench(model, data, stretches(data), declared_of(case), POLICY, RigSensors(), rivals)
 
 
-def _searched(asked: _Asked) -> tuple[_Asked, Verdicts[BeltBench], tuple[str, ...]]:
+def _searched(asked: _RigSearch) -> tuple[_RigSearch, Verdicts[BeltBench], tuple[str, ...]]:
     """
     What the train runs say, of readings that are cleaned by what is left of them.
 
@@ -165,14 +165,14 @@ def _null(bench: BeltBench, workers: Workers, near: Trial | None = None) -> Tria
         raise StickslipError(words) from None
 
 
-def _verdicts(asked: _Asked, bench: BeltBench, base: Trial) -> Verdicts[BeltBench]:
+def _verdicts(asked: _RigSearch, bench: BeltBench, base: Trial) -> Verdicts[BeltBench]:
     verdicts = searched(bench, asked.case.uncertainty, asked.tell, asked.seed, base, asked.workers)
     verdicts = beside_a_hum(verdicts, left(verdicts.bench, verdicts.searched.null.fit))
     messages.absurd(left(verdicts.bench, verdicts.told.fit), bench.model.rig)
     return verdicts
 
 
-def _found(asked: _Asked, verdicts: Verdicts[BeltBench], notes: tuple[str, ...], began: float) -> Found:
+def _found(asked: _RigSearch, verdicts: Verdicts[BeltBench], notes: tuple[str, ...], began: float) -> Found:
     """Return the report of a search."""
     case, tell = asked.case, asked.tell
     bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve

@@ -17,10 +17,10 @@ from stickslip.discovery.laboratory.curves import leading
 from stickslip.discovery.laboratory.fewer import beside_others, fewer
 from stickslip.discovery.laboratory.hum import humming
 from stickslip.discovery.laboratory.hypothesis import Bench
-from stickslip.discovery.laboratory.learned import Learned
+from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.proven import proven
-from stickslip.discovery.laboratory.search import Searched, Step, search
+from stickslip.discovery.laboratory.search import Searched, SearchStep, search
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.rig_numbers import BEYOND
 from stickslip.discovery.workers import ALONE, Workers
@@ -30,7 +30,7 @@ from stickslip.likelihoods.repeating import lost, unlike, wild
 from stickslip.likelihoods.shared import Declared
 
 BenchT = TypeVar("BenchT", bound=Bench)
-_Told = tuple[Learned, Trial]  # a curve, and the hypothesis with it
+_Told = tuple[ScoredCurve, Trial]  # a curve, and the hypothesis with it
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Verdicts(Generic[BenchT]):
 
     bench: BenchT
     searched: Searched
-    curve: Learned | None
+    curve: ScoredCurve | None
     after: Trial
     beside: bool = False
 
@@ -188,7 +188,7 @@ def curve_alone(
     seed: int,
     workers: Workers = ALONE,
     more: float = 0.0,
-    over: Sequence[Learned] = (),
+    over: Sequence[ScoredCurve] = (),
 ) -> _Told | None:
     """
     The curve that explains more than every name does, its shapes paid for; by so much `more`.
@@ -213,7 +213,7 @@ def left_over(
     found: Searched,
     seed: int,
     workers: Workers = ALONE,
-    over: Sequence[Learned] | None = None,
+    over: Sequence[ScoredCurve] | None = None,
 ) -> _Told | None:
     """
     The curve beside the names found that passes the gate: what acts is then not what they say.
@@ -233,7 +233,7 @@ def left_over(
     return left
 
 
-def gate_of(steps: Sequence[Step]) -> float:
+def gate_of(steps: Sequence[SearchStep]) -> float:
     """Return the gate of names of the last of these steps."""
     return steps[-1].gate.threshold if steps else 0.0
 
@@ -250,7 +250,7 @@ def explained_by_names(bench: Bench, found: Searched) -> float:
 
 
 def _proven(
-    bench: Bench, beside: Trial, every: Sequence[Learned], workers: Workers = ALONE, least: float = 0.0
+    bench: Bench, beside: Trial, every: Sequence[ScoredCurve], workers: Workers = ALONE, least: float = 0.0
 ) -> _Told | None:
     """
     The best curve that passes its gate, as scored and with all else fitted beside it; a fit that fails proves nothing.
@@ -271,7 +271,7 @@ def _proven(
     return max(found, key=lambda each: each[0])[1] if found else None
 
 
-def _shown(bench: Bench, beside: Trial, one: Learned) -> _Told | None:
+def _shown(bench: Bench, beside: Trial, one: ScoredCurve) -> _Told | None:
     """A curve with all else fitted beside it; None where that fails."""
     with suppress(FloatingPointError, np.linalg.LinAlgError):
         return proven(bench, beside, one)

@@ -56,7 +56,7 @@ def wave_columns(
 
 
 @dataclass(frozen=True)
-class Wave:
+class WaveColumns:
     """A sine and a cosine of a coarse frequency as a window's readings see them."""
 
     w: float
@@ -66,7 +66,7 @@ class Wave:
 class Waves:
     """The columns of one periodic effect beside a fit, at every coarse frequency."""
 
-    def __init__(self, bench: Bench, kind: EffectKind, waves: Sequence[Wave]) -> None:
+    def __init__(self, bench: Bench, kind: EffectKind, waves: Sequence[WaveColumns]) -> None:
         self.bench, self.kind, self.waves = bench, kind, waves
         self.count = 2 * len(bench.data) + 1  # a sine and a cosine in each run, and how often
         self.run = np.array([s.run for s in bench.stretches])
