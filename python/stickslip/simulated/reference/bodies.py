@@ -21,7 +21,7 @@ from stickslip.declared.model import Model
 from stickslip.declared.placed import seen
 from stickslip.simulated.general import General, general
 from stickslip.simulated.reference.equations import Guard
-from stickslip.simulated.reference.integrate import IntegrationStep, RunStatus, advance, leg
+from stickslip.simulated.reference.integrate import OdeStep, RunStatus, advance, leg
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int]  # what ends: "rest", "slip-", "slip+" or "piece", and of which contact or piece
@@ -312,7 +312,7 @@ class BodiesRun:
     mode: NDArray[np.int64]
     changes: list[Change]
     status: RunStatus
-    steps: list[IntegrationStep] = field(repr=False)
+    steps: list[OdeStep] = field(repr=False)
 
 
 def simulate(
@@ -344,7 +344,7 @@ def simulate(
     z = own.start(np.asarray(initial, float), dict(hidden or {}), 0.0)
     z = np.append(z, 0.0) if own.equations.driven else z
     t, (z, side) = 0.0, system.start(0.0, z)
-    steps, changes, recent, message = list[IntegrationStep](), list[Change](), list[float](), ""
+    steps, changes, recent, message = list[OdeStep](), list[Change](), list[float](), ""
     breaks = sorted({b for one in (own.belt, own.drive) for b in one.begins[1:] if 0 < b < t_end} | {t_end})
     while t < t_end and not message:
         before, modes = len(steps), side.modes
@@ -360,7 +360,7 @@ def simulate(
             message = f"switchings pile up at t = {t!r}"
         elif len(changes) >= max_transitions:
             message = f"gave up at t = {t!r} after {max_transitions} switchings"
-    return _collect(system, [*steps, IntegrationStep(t, z, t, side, lambda _: z)], changes, message, t_eval)
+    return _collect(system, [*steps, OdeStep(t, z, t, side, lambda _: z)], changes, message, t_eval)
 
 
 def _next(
@@ -371,7 +371,7 @@ def _next(
     breaks: list[float],
     tol: float,
     max_step: float,
-    steps: list[IntegrationStep],
+    steps: list[OdeStep],
 ) -> tuple[float, Floats, Modes] | str:
     """Integrate to the next switching, or to the first of the breaks; what follows it, or why it failed."""
     hit: Any = leg(system, side, t, z, breaks[0], tol, max_step, steps)
@@ -386,7 +386,7 @@ def _next(
 
 def _collect(
     system: Bodies,
-    steps: list[IntegrationStep],
+    steps: list[OdeStep],
     changes: list[Change],
     message: str,
     t_eval: ArrayLike | None,

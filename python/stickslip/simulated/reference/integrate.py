@@ -57,7 +57,7 @@ class RunStatus:
 
 
 @dataclass(frozen=True)
-class IntegrationStep:
+class OdeStep:
     """One integration step: from `t`, `z` to `end`, and the sides it was computed with."""
 
     t: float
@@ -90,7 +90,7 @@ class Run:
     kinks: list[tuple[float, str]]
     status: RunStatus
     system: System = field(repr=False)
-    steps: list[IntegrationStep] = field(repr=False)
+    steps: list[OdeStep] = field(repr=False)
 
     def at(self, t: ArrayLike, interpolated: bool = False) -> Floats:
         """Full state (n, d + h) at times (n,): integrated afresh from the start of its step, or between its ends."""
@@ -102,7 +102,7 @@ class Run:
         """Contact mode (n,) at the times `t` (n,)."""
         return np.array([s.side.contact for _, s in self._find(t)], np.int64)
 
-    def _find(self, t: ArrayLike) -> list[tuple[float, IntegrationStep]]:
+    def _find(self, t: ArrayLike) -> list[tuple[float, OdeStep]]:
         times = np.atleast_1d(np.asarray(t, float))
         k = np.searchsorted([s.t for s in self.steps], times, side="right") - 1
         return [(float(x), self.steps[i]) for x, i in zip(times, np.maximum(k, 0), strict=True)]
@@ -147,7 +147,7 @@ def simulate(
     given = dict(hidden or {})
     start = [*map(float, initial), *(float(given.get(name, 0.0)) for name in system.names[system.d :])]
     z, side = system.start(np.array(start), given.get("dwell", 0.0))
-    steps, kinks, changes = list[IntegrationStep](), list[tuple[float, str]](), list[Change]()
+    steps, kinks, changes = list[OdeStep](), list[tuple[float, str]](), list[Change]()
     t, message, recent = 0.0, "", list[float]()
     while t < t_end and not message:
         steps_before = len(steps)
@@ -175,7 +175,7 @@ def simulate(
 
 def _collect(
     system: System,
-    steps: list[IntegrationStep],
+    steps: list[OdeStep],
     last: tuple[float, Floats, Side],
     changes: list[Change],
     kinks: list[tuple[float, str]],
@@ -184,7 +184,7 @@ def _collect(
 ) -> Run:
     """Gather the arrays of a finished run."""
     d, (t, z, side) = system.d, last
-    steps = [*steps, IntegrationStep(t, z, t, side, lambda _: z)]
+    steps = [*steps, OdeStep(t, z, t, side, lambda _: z)]
     transitions = ModeChanges(
         np.array([c[0] for c in changes]),
         np.array([c[1] for c in changes]).reshape(-1, d),
@@ -210,7 +210,7 @@ def leg(
     t_end: float,
     tol: float,
     max_step: float,
-    out: list[IntegrationStep],
+    out: list[OdeStep],
 ) -> tuple[str, float, Floats] | str | None:
     """Integrate with the sides frozen until one ends (name, t, z), the run does (None), or it fails (why)."""
     flow = partial(system.field, side=side)
@@ -221,11 +221,11 @@ def leg(
         trouble = solver.step()
         if trouble:
             return f"the integrator gave up at t = {solver.t!r}: {trouble}"
-        step = IntegrationStep(float(solver.t_old), start, float(solver.t), side, solver.dense_output())
+        step = OdeStep(float(solver.t_old), start, float(solver.t), side, solver.dense_output())
         hit = _first_switching(system, guards, step, samples)
         if hit is not None:
             if hit[1] > step.t:
-                out.append(IntegrationStep(step.t, start, hit[1], side, step.dense))
+                out.append(OdeStep(step.t, start, hit[1], side, step.dense))
             return hit
         out.append(step)
         samples = SAMPLES
@@ -233,7 +233,7 @@ def leg(
 
 
 def _first_switching(
-    system: Any, guards: dict[str, Guard], step: IntegrationStep, samples: Floats
+    system: Any, guards: dict[str, Guard], step: OdeStep, samples: Floats
 ) -> tuple[str, float, Floats] | None:
     """Find the earliest switching within the step, and land on it."""
     times = step.t + samples * (step.end - step.t)
@@ -252,7 +252,7 @@ def _first_switching(
 
 
 def _bracket(
-    system: Any, guard: Guard, step: IntegrationStep, times: Floats, states: Floats
+    system: Any, guard: Guard, step: OdeStep, times: Floats, states: Floats
 ) -> tuple[float, float] | None:
     """Find times around the first upward crossing of the switching function, or None."""
 
@@ -279,7 +279,7 @@ def _bracket(
     return None
 
 
-def _land(system: Any, guard: Guard, step: IntegrationStep, a: float, b: float) -> tuple[float, Floats]:
+def _land(system: Any, guard: Guard, step: OdeStep, a: float, b: float) -> tuple[float, Floats]:
     """Time and state where the switching function vanishes in [a, b]."""
     if a == b:
         return step.t, step.z
