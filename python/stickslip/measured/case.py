@@ -1,18 +1,11 @@
-"""Cases: a declared rig and its recorded runs, as a folder with `rig.toml` holds them.
-
-One file, as what a case is and how each key of its file becomes that are read together.
-"""
+"""Cases: a declared rig and its recorded runs, as a folder with `rig.toml` holds them."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from itertools import count
 from pathlib import Path
-from typing import Annotated, Literal
-
-from pydantic import BaseModel, ConfigDict, Field
 
 from stickslip.arguments import explained
 from stickslip.arguments import path as as_path
@@ -28,7 +21,8 @@ from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.toml_file import Document, read_toml
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.declared.units import Channel, default_speed_unit, speed
-from stickslip.errors import InputError, Place, did_you_mean, nearest, number
+from stickslip.errors import InputError, Place, did_you_mean, number
+from stickslip.measured.case_tables import CaseTable, RunTable, check_runs, names_of
 from stickslip.measured.channels import channel_factor, check_channels, noise_in_model
 from stickslip.measured.findings import Finding, FindingKind
 from stickslip.measured.prescribed import prescribed
@@ -36,40 +30,6 @@ from stickslip.measured.recording import Recording, Role, load_recording
 from stickslip.objects import Drawn, one_line
 
 __all__ = ["Case", "Channel", "Finding", "FindingKind", "Recording", "Role", "load_case", "load_recording"]
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
-
-
-class _RunTable(_Strict):
-    """A [[run]] of a case."""
-
-    file: str
-    role: Literal["train", "validate"]
-    belt_speed: float | str | None = None
-    drive_speed: float | str | None = None
-    start: float | None = Field(default=None, alias="from")
-    end: float | None = Field(default=None, alias="to")
-    rig: dict[str, float] = {}
-    name: str | None = None
-
-
-class _Case(_Strict):
-    """The file rig.toml; what is declared in its tables is checked where it is made."""
-
-    title: str = ""
-    rig: dict[str, object]
-    friction: dict[str, object] = {}
-    law: dict[str, object] = {}
-    noise: dict[str, object] = {}
-    uncertainty: dict[str, object] = {}
-    candidate: list[dict[str, object]] = []
-    run: Annotated[list[_RunTable], Field(min_length=1)]
-    channels: dict[str, dict[str, object]]
-
-
-LONGEST = 255  # bytes of a file's name on every usual file system
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -233,7 +193,7 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
             "no [[run]]: a model file; a case is wanted, the rig.toml that lists the recordings in [[run]]"
         )
         raise InputError(words, place=Place(str(document.path)))
-    declared = document.validated(_Case)
+    declared = document.validated(CaseTable)
     rig = read_rig(document, "rig", table=declared.rig)
     law = declared.friction or ({"kind": "coulomb"} if isinstance(rig, DrivenSlider) else {})
     if isinstance(rig, GeneralRig):
@@ -263,10 +223,10 @@ def load_case(path: str | os.PathLike[str], *, files_from: str | os.PathLike[str
         known = usual.with_table(declared.uncertainty)
     candidates = read_candidates(document, declared.candidate, rig, friction, channels)
     allowed = document.path.parent if files_from is None else as_path("files_from", files_from)
-    _check_runs(document, declared.run, allowed)
+    check_runs(document, declared.run, allowed)
     named = [
         run.model_copy(update={"name": name})
-        for run, name in zip(declared.run, _names(declared.run), strict=True)
+        for run, name in zip(declared.run, names_of(declared.run), strict=True)
     ]
     runs = tuple(
         _read_run(document, i, run, declared, channels, noise, friction, rig) for i, run in enumerate(named)
@@ -289,51 +249,11 @@ def _case_file(path: Path) -> Path:
     return path / "rig.toml"
 
 
-def _check_runs(document: Document, runs: list[_RunTable], allowed: Path) -> None:
-    """Refuse names and windows that collide, and files that are not there or lie elsewhere."""
-    folder = document.path.parent
-    for i, run in enumerate(runs):
-        if len(Path(run.file).name) > LONGEST:
-            raise document.error("no such file; no name is as long", "run", i, "file", value=run.file)
-        if not (folder / run.file).resolve().is_relative_to(allowed.resolve()):
-            words = "lies outside the case's folder; copy it there, or name the folder with --files-from"
-            raise document.error(words, "run", i, "file", value=run.file)
-        if (folder / run.file).is_dir():
-            words = "a folder; give the CSV or .mat file of the run"
-            raise document.error(words, "run", i, "file", value=run.file)
-        if not (folder / run.file).is_file():
-            here = {one.name for one in folder.iterdir() if one.suffix in (".csv", ".mat")}
-            guess = nearest(run.file, sorted(here - {one.file for one in runs}))
-            hint = f"did you mean '{guess}'?" if guess else "give it relative to rig.toml"
-            raise document.error(f"no such file; {hint}", "run", i, "file", value=run.file)
-        if run.start is not None and run.end is not None and run.start >= run.end:
-            raise document.error(f"must be above from = {run.start:g}", "run", i, "to", value=run.end)
-        for j, earlier in enumerate(runs[:i]):
-            if run.name is not None and earlier.name == run.name:
-                raise document.error(
-                    f"[[run]] {j + 1} has this name already", "run", i, "name", value=run.name
-                )
-            if earlier.file != run.file or not _overlap(earlier, run):
-                continue
-            which = f"[[run]] {j + 1} has these samples already"
-            if earlier.role != run.role:
-                which += f", as '{earlier.role}'; what is validated must not be trained on"
-            else:
-                which += "; give each run once, or windows with from and to that do not overlap"
-            raise document.error(which, "run", i, "file", value=run.file)
-
-
-def _overlap(a: _RunTable, b: _RunTable) -> bool:
-    low = max(-float("inf") if one.start is None else one.start for one in (a, b))
-    high = min(float("inf") if one.end is None else one.end for one in (a, b))
-    return low < high
-
-
 def _read_run(
     document: Document,
     i: int,
-    run: _RunTable,
-    declared: _Case,
+    run: RunTable,
+    declared: CaseTable,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
     friction: FrictionLaw,
@@ -371,7 +291,7 @@ def _read_run(
 def _read_general(
     document: Document,
     i: int,
-    run: _RunTable,
+    run: RunTable,
     rig: GeneralRig,
     channels: Mapping[str, Channel],
     noise: Mapping[str, float],
@@ -395,41 +315,7 @@ def _read_general(
     )
 
 
-def told_apart(names: Sequence[str]) -> list[str]:
-    """Names of runs, those of several numbered: results are looked up by them."""
-    taken, out = set(names), []
-    for name in names:
-        own = name
-        if names.count(name) > 1:
-            own = next(one for k in count(1) if (one := f"{name}_{k}") not in taken)
-            taken.add(own)
-        out.append(own)
-    return out
-
-
-def _names(runs: Sequence[_RunTable]) -> list[str]:
-    """Their own, or those of their files and windows; the folders of files that are called alike tell them apart."""
-    short = [_name_of(run, Path(run.file).stem) for run in runs]
-    given = [run.name is not None for run in runs]
-    return told_apart(
-        [
-            _name_of(run, Path(run.file).with_suffix("").as_posix())
-            if short.count(name) > 1 and not own
-            else name
-            for run, name, own in zip(runs, short, given, strict=True)
-        ]
-    )
-
-
-def _name_of(run: _RunTable, name: str) -> str:
-    """Its own, or that of its file and its window."""
-    if run.name is not None:
-        return run.name
-    name += "" if run.start is None else f"_from_{run.start:g}"
-    return name + ("" if run.end is None else f"_to_{run.end:g}")
-
-
-def _belt_speed(document: Document, i: int, run: _RunTable, rig: AnyRig) -> float | str:
+def _belt_speed(document: Document, i: int, run: RunTable, rig: AnyRig) -> float | str:
     """The set-point of a run; a driven slider has none."""
     if isinstance(rig, DrivenSlider):
         if run.belt_speed is not None:

@@ -20,7 +20,8 @@ from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.rig import AnyRig, Rig
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError
-from stickslip.measured.case import Case, told_apart
+from stickslip.measured.case import Case
+from stickslip.measured.case_tables import told_apart
 from stickslip.measured.recording import Recording, load_recording
 
 SHARE = 2 / 3  # of a run's time that is trained on, where nothing is there to validate on
