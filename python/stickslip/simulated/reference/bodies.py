@@ -385,11 +385,7 @@ def _next(
 
 
 def _collect(
-    system: Bodies,
-    steps: list[OdeStep],
-    changes: list[Change],
-    message: str,
-    t_eval: ArrayLike | None,
+    system: Bodies, steps: list[OdeStep], changes: list[Change], message: str, t_eval: ArrayLike | None
 ) -> BodiesRun:
     begins = np.array([one.t for one in steps])
     times = begins if t_eval is None else np.asarray(t_eval, float)
