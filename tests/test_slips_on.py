@@ -7,13 +7,15 @@ import numpy as np
 import stickslip as ss
 from recorded import recording
 from stickslip.fitted.data import prepare
-from stickslip.likelihoods.ahead import ahead
+from stickslip.likelihoods.ahead import _slips_on, ahead
 from stickslip.likelihoods.belt_windows import BeltWindows
 from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.fit import null
+from stickslip.likelihoods.members import Flown
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import stretches
+from stickslip.simulated.states import X2
 
 SPEED, STEP, NOISE = 0.2, 0.02, 1e-3
 
@@ -35,3 +37,23 @@ def test_no_forecast_begins_in_a_slip_that_goes_on(tmp_path: Path) -> None:
     longest = max(one.stop - one.start for one in windows.stretches)
     assert len(every) > 3
     assert max(every) < slips + 2 * longest < len(x1) - 2 * run.cycle / STEP
+
+
+def test_no_forecast_is_through_a_slip_that_passes_a_place_again() -> None:
+    """A damper kept a block from sticking, whose friction differed from swing to swing: a right name was taken back."""
+    t = np.linspace(0, 4 * np.pi, 400)
+    swing = np.cos(t)  # forth, back, forth, back, forth
+    once, twice = (swing, t < 2 * np.pi), (swing, t < 4 * np.pi)  # while it slips
+    stuck_between = (swing, np.abs(t - 2 * np.pi) > 0.5)
+    for way in (1.0, -1.0):
+        for members, told in (
+            ([once] * 4, False),
+            ([twice] * 4, True),
+            ([stuck_between] * 4, False),
+            ([twice, once, once, once], False),
+            ([twice, twice, once, once], True),
+        ):
+            state = np.zeros((4, len(t), 9))
+            state[:, :, X2] = way * np.array([v for v, _ in members])
+            mode = np.array([-way * slips for _, slips in members]).astype(np.int8)
+            assert _slips_on(Flown(np.zeros((4, len(t), 1)), state, mode), way * 0.2) == told

@@ -26,6 +26,7 @@ from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.single_windows import settled
 from stickslip.likelihoods.stretches import Stretch, stretches, timed
+from stickslip.simulated.states import X2
 
 Floats = NDArray[np.float64]
 DRAWN = 60  # members of an ensemble: its mean is known to an eighth of its spread
@@ -75,8 +76,8 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[EnsembleFor
     """
     Return forecasts of a run from every cycle on; none where it has no windows, or where nothing can be simulated.
 
-    None begins in a slip that goes on for a window's time after the next stick was due: friction of its own is that of
-    one event, and is another by then.
+    None begins in a slip that goes on for a window's time after the next stick was due, or is through one in which the
+    block passes a place again: friction of its own is that of one event, and is another by then.
 
     Parameters
     ----------
@@ -118,10 +119,20 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[EnsembleFor
         flown = members.run(own, tail, stop, KEPT)
         part = slice(start - tail.start, stop - tail.start)
         good = np.array([bool(np.isfinite(one[part]).all()) for one in flown.readings])
-        if good[:KEPT].all() and good.sum() > DRAWN // 2:
+        if good[:KEPT].all() and good.sum() > DRAWN // 2 and not _slips_on(flown, run.belt_speed):
             kept = Flown(flown.readings[good][:, part], flown.state[:, part], flown.mode[:, part])
             out.append(EnsembleForecast(start, stop, windows.values(at, 0), windows.beside, kept))
     return out
+
+
+def _slips_on(flown: Flown, belt_speed: float) -> bool:
+    """Whether half of the members whose states are kept, or more, come to pass a place again in one slip."""
+    slips, forth = flown.mode != 0, flown.state[:, :, X2] * belt_speed >= 0
+    within = slips[:, 1:] & slips[:, :-1]
+    back = within & forth[:, :-1] & ~forth[:, 1:]
+    each = np.cumsum(~within, axis=1)  # of samples in one slip the same
+    again = [np.bincount(number, weights=turned).max() > 1 for number, turned in zip(each, back, strict=True)]
+    return bool(2 * sum(again) >= len(again))
 
 
 def _spans(run: Data, cycles: float, known: int) -> Iterator[tuple[int, int]]:
