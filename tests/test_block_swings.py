@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from recorded import recording
 from scattering import KINETIC, STIFFNESS, Acting, block_runs
+from stickslip.fitted.data import prepare
+from stickslip.likelihoods.stretches import stretches
 
 SPEEDS = {"a": 0.25, "b": 0.3, "c": 0.35}
 END = 3.0
@@ -51,3 +54,20 @@ def test_few_swings_are_refused(tmp_path: Path) -> None:
         ss.InputError, match=r"no slip between two sticks.*, and \d swings of 12 that would do without"
     ):
         ss.discover(ss.load_case(path))
+
+
+def test_no_window_is_from_swing_to_swing_where_they_have_died_away(tmp_path: Path) -> None:
+    """The last one was as long as six others: no friction of one event fits it, and a damping was not found."""
+    rig = ss.BlockOnBelt(damping=0.05)
+    model = ss.Model(rig, friction=ss.CoulombFriction(static=1.0, kinetic=0.5))
+    t = np.arange(0, 200, 0.02)
+    first = ss.simulate(model, belt_speed=1.0, initial=(0.5, 0.8), t_end=200, t_eval=t)
+    assert (first.mode[1:] != 0).all()
+    x1 = np.concatenate([first.state[:, 0], first.state[:1500, 0]])  # pushed once more
+    x1 += 1e-3 * np.random.default_rng(3).standard_normal(len(x1))
+    run = prepare([recording(tmp_path, rig, 0.02 * np.arange(len(x1)), x1, None, 1.0, "run", 1e-3)])[0]
+    every = stretches([run])
+    assert len(every) > 5
+    assert max(np.diff(run.slips)) * 0.02 > 5 * run.cycle
+    assert all(run.t[one.stop] - run.t[one.start] < 2 * run.cycle for one in every)
+    assert any(one.start * 0.02 > 200 for one in every)

@@ -104,13 +104,19 @@ def _stuck(number: int, run: Data, policy: Policy) -> list[Stretch]:
 
 
 def _cycles(number: int, run: Data, policy: Policy) -> list[Stretch]:
-    """The cycles of a run from fastest slip to fastest slip, in which a swing stands out from the noise."""
+    """
+    The cycles of a run from fastest slip to fastest slip, in which a swing stands out from the noise.
+
+    Where swings have died away the next one that is seen may be far: no friction of one event lasts until then.
+    """
     dt, noise = float(np.median(np.diff(run.t))), float(run.noise[0])
     sure = SURE * velocity_noise(velocity_width(run.t, noise, run.belt_speed), dt, noise)
     return [
         Stretch(number, a, b, 0.0, 0.0, stuck=False)
         for a, b in itertools.pairwise(run.slips.tolist())
-        if b - a >= policy.fewest_stuck and np.ptp(run.v[a:b]) > 2 * sure
+        if b - a >= policy.fewest_stuck
+        and run.t[b] - run.t[a] < 2 * run.cycle
+        and np.ptp(run.v[a:b]) > 2 * sure
     ]
 
 
