@@ -89,6 +89,27 @@ def test_an_effect_alone_is_held_against_the_declared_model(bench: BeltBench, fi
     assert said.delta_chi2 == pytest.approx(100.0)
 
 
+def test_what_scatter_has_of_a_wave_its_own_gate_asks(bench: BeltBench, fit: Fit) -> None:
+    """A seam that gained 430 was never asked: events that remember might have made all but 12 of it."""
+    (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
+    one = Trial(
+        (term(kind, {"a": 0.1, "L": 1.5, "phi": 0.0}, (0.0,) * len(bench.data)),),
+        replace(fit, deviance=fit.deviance - 400.0, solution=None),
+        known=395.0,
+    )
+    base = Trial((), fit)
+    for each in (base, one):
+        each.__dict__["remembered"] = 0.0
+    step = SearchStep(base, Screen((), ()), [one], SearchGate(np.array([5.0]), 10.0))
+    assert one.comes_and_goes
+    assert step.gained(one) < step.gate.threshold < one.explains(base)
+    assert step.promises(one)
+    assert not step.passes(one)
+    for observed, told in ((15.0, False), (25.0, True)):
+        step.waves["belt_seam"] = SearchGate(np.array([5.0]), 20.0, observed)
+        assert step.passes(one) == told
+
+
 def test_a_size_that_only_its_width_leaves_open_is_told(bench: BeltBench, fit: Fit) -> None:
     """Of a peak narrower than the readings tell, height times width is known to 10 %, neither of them alone."""
     (kind,) = [one for one in bench.kinds() if one.name == "stribeck_peak"]

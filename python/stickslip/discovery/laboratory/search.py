@@ -69,8 +69,13 @@ class SearchStep:
         return not trial.comes_and_goes or (own is not None and own.observed > own.threshold)
 
     def promises(self, trial: Trial) -> bool:
-        """Return whether it passes the gate that is drawn for effects that do not come and go."""
-        return min(self.gained(trial), told_by_sizes(trial)) > self.gate.threshold
+        """
+        Return whether it passes the gate that is drawn for effects that do not come and go.
+
+        What scatter makes of those that do their own gate asks, of records that have all of it.
+        """
+        gained = trial.explains(self.base) if trial.comes_and_goes else self.gained(trial)
+        return min(gained, told_by_sizes(trial)) > self.gate.threshold
 
 
 @dataclass

@@ -95,8 +95,11 @@ class Trial:
         Fits take every event by itself. That events are alike beside an effect does not speak for it; that they are
         alike without it speaks against it.
         """
-        alone = other.independent() + other.known - self.independent() - self.known
-        return min(other.worth() - self.worth(), alone)
+        return self.explains(other) - (self.known - other.known)
+
+    def explains(self, other: Trial) -> float:
+        """Return the same with what of its gain scatter may have made."""
+        return min(other.whole() - self.whole(), other.independent() - self.independent())
 
 
 def all_full(
