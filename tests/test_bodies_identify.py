@@ -107,3 +107,43 @@ def test_what_does_not_go_is_refused(folder: Path) -> None:
         ss.identify(run)
     with pytest.raises(InputError, match="is for a named rig; leave it out"):
         ss.identify(ss.load_case(folder), belt_speed="plateau")
+
+
+def test_a_gain_that_is_found_is_in_the_model_that_forecasts() -> None:
+    """It was said and left out: a forecast of readings that are 1 % too large covered none of them."""
+    rig = ss.BodiesRig(
+        body={"x": ss.Body(mass=0.5)},
+        link=[ss.Link(between=("x", "ground"), stiffness=500.0)],
+        contact=[ss.Contact(body="x", against="belt")],
+    )
+    law, t = ss.CoulombFriction(static=2.0, kinetic=1.2), np.arange(0, 5, 0.004)
+    run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, initial=(0.0, 0.01), t_end=5, t_eval=t)
+    rng, past = np.random.default_rng(0), 1000
+    read = {
+        "x": 1.01 * run.state[:, 0] + 1e-6 * rng.standard_normal(t.size),
+        "v_x": 0.98 * run.state[:, 1] + 1e-4 * rng.standard_normal(t.size),
+    }
+    told = {"t": t[:past], **{name: one[:past] for name, one in read.items()}}
+    recording_ = ss.load_recording(told, rig, belt_speed=0.01, noise={"x": 1e-6, "v_x": 1e-4})
+    found = ss.identify(recording_, rig=rig, friction=law)
+    assert isinstance(found, ss.IdentifiedRig)
+    gains = {one.where: one.parameters["e"] for one in found.model.effects}
+    assert gains == pytest.approx({"x channel": 0.01, "v_x channel": -0.02}, rel=0.05)
+    coming = ss.forecast(found.model, recording_, belt_speed=0.01, horizon=0.8)
+    for name, one in read.items():
+        true = one[past : past + len(coming)]
+        assert np.mean((true > coming[f"{name}_low"]) & (true < coming[f"{name}_high"])) > 0.85
+
+
+def test_laws_that_leave_more_than_noise_send_to_discover() -> None:
+    """chi-squared of 8 was said and no more, as the median window was explained."""
+    case = CASES["pin"]()
+    t, readings = recorded(case, 11, level=0.02, static=0.02, lasts=4.0)
+    usual = ss.identify(recording(case, t, readings), rig=case.model.rig, friction=case.model.friction)
+    shaken = readings.copy()
+    part = (t > 2.5) & (t < 3.2)
+    shaken[part] += 8 * case.noise * np.sin(40 * t[part])[:, None]
+    found = ss.identify(recording(case, t, shaken), rig=case.model.rig, friction=case.model.friction)
+    assert usual.reduced_chi2 < 1.2 < found.reduced_chi2
+    assert not any("discover" in one for one in usual.messages)
+    assert any("discover" in one for one in found.messages)

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.bodies_model import named_laws
+from stickslip.declared.effect import effect
 from stickslip.declared.friction_law import FrictionLaw
 from stickslip.declared.model import Model
+from stickslip.declared.placed import CHANNEL
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.constant import Constant
 from stickslip.fitted.identified import Estimate, Spread, Status, estimate
+from stickslip.fitted.identify_words import EXPLAINED
 from stickslip.likelihoods.bodies_bench import BodiesBench, bench_of
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, unexplained
@@ -128,13 +132,21 @@ def _found(bench: BodiesBench, fit: Fit) -> IdentifiedRig:
         reduced_chi2=left / freedom,
         windows=len(bench.stretches),
         fastest=_fastest(bench),
-        messages=_messages(bench, fit, estimates, constants),
+        messages=_messages(bench, fit, left / freedom, estimates, constants),
     )
 
 
 def after(model: Model, values: Mapping[str, float]) -> Model:
-    """Return a model with the numbers of a fit."""
-    return model.replace({name: values[name] for name in model.parameters if name in values})
+    """Return a model with the numbers of a fit; gains of coordinates and velocities are effects of their channels."""
+    assert isinstance(model.rig, GeneralRig)
+    found = {f"{name}{CHANNEL}": values.get(f"gain.{name}", 0.0) for name in model.rig.state_names}
+    declared = [one for one in model.effects if one.name == "sensor_gain" and one.where in found]
+    for one in declared:
+        found[one.where] = (1 + found[one.where]) * (1 + one.parameters["e"]) - 1
+    gains = [effect("sensor_gain", where=where, e=e) for where, e in found.items() if e]
+    kept = [one for one in model.effects if one not in declared]
+    numbers = {name: values[name] for name in model.parameters if name in values}
+    return replace(model.replace(numbers), effects=(*kept, *gains))
 
 
 def _turned(fit: Fit, known: Floats, places: Sequence[int]) -> Floats:
@@ -266,7 +278,11 @@ def _fastest(bench: BodiesBench) -> dict[str, float]:
 
 
 def _messages(
-    bench: BodiesBench, fit: Fit, estimates: Mapping[str, Estimate], constants: Mapping[str, Constant]
+    bench: BodiesBench,
+    fit: Fit,
+    reduced: float,
+    estimates: Mapping[str, Estimate],
+    constants: Mapping[str, Constant],
 ) -> tuple[str, ...]:
     assert fit.linear is not None
     out = []
@@ -280,6 +296,11 @@ def _messages(
         words = f"{unexplained(fit):.3g} times the noise's variance is left: something acts that the laws do not say,"
         words += " or the fit went astray; no number here can be relied on. `discover` looks for what acts"
         out.append(words)
+    elif reduced > EXPLAINED:
+        out.append(
+            f"the declared laws do not explain the readings (chi-squared {reduced:.3g} per degree of freedom); the "
+            "intervals know nothing of what they leave, and `stickslip discover` looks for what is missing"
+        )
     if len(fit.blocks) < POLICY.fewest_windows:
         words = f"{len(fit.blocks)} windows tell little of how friction scatters; record longer"
         out.append(words)
