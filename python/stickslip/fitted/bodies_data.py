@@ -20,7 +20,9 @@ from stickslip.fitted.bodies_motion import SensorReadings, most_likely_motion
 from stickslip.fitted.bodies_sensors import jumps, may_jump, placed_by_links
 from stickslip.fitted.data import cleaned, rounding
 from stickslip.measured import signals
+from stickslip.measured.intervals import intervals
 from stickslip.measured.recording import Recording
+from stickslip.measured.sticks import tops_out
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -172,7 +174,7 @@ def _prepared(
     go = drawn + np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(t))])
     law = partial(_expected, own, friction, np.asarray(belt(t)) + np.zeros(len(t)), speed)
     q, v, doubt, placed = _all_motion(own, t, read, go, speed, periods[1], law)
-    stuck, seen = _stuck(own, t, v, doubt, belt)
+    stuck, seen = _stuck(own, t, v, doubt, belt, periods[1])
     offsets = {
         name: (run.offset(name), one.offset_uncertainty * abs(run.factor(name) / one.scale))
         for name, one in told.items()
@@ -295,8 +297,14 @@ def _balance(own: Equations, q: Floats, v: Floats, speed: Floats, go: Floats) ->
         states[:, lost] = right @ inverse.T
 
 
-def _stuck(own: Equations, t: Floats, v: Floats, doubt: Floats, belt: Speed) -> tuple[Mask, Mask]:
-    """Where each contact rests against what it rubs on, and whether its motion is read at all."""
+def _stuck(
+    own: Equations, t: Floats, v: Floats, doubt: Floats, belt: Speed, shortest: float
+) -> tuple[Mask, Mask]:
+    """
+    Where each contact rests against what it rubs on, and whether its motion is read at all.
+
+    A swing of the `shortest` period that comes near a belt's speed without reaching it is no stick.
+    """
     stuck = np.zeros((len(t), len(own.contacts)), dtype=bool)
     seen = np.zeros(len(own.contacts), dtype=bool)
     speed = np.asarray(belt(t))
@@ -311,5 +319,17 @@ def _stuck(own: Equations, t: Floats, v: Floats, doubt: Floats, belt: Speed) -> 
         band = AT_REST * fastest
         if one.against == "belt":
             band = max(band, min(RIDING * float(np.median(np.abs(speed))), 0.5 * fastest))
-        stuck[:, j] = np.abs(slip) < max(band, QUIET * noise)
+        band = max(band, QUIET * noise)
+        stuck[:, j] = np.abs(slip) < band
+        if one.against == "belt":
+            for a, b in intervals(stuck[:, j]).tolist():
+                ridden = abs(float(np.mean(speed[a : b + 1])))
+                way = np.sign(speed[a])
+                if ridden and tops_out(
+                    1 + way * float(np.mean(slip[a : b + 1])) / ridden,
+                    noise / ridden,
+                    math.pi * float(t[b] - t[a]) / shortest,
+                    band / ridden,
+                ):
+                    stuck[a : b + 1, j] = False
     return stuck, seen

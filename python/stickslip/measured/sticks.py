@@ -293,9 +293,21 @@ def passes_by(t: Array, x: Array, belt_speed: float, noise: float, period: float
     t = t - t.mean()
     square = float(t @ t)
     rise, error = float(t @ x) / square / belt_speed, noise / float(np.sqrt(square))
-    half = 2 * np.pi * float(t[-1]) / period
+    return tops_out(rise, error / abs(belt_speed), 2 * np.pi * float(t[-1]) / period, band)
+
+
+def tops_out(rise: float, error: float, half: float, band: float) -> bool:
+    """
+    Whether a rise near a belt's speed is the top of a swing; see `passes_by`.
+
+    Parameters
+    ----------
+    rise, error : share of the belt's speed that it is, and its standard deviation
+    half : of its duration, radians of the swing
+    band : share of the belt's speed by which a velocity may be off it and is near it
+    """
     top = rise * (1 + half**2 / 10)  # of a cosine with that rise
-    if top + SURE * error / abs(belt_speed) >= 1 - RIPPLE:
+    if top + SURE * error >= 1 - RIPPLE:
         return False
     return bool(top <= max(1 - band, 0.0) or half <= np.arccos(max(1 - band, 0.0) / top) + EDGE)
 
