@@ -204,7 +204,7 @@ def test_numbers_that_are_no_rig_s_cost_no_more_than_some_motions_of_it(
 
 @pytest.mark.parametrize("seed", [1, 2, 5])
 def test_no_window_begins_in_a_stick_that_is_a_swing_near_the_belt_s_speed(seed: int) -> None:
-    """One block of a chain came within 15 % of it again and again: static friction was 12 % off, and seemed to scatter."""
+    """One block of a chain came within 15 % of it: static friction was 12 % off, and seemed to scatter."""
     rig = ss.BodiesRig(
         body={"a": ss.Body(mass=1.0), "b": ss.Body(mass=1.3)},
         link=[
