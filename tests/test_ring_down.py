@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stickslip as ss
-from stickslip.fitted.ring_down import decrement
+from stickslip.fitted.swings import decrement
 
 MASS, STIFFNESS, NOISE, DT = 1.2, 850.0, 2e-5, 0.002
 
