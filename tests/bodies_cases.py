@@ -116,6 +116,15 @@ def pin() -> Case:
 CASES: Mapping[str, Callable[[], Case]] = {"drill": drill, "chain": chain, "pin": pin}
 
 
+def one_block() -> ss.BodiesRig:
+    """A block on a belt by its parts: 0.5 kg on 500 N/m."""
+    return ss.BodiesRig(
+        body={"x": ss.Body(mass=0.5)},
+        link=[ss.Link(between=("x", "ground"), stiffness=500.0)],
+        contact=[ss.Contact(body="x", against="belt")],
+    )
+
+
 def recorded(
     case: Case,
     seed: int,

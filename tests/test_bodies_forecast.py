@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 
 import stickslip as ss
-from bodies_cases import CASES, recorded, recording
+from bodies_cases import CASES, one_block, recorded, recording
 from bodies_files import written
 from stickslip.cli.commands import main
 from stickslip.errors import InputError
@@ -107,11 +107,7 @@ def test_another_rig_and_a_short_past_are_refused() -> None:
 @pytest.mark.parametrize("how", ["static_aging", "formula"])
 def test_a_limit_that_grows_in_rest_begins_anew_in_every_stick(how: str) -> None:
     """What is to come is a simulation of the true model, whose sticks each begin at no time at rest."""
-    rig = ss.BodiesRig(
-        body={"x": ss.Body(mass=0.5)},
-        link=[ss.Link(between=("x", "ground"), stiffness=500.0)],
-        contact=[ss.Contact(body="x", against="belt")],
-    )
+    rig = one_block()
     if how == "static_aging":
         law: ss.FrictionLaw = ss.CoulombFriction(static=2.0, kinetic=1.2)
         model = ss.Model(rig, friction=law, effects=[ss.effect("static_aging", where="x", dT=0.4, tau=0.3)])

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import stickslip as ss
-from bodies_cases import CASES, recorded, recording
+from bodies_cases import CASES, one_block, recorded, recording
 from bodies_files import written
 from stickslip.cli.commands import main
 from stickslip.declared.rigs.general import GeneralRig
@@ -111,11 +111,7 @@ def test_what_does_not_go_is_refused(folder: Path) -> None:
 
 def test_a_gain_that_is_found_is_in_the_model_that_forecasts() -> None:
     """It was said and left out: a forecast of readings that are 1 % too large covered none of them."""
-    rig = ss.BodiesRig(
-        body={"x": ss.Body(mass=0.5)},
-        link=[ss.Link(between=("x", "ground"), stiffness=500.0)],
-        contact=[ss.Contact(body="x", against="belt")],
-    )
+    rig = one_block()
     law, t = ss.CoulombFriction(static=2.0, kinetic=1.2), np.arange(0, 5, 0.004)
     run = ss.simulate(ss.Model(rig, friction=law), belt_speed=0.01, initial=(0.0, 0.01), t_end=5, t_eval=t)
     rng, past = np.random.default_rng(0), 1000

@@ -91,6 +91,20 @@ def test_what_names_leave_is_told_from_a_share_of_what_they_explain(pulled: Left
         assert (verdicts.left_over(strict, found, 0) is not None) == told
 
 
+def test_each_name_beyond_the_first_must_be_worth_what_is_noticed(pulled: Left, bent: Left) -> None:
+    """One-way damping had three names that gained 6 more than one curve of the speed does alone."""
+    bench, noticed = bent.bench, bent.bench.policy.noticed
+    named = bent.named
+    three = replace(named, terms=named.terms * 3)
+    assert verdicts.more_than_names(bench, bent.null, None) == 0.0
+    assert verdicts.more_than_names(bench, named, None) == noticed
+    assert verdicts.more_than_names(bench, three, None) == -noticed
+    assert pulled.curve is not None
+    left = pulled.curve, pulled.named
+    assert verdicts.more_than_names(bench, named, left) == 0.0
+    assert verdicts.more_than_names(bench, three, left) == -2 * noticed
+
+
 def test_a_fit_that_leaves_windows_out_is_no_model_of_them(tmp_path: Path) -> None:
     read = ss.load_case(case(tmp_path, (), 0.015, 0.005, 7, few=True))
     fit = fit_of(bench_of(read, prepare(read.train)), ()).fit

@@ -153,16 +153,28 @@ def searched(
     chosen = found.chosen
     over = bench.curves(chosen.fit, chosen.terms, workers) if chosen.terms else ()
     left = left_over(bench, found, seed, workers, over)
-    # names that leave nothing over fall only to what explains the runs better than they do by more than a little, but
-    # one cause is likelier than several: each further name must be worth that much beside a curve that does without
-    stand = bool(chosen.terms) and left is None and not lost(chosen.fit)
-    further = max(len(chosen.terms) - 1, 0)
-    alone = curve_alone(bench, found, seed, workers, bench.policy.noticed * (stand - further), over)
+    alone = curve_alone(bench, found, seed, workers, more_than_names(bench, chosen, left), over)
     if alone is not None:
         return Verdicts(bench, found, *alone)
     if left is not None:
         return Verdicts(bench, found, *left, beside=True)
     return Verdicts(bench, found, None, chosen)
+
+
+def more_than_names(bench: Bench, chosen: Trial, left: _Told | None) -> float:
+    """
+    Return by how much more than the names a curve must explain that does without them.
+
+    Names that leave nothing over fall only to what explains the runs better than they do by more than a little. One
+    cause is likelier than several: each further name must be worth that much beside a curve.
+
+    Parameters
+    ----------
+    bench, chosen : the case, and the hypothesis with the names
+    left : the curve that they leave over; None where they leave nothing
+    """
+    stand = bool(chosen.terms) and left is None and not lost(chosen.fit)
+    return bench.policy.noticed * (stand - max(len(chosen.terms) - 1, 0))
 
 
 def beside_a_hum(verdicts: Verdicts[BenchT], left: Left) -> Verdicts[BenchT]:
