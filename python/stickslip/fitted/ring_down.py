@@ -33,6 +33,7 @@ from stickslip.measured.fit_window import Array, FitWindow
 from stickslip.measured.prepared import Measured
 
 CONSTANTS = ("damping", "mass")  # fitted beside the law
+NEXT_TO = 1.02  # times kinetic friction that a static limit is which is as good as that
 ROOM = 1.2  # times kinetic friction that a static limit is from which a fit starts
 
 
@@ -133,7 +134,8 @@ def _swing_by_swing(
     Fit the first swings, then twice as many, until all are in.
 
     How many swings there are before the block rests depends on friction in steps, and readings of the rest say nothing
-    of the way there: a fit to all of them at once ends at a wrong number of swings.
+    of the way there: a fit to all of them at once ends at a wrong number of swings. A last swing that is too small to
+    be seen as one bounds no static limit, so that each fit is tried with one next to kinetic friction, too.
     """
     rig = model.rig
     assert isinstance(rig, BlockOnBelt)
@@ -141,7 +143,13 @@ def _swing_by_swing(
     longest = max(float(one.t[-1]) for one in windows)
     while True:
         part = [_until(one, span) for one in windows]
-        shot = shoot(model, part, names, noise=noise, simulator=simulator, declared=declared)
+        tries = [model]
+        if isinstance(model.friction, CoulombFriction):
+            tries.append(model.replace({"static": NEXT_TO * model.parameters["kinetic"]}))
+        shots = [
+            shoot(one, part, names, noise=noise, simulator=simulator, declared=declared) for one in tries
+        ]
+        shot = min(shots, key=lambda one: one.reduced)
         if span >= longest:
             return shot
         model = model.replace(dict(zip(names, shot.values.tolist(), strict=True)))
@@ -194,8 +202,12 @@ def _concluded(
     std = np.sqrt(np.diag(covariance))
     told = shot.prior_share < 0.99
     start = model.parameters
-    values = {n: float(v) if ok else start[n] for n, v, ok in zip(shot.names, shot.values, told, strict=True)}
-    if isinstance(model.friction, CoulombFriction):
+    coulomb = isinstance(model.friction, CoulombFriction)
+    values = {  # a static limit is where the block rests as it did
+        n: float(v) if ok or (coulomb and n == "static") else start[n]
+        for n, v, ok in zip(shot.names, shot.values, told, strict=True)
+    }
+    if coulomb:
         values["static"] = max(values["static"], values["kinetic"])
     fitted = model.replace(values)
     rows = dict(zip(shot.names, zip(std.tolist(), shot.prior_share.tolist(), strict=True), strict=True))
@@ -212,7 +224,6 @@ def _concluded(
             constants[name] = Constant(value, value - half, value + half, getattr(rig, name), None)
     covered = covered_speeds(fitted, shot.windows, simulator)
     # of a static limit that turning points bound that is said, wherever it is put
-    coulomb = isinstance(model.friction, CoulombFriction)
     bounded = {
         n: e
         for n, e in estimates.items()
