@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import stickslip as ss
 from recorded import recording
@@ -20,7 +21,7 @@ from stickslip.simulated.states import X2
 SPEED, STEP, NOISE = 0.2, 0.02, 1e-3
 
 
-def test_no_forecast_begins_in_a_slip_that_goes_on(tmp_path: Path) -> None:
+def test_no_forecast_begins_in_a_slip_that_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     law, t = ss.CoulombFriction(static=1, kinetic=0.5), np.arange(0, 80, STEP)
     free = ss.Model(ss.BlockOnBelt(), friction=law)
     sticks = ss.simulate(free, belt_speed=SPEED, initial=(0, SPEED), t_end=80, t_eval=t)
@@ -33,10 +34,13 @@ def test_no_forecast_begins_in_a_slip_that_goes_on(tmp_path: Path) -> None:
     time = STEP * np.arange(len(x1))
     run = prepare([recording(tmp_path, ss.BlockOnBelt(), time, x1, None, SPEED, "run", NOISE)])[0]
     windows = BeltWindows(free, [run], stretches([run]), [], Declared(), BlockSensors(("gain.x1",), None))
-    every = [one.start for one in ahead(null(windows, POLICY), run, 1.0)]
+    fit = null(windows, POLICY)
+    every = [one.start for one in ahead(fit, run, 1.0)]
     longest = max(one.stop - one.start for one in windows.stretches)
     assert len(every) > 3
     assert max(every) < slips + 2 * longest < len(x1) - 2 * run.cycle / STEP
+    monkeypatch.setattr("stickslip.likelihoods.ahead._slips_on", lambda *_: True)
+    assert ahead(fit, run, 1.0) == []
 
 
 def test_no_forecast_is_through_a_slip_that_passes_a_place_again() -> None:

@@ -101,7 +101,7 @@ def _coulomb(seen: Sequence[Decrement], told: CoulombFriction | None) -> Coulomb
     """
     friction = float(np.mean([one.friction for one in seen]))
     held, passed = _limits(seen, friction)
-    static = 0.5 * (held + passed) if passed < math.inf else held
+    static = 0.5 * (held + passed)
     if told is not None and held <= told.static <= passed:
         static = told.static
     return CoulombFriction(static=max(static, min(ROOM * friction, passed)), kinetic=friction)

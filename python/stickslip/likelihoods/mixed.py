@@ -209,7 +209,8 @@ def beside_bounds(schur: Floats, pull: Floats, step: Floats, held: NDArray[np.bo
     out = np.zeros_like(schur)
     out[np.ix_(free, free)] = inner = np.linalg.inv(schur[np.ix_(free, free)])
     across = schur[np.ix_(free, held)]
-    stiff = np.diag(schur[np.ix_(held, held)] - across.T @ inner @ across)  # of each, the others held
+    whole = schur[np.ix_(held, held)]
+    stiff = beyond_rounding(whole - across.T @ inner @ across, np.diag(whole))  # of each, the others held
     alpha = np.abs(pull - schur @ step)[held] / np.sqrt(stiff)
     square = np.where(
         alpha < FAR_OUT, _square_beyond(np.minimum(alpha, FAR_OUT)), 2.0 / np.maximum(alpha, 1.0) ** 2
