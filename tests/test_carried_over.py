@@ -8,7 +8,7 @@ import pytest
 import stickslip as ss
 from scattering import DT, RIG, record
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.carried import error_block
+from stickslip.discovery.laboratory.carried import error_block, likelihood
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.workers import Workers
 from stickslip.fitted.data import Data, prepare
@@ -23,6 +23,8 @@ from stickslip.likelihoods.stretches import stretches
 NOISE, SCATTER = 1e-3, 0.02
 DAMPED = ss.effect("block_viscous_damping", c=1.0)
 FORCED = ss.effect("harmonic_forcing", a=0.12, w=1.3, phi=0.7)
+WEAK = ss.effect("block_viscous_damping", c=0.15)
+ABSENT = ss.effect("spring_cubic_k1", k=2.0)
 PLAIN = ss.Model(ss.Rig(**RIG), friction=ss.PaperFriction())
 
 
@@ -45,12 +47,34 @@ def known(data: list[Data], *effects: ss.Effect) -> tuple[Fit, ss.Model]:
     return replace(begin(bench.windows(terms)), population=scatter), PLAIN.with_effects(effects)
 
 
+def test_a_weak_effect_is_likelier_event_by_event_where_friction_scatters_widely() -> None:
+    """Forecasts of a cycle spoke against such a name by 56, where its events speak for it by 23."""
+    data = prepare(recorded(WEAK, speeds=(0.1, -0.12), seed=7))
+    wide = Population(level=0.04, curve=0.1, length=0.1, static=0.03, belt=0.008)
+    lacking, right, more = (
+        replace(known(data, *some)[0], population=wide) for some in ((), (WEAK,), (WEAK, ABSENT))
+    )
+    held = likelihood(right, lacking, 30.0, {}, data, Workers(1))
+    assert held is not None
+    assert held.forecasts > 15
+    assert held.gain > 10
+    assert held.chance > 0.95
+    assert held.carries
+    beside = likelihood(more, lacking, 30.0, {"spring_cubic_k1": (right, 5.0)}, data, Workers(1))
+    assert beside is not None
+    assert beside.name == "spring_cubic_k1"
+    assert beside.gain < -5
+    assert not beside.carries
+    assert likelihood(right, None, None, {}, data, Workers(1)) is None
+    assert likelihood(right, right, None, {}, data, Workers(1)) is None
+
+
 @pytest.mark.study
 def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
     runs = recorded(DAMPED, speeds=(0.1, -0.12, 0.15), seed=1)
     data = prepare(runs)
     (lacking, before), (right, after) = known(data), known(data, DAMPED)
-    block, views = error_block((lacking, right), (before, after), lacking, data, runs, Workers(1), 0)
+    block, views = error_block((lacking, right), (before, after), data, runs, Workers(1), 0)
     assert block.after == pytest.approx(block.floor, rel=0.25)
     assert block.before > 1.3 * block.after
     assert block.floor > 5 * NOISE / np.std(data[0].readings[:, 0])
@@ -58,10 +82,6 @@ def test_the_right_model_is_off_by_as_much_as_scatter_and_noise_leave() -> None:
         assert row.two_cycles["after"] > 0.8 * row.one_cycle["after"]
         assert row.rmse["x1"]["floor"] > NOISE
         assert row.transition_time["after"] < 0.1
-    assert block.likelihood is not None
-    assert block.likelihood.gain > 100
-    assert block.likelihood.chance > 0.99
-    assert block.carries
     assert block.covered is not None
     assert 0.88 < block.covered < 0.99
     made = views[runs[0].name][1]
@@ -97,7 +117,7 @@ def test_a_phase_is_known_from_the_windows_before() -> None:
     (plain, before), (fit, after) = known(data), known(data, FORCED)
     repeat = Population(level=1e-4, curve=1e-4, length=0.4, static=1e-4, belt=1e-4)
     fits = tuple(replace(each, population=repeat) for each in (plain, fit))
-    block, _ = error_block(fits, (before, after), None, data, [one], Workers(1), 0)
+    block, _ = error_block(fits, (before, after), data, [one], Workers(1), 0)
     noise = np.sqrt(np.mean((NOISE / data[0].readings[:, :2].std(axis=0)) ** 2))
     assert block.after < 2 * noise
     assert block.before > 8 * noise

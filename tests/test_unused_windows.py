@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 import stickslip as ss
 from bodies_cases import CASES, recorded, recording
 from stickslip.declared.uncertainty import Uncertainty
-from stickslip.discovery.general_rig.errors import falls
 from stickslip.likelihoods.bodies_bench import bench_of
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.contact_scatter import ContactScatter
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit, soft
-from stickslip.likelihoods.held_out import deviances
+from stickslip.likelihoods.held_out import deviances, falls
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 

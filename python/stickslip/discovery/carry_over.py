@@ -100,7 +100,7 @@ def doubt(error: ErrorBlock) -> str:
     if held is None:
         return rises
     it = held.name or "it"
-    if held.against and held.gain > 0:  # a few forecasts gain more than most lose
+    if held.against and held.gain > 0:  # a few events gain more than most lose
         return f"most of {held.forecasts} events of runs never used are less likely with {it} (p = {held.chance:.2g})"
     less = f"runs never used are less likely with {it}, by {-held.gain:.3g} in -2 log likelihood"
     if held.against:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -40,7 +40,6 @@ class ForecastErrors:
     prediction: Prediction
     samples: NDArray[np.int64]
     band: tuple[Floats, Floats] | None = None  # of the readings at the samples
-    deviance: Mapping[int, float] = field(default_factory=dict)  # of each forecast, by its first sample
 
 
 def measure(model: Model, run: Data) -> ForecastErrors:

@@ -245,9 +245,9 @@ class RunError:
 class Likelihood:
     """How likely runs never fitted are with what was found, event by event.
 
-    Of a rig of bodies or matrices an event has friction of its own; of others it is forecast, a cycle as an ensemble.
-    `gain`: by how much their -2 log likelihood falls with it, over all `forecasts`; `chance`: how often it would fall
-    by so little if they were as likely without, by ranks of the forecasts (Wilcoxon, one-sided):
+    An event has friction of its own, as it scatters in the train runs. `gain`: by how much their -2 log likelihood
+    falls with it, over all events (`forecasts`); `chance`: how often it would fall by so little if they were as likely
+    without, by ranks of the events (Wilcoxon, one-sided):
     a single one in which much goes wrong decides nothing. `spare`: what the gain on the train runs has beyond the gate;
     None for what has no gate. `name`: the effect it is of, beside the others; "" for all that was found.
     """

@@ -1,12 +1,11 @@
 """Forecasts of a run never fitted, from cycle to cycle: the population is known, the past alone says where it stands.
 
-Windows of the run are fitted with what differs between them as the runs of the fit have it. A phase that is another in
-every run is fitted to the windows before a forecast begins, to first order about the whole run.
+Windows of the run are fitted with what differs between them as the runs of the fit have it (see `unseen`). A phase that
+is another in every run is fitted to the windows before a forecast begins, to first order about the whole run.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,23 +16,18 @@ from stickslip.fitted.data import Data
 from stickslip.fitted.readings import Added
 from stickslip.likelihoods.band import band
 from stickslip.likelihoods.belt_windows import BeltWindows
-from stickslip.likelihoods.fit import fitted
-from stickslip.likelihoods.fit_state import Fit, begin
+from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.members import ComingEvents, Flown, Members
 from stickslip.likelihoods.memory import of_effects
 from stickslip.likelihoods.mixed import solve
 from stickslip.likelihoods.population import factor
-from stickslip.likelihoods.shared import Declared
-from stickslip.likelihoods.single_windows import settled
 from stickslip.likelihoods.stretches import Stretch, stretches, timed
+from stickslip.likelihoods.unseen import of_run
 from stickslip.simulated.states import X2
 
 Floats = NDArray[np.float64]
 DRAWN = 60  # members of an ensemble: its mean is known to an eighth of its spread
 KEPT = 4  # members whose states are kept: the one without friction of its own, then those that stand for the truth
-EXACT = 1e-6  # standard deviation of what is known
-PHASES = 12  # of a turn, tried for a phase that is another in every run
-ALONE = 15  # steps of each window alone
 FIRST = 3.0  # cycles of the past, at least one
 
 
@@ -87,7 +81,7 @@ def ahead(fit: Fit, run: Data, cycles: float, seed: int = 0) -> list[EnsembleFor
     seed : of the draws
     """
     cut = [one for one in stretches([run], fit.windows.policy) if one.stuck]  # where it next sticks is known
-    known = _known(fit, run, cut)
+    known = of_run(fit, run, cut)
     if known is None:
         return []
     cut = timed(cut, known.windows.motions(known.at, known.own))
@@ -155,36 +149,6 @@ def _tail(cut: Sequence[Stretch], start: int, least: int) -> tuple[Stretch, int]
     every.sort(key=lambda one: one.start)
     begun = [one for one in every if one.start + least <= start]
     return replace(begun[-1], stop=start), sum(one.stop <= begun[-1].start for one in cut)
-
-
-def _known(fit: Fit, run: Data, cut: Sequence[Stretch]) -> Fit | None:
-    """The windows of a run fitted with all known that is not its own; None where they cannot be."""
-    windows = fit.windows
-    assert isinstance(windows, BeltWindows)
-    if not cut:
-        return None
-    shared = {n.name: float(x) for n, x in zip(windows.numbers, fit.at, strict=True)}
-    numbers = []
-    for n in windows.numbers:
-        if n.run in (None, 0):
-            held = replace(n, start=shared[n.name], centre=shared[n.name], sd=EXACT)
-            numbers.append(held if n.run is None else replace(n, centre=0.0, sd=math.inf))
-    own = BeltWindows(windows.model, [run], cut, numbers, Declared(), windows.sensors, windows.policy)
-    turns = [i for i, n in enumerate(numbers) if n.run is not None]
-    best, least = None, np.inf
-    for phase in np.arange(PHASES) * 2 * math.pi / PHASES if turns else [0.0]:
-        first = begin(own)
-        first = replace(first, population=fit.population, noise=fit.noise)
-        first.at[turns] = phase
-        numbers_of_own, _, cost = settled(first, ALONE)
-        if cost.sum() < least:
-            best, least = replace(first, own=numbers_of_own), float(cost.sum())
-    if best is None or not turns:
-        return best
-    try:
-        return fitted(best, windows.policy, held=windows.policy.most_steps)
-    except (FloatingPointError, np.linalg.LinAlgError):
-        return None
 
 
 def _of_past(known: Fit, before: int) -> tuple[Floats, Floats]:

@@ -13,11 +13,12 @@ from stickslip.likelihoods.population import AnyScatter, Population, factor
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Unseen = tuple[Floats, Mask]
 FOLDS = 3
 EXACT = 1e12  # precision of what is known from the other windows
 
 
-def deviances(fit: Fit, population: AnyScatter, noise: Floats) -> tuple[Floats, Mask]:
+def deviances(fit: Fit, population: AnyScatter, noise: Floats) -> Unseen:
     """
     Return -2 log marginal likelihood of each window, (w,), to first order about a fit without shared numbers.
 
@@ -41,6 +42,18 @@ def deviances(fit: Fit, population: AnyScatter, noise: Floats) -> tuple[Floats, 
     volume = linear.count @ np.log(noise) - np.linalg.slogdet(found.inverse)[1]
     out = np.where(good, chi + (found.white**2).sum(axis=1) + volume, np.nan)
     return out, good & (left <= windows.policy.noise_left * count)
+
+
+def falls(was: Unseen, now: Unseen) -> list[float]:
+    """
+    Return by how much -2 log likelihood of windows falls which both can simulate, and one of them explains.
+
+    Parameters
+    ----------
+    was, now : of the same windows, as of `deviances`
+    """
+    fell = was[0] - now[0]
+    return [float(one) for one in fell[np.isfinite(fell) & (was[1] | now[1])]]
 
 
 def held_out(fit: Fit, population: Population, noise: Floats) -> float:

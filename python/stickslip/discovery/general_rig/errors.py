@@ -19,14 +19,13 @@ from stickslip.likelihoods.bodies_cuts import Cut, cuts
 from stickslip.likelihoods.bodies_windows import BodiesWindows
 from stickslip.likelihoods.contact_scatter import ContactScatter
 from stickslip.likelihoods.fit import null
-from stickslip.likelihoods.held_out import deviances
+from stickslip.likelihoods.held_out import Unseen, deviances, falls
 from stickslip.likelihoods.own_phases import with_own_drive, with_own_phases
 from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.shared import Declared
 from stickslip.measured.recording import Recording
 
 Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 METRIC = (
     "error of the readings one window (a stick and the slips after it) ahead of where the window before ends, with "
     "friction of the mean event, over how far they move in it; mean over validate runs"
@@ -96,12 +95,6 @@ def error_block(
     return replace(block, likelihood=deciding(fell, spare, held)), kept
 
 
-def falls(was: tuple[Floats, Mask], now: tuple[Floats, Mask]) -> list[float]:
-    """Return by how much -2 log likelihood of windows falls which both can simulate, and one of them explains."""
-    fell = was[0] - now[0]
-    return [float(one) for one in fell[np.isfinite(fell) & (was[1] | now[1])]]
-
-
 def two_windows(run: BodiesData) -> list[Cut]:
     """
     Return the windows of a run of which one can be forecast.
@@ -118,7 +111,7 @@ def two_windows(run: BodiesData) -> list[Cut]:
     return cut
 
 
-def ahead(told: FittedRig, run: BodiesData) -> tuple[WindowForecasts, tuple[Floats, Mask]]:
+def ahead(told: FittedRig, run: BodiesData) -> tuple[WindowForecasts, Unseen]:
     """
     Return what is forecast of a run, one window ahead, and how likely each window is, as of `deviances`.
 

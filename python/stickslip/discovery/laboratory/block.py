@@ -103,9 +103,9 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     verdicts, said = _verdicts(bench, case, tell, seed, workers)
     searched = BlockSearch(case, units, data, verdicts)
     found = claimed(
-        _found(searched, tell, began, seed, workers),
-        (_found(replace(searched, verdicts=less), tell, began, seed, workers) for less in verdicts.fewer()),
-        lambda: _found(replace(searched, verdicts=verdicts.silent()), tell, began, seed, workers),
+        _found(searched, tell, began, workers),
+        (_found(replace(searched, verdicts=less), tell, began, workers) for less in verdicts.fewer()),
+        lambda: _found(replace(searched, verdicts=verdicts.silent()), tell, began, workers),
     )
     return replace(found, messages=(*said, *unused, *found.messages))
 
@@ -188,9 +188,7 @@ def _displaced(units: Scaled, run: Data) -> Data:
     return replace(units.data(run), readings=run.readings * units.scales.length)
 
 
-def _found(
-    search: BlockSearch, tell: Callable[[str], None], began: float, seed: int, workers: Workers
-) -> Found:
+def _found(search: BlockSearch, tell: Callable[[str], None], began: float, workers: Workers) -> Found:
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
     chosen = search.verdicts.told
@@ -215,7 +213,7 @@ def _found(
     error, forecasts, words = error_block(case, before, after, validate, _errors(events, units))
     used = [run for run in search.data[len(bench.data) :] if run.name not in astray]
     told = search.verdicts
-    held = likelihood(chosen.fit, told.without(base), told.spare(), told.beside_others(), used, workers, seed)
+    held = likelihood(chosen.fit, told.without(base), told.spare(), told.beside_others(), used, workers)
     error = replace(error, likelihood=held)
     effects = _effects(search, chosen)
     data = [units.data(run) for run in bench.data]

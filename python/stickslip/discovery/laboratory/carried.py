@@ -20,12 +20,12 @@ from stickslip.fitted.predict import Prediction, joined
 from stickslip.fitted.readings import reading_rate
 from stickslip.likelihoods.ahead import KEPT, EnsembleForecast, ahead
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.foretold import deviance
+from stickslip.likelihoods.held_out import Unseen, falls
+from stickslip.likelihoods.unseen import likely
 from stickslip.measured.case import Recording
 
 Floats = NDArray[np.float64]
 Samples = NDArray[np.int64]
-NOTHING: Mapping[str, tuple[Fit, float]] = {}
 METRIC = (
     "NRMSE of x1 and y1 over forecasts of one cycle, state from the past alone and events to come as they scatter; "
     "mean over validate runs"
@@ -35,13 +35,10 @@ METRIC = (
 def error_block(
     fits: tuple[Fit, Fit],
     models: tuple[Model, Model],
-    without: Fit | None,
     runs: Sequence[Data],
     recordings: Sequence[Recording],
     workers: Workers,
     seed: int,
-    spare: float | None = None,
-    less: Mapping[str, tuple[Fit, float]] = NOTHING,
 ) -> tuple[ErrorBlock, dict[str, tuple[ForecastErrors, ForecastErrors]]]:
     """
     Return `error` of the report, and the forecasts it rests on.
@@ -51,25 +48,17 @@ def error_block(
     Parameters
     ----------
     fits, models : before and after
-    without : what is told where nothing is named; None where nothing is
     runs, recordings : never fitted
     workers, seed : make the forecasts
-    spare : by how much what was found passes its gate; None for what has none
-    less : the fit without each of several effects, by name, and by how much that one passes its gate
     """
     same = fits[0] is fits[1]
-    third = () if without is None or any(without is one for one in fits) else (without,)
-    every = (*(fits[1:] if same else fits), *third, *(fit for fit, _ in less.values()))
-    light = tuple(replace(one, blocks=[], linear=None, solution=None) for one in every)
-    tasks = [(fit, run) for run in runs for fit in light]
-    done = iter(workers.map(partial(_made, seed=seed), tasks))
-    falls, each = list[float](), {name: list[float]() for name in less}
+    every = [_light(one) for one in (fits[1:] if same else fits)]
+    done = iter(workers.map(partial(_made, seed=seed), [(fit, run) for run in runs for fit in every]))
     table: list[RunError] = []
     kept: dict[str, tuple[ForecastErrors, ForecastErrors]] = {}
     for run, recording in zip(runs, recordings, strict=True):
-        flown = [next(done) for _ in light]
-        made = [one for one in flown[: 1 if same else 2] if one is not None]
-        if len(made) < (1 if same else 2):  # too few windows to know where the run stands
+        made = [one for one in [next(done) for _ in every] if one is not None]
+        if len(made) < len(every):  # too few windows to know where the run stands
             part, others = errors.error_block(*models, [run], [recording], workers, seed)
             table.append(part.runs[0])
             kept |= others
@@ -77,14 +66,7 @@ def error_block(
         (was, _), (now, floor) = made[0], made[-1]
         kept[run.name] = (was, now)
         table.append(errors.row(run, recording, (was, now, floor)))
-        count = len(flown) - len(less)
-        if without is not None and (held := flown[count - 1 if third else 0]) is not None:
-            falls += _falls(held[0].deviance, now.deviance)
-        for own, one in zip(each.values(), flown[count:], strict=True):
-            own += [] if one is None else _falls(one[0].deviance, now.deviance)
-    block = replace(errors.block(METRIC, table), covered=_covered(runs, kept))
-    beside = {name: (each[name], beyond) for name, (_, beyond) in less.items()}
-    return replace(block, likelihood=deciding(falls, spare, beside)), kept
+    return replace(errors.block(METRIC, table), covered=_covered(runs, kept)), kept
 
 
 def likelihood(
@@ -94,43 +76,38 @@ def likelihood(
     less: Mapping[str, tuple[Fit, float]],
     runs: Sequence[Data],
     workers: Workers,
-    seed: int,
 ) -> Likelihood | None:
     """
-    Return how likely runs never fitted are with what was found, by forecasts of a cycle.
+    Return how likely runs never fitted are with what was found, by their windows.
 
     Parameters
     ----------
     now, without : the fit with all of it, and with none; None where nothing was found
-    spare, less, runs, workers, seed : as of `error_block`
+    spare : by how much what was found passes its gate; None for what has none
+    less : the fit without each of several effects, by name, and by how much that one passes its gate
+    runs, workers : never fitted; do what does not wait for one another
     """
-    if without is None:
+    if without is None or without is now:
         return None
-    every = [
-        replace(one, blocks=[], linear=None, solution=None)
-        for one in (now, without, *(f for f, _ in less.values()))
-    ]
-    made = iter(workers.map(partial(_foretold, seed=seed), [(fit, run) for run in runs for fit in every]))
-    falls: list[list[float]] = [[] for _ in every[1:]]
+    every = [_light(one) for one in (now, without, *(fit for fit, _ in less.values()))]
+    made = iter(workers.map(_likely, [(fit, run) for run in runs for fit in every]))
+    fell: list[list[float]] = [[] for _ in every[1:]]
     for _ in runs:
         own = next(made)
-        for one in falls:
-            one += _falls(next(made), own)
-    beside = {name: (own, beyond) for own, (name, (_, beyond)) in zip(falls[1:], less.items(), strict=True)}
-    return deciding(falls[0], spare, beside)
+        for one in fell:
+            other = next(made)
+            one += [] if own is None or other is None else falls(other, own)
+    beside = {name: (own, beyond) for own, (name, (_, beyond)) in zip(fell[1:], less.items(), strict=True)}
+    return deciding(fell[0], spare, beside)
 
 
-def _foretold(task: tuple[Fit, Data], *, seed: int) -> dict[int, float]:
-    """-2 log density of the readings of each cycle of a run that a fit forecasts, by its first sample."""
-    fit, run = task
-    noise, knee = (run.noise * np.sqrt(fit.noise))[:2], fit.windows.policy.knee
-    every = ahead(fit, run, 1.0, seed)
-    return {one.start: _deviance(one, run, _first(one, run)[1], noise, knee) for one in every}
+def _likely(task: tuple[Fit, Data]) -> Unseen | None:
+    return likely(*task)
 
 
-def _falls(was: Mapping[int, float], now: Mapping[int, float]) -> list[float]:
-    """By how much that of what both forecast falls."""
-    return [each - now[at] for at, each in was.items() if at in now]
+def _light(fit: Fit) -> Fit:
+    """A fit without what is of its own runs alone: it is sent elsewhere."""
+    return replace(fit, blocks=[], linear=None, solution=None)
 
 
 def _covered(runs: Sequence[Data], kept: Mapping[str, tuple[ForecastErrors, ForecastErrors]]) -> float | None:
@@ -170,10 +147,6 @@ def _made(task: tuple[Fit, Data], *, seed: int) -> tuple[ForecastErrors, Forecas
     measured = replace(
         errors.compared(run, expected, samples, longer),
         band=(low, high),
-        deviance={
-            a: _deviance(one, run, b, noise, fit.windows.policy.knee)
-            for one, (a, b) in zip(short, firsts, strict=True)
-        },
     )
     draws = [
         errors.compared(_as(run, _member(short, run, stops, k), samples), expected, samples, None)
@@ -195,13 +168,6 @@ def _first(one: EnsembleForecast, run: Data) -> tuple[int, int]:
     """The samples of its first cycle."""
     stop = int(np.searchsorted(run.t, run.t[one.start] + run.cycle))
     return one.start, min(max(stop, one.start + 1), one.stop)
-
-
-def _deviance(one: EnsembleForecast, run: Data, stop: int, noise: Floats, knee: float) -> float:
-    """-2 log density of the readings it is of, to a sample."""
-    part = slice(one.start, stop)
-    members = one.flown.readings[1:, : stop - one.start, :2]
-    return deviance(members, noise, run.readings[part, :2], run.weight[part, :2] > 0, knee)
 
 
 def _expected(every: Sequence[EnsembleForecast], run: Data, stops: Sequence[int]) -> Prediction:

@@ -15,7 +15,7 @@ from stickslip.discovery.carry_over import claimed
 from stickslip.discovery.cleaning import cleaned
 from stickslip.discovery.laboratory import outcome, readings
 from stickslip.discovery.laboratory.belt_bench import BeltBench
-from stickslip.discovery.laboratory.carried import error_block
+from stickslip.discovery.laboratory.carried import error_block, likelihood
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
 from stickslip.discovery.laboratory.trials import Trial
@@ -183,14 +183,14 @@ def _found(asked: _RigSearch, verdicts: Verdicts[BeltBench], notes: tuple[str, .
     error, forecasts = error_block(
         (base.fit, chosen.fit),
         (before, after),
-        verdicts.without(base),
         validate,
         case.validate,
         asked.workers,
         asked.seed,
-        verdicts.spare(),
-        verdicts.beside_others(),
     )
+    without, beside = verdicts.without(base), verdicts.beside_others()
+    held = likelihood(chosen.fit, without, verdicts.spare(), beside, validate, asked.workers)
+    error = replace(error, likelihood=held)
     effects, gate = outcome.effects(bench, found), outcome.gate(found)
     if curve is not None:
         effects = (outcome.unlisted(found, curve, chosen),)
