@@ -89,7 +89,7 @@ TWO = {
 
 @pytest.mark.parametrize("two", TWO.values(), ids=TWO)
 def test_two_tables_agree(two):
-    @settings(COMMON, max_examples=4)
+    @settings(COMMON, max_examples=2)
     @given(runs(names=()))
     def each(run):
         model, v_b, start = run

@@ -55,6 +55,7 @@ def test_windows_show_the_friction_that_they_are_simulated_with() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "gain", "mass", "by"),
     [("sensor_gain", 1.1, 1.0, WANDER), ("rig_mass", 1.0, 0.6, WANDER), ("sensor_gain", 1.1, 1.0, 0.2)],
