@@ -91,6 +91,7 @@ def objects() -> dict[str, object]:
         ss.tabulated("block", "x1", [-1.0, 0.0, 1.0], [0.0, 0.1, 0.0]),
         ss.Channel("x1", "mm"),
         ss.Speed.of("0.5*sin(1.7*t)"),
+        ss.EventScatter(level=0.02, along=0.01, length=0.4, static=0.01, belt=0.004),
         ss.Model(SI_RIG, friction=ss.PaperFriction(), effects=[ss.effect("sensor_lag", tau=0.12)]),
         case,
         recording,

@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # for mypy and editors, which cannot follow _HOME
     from stickslip.declared.rigs.bodies import BodiesRig
     from stickslip.declared.rigs.matrices import MatricesRig
     from stickslip.declared.rigs.parts import Body, Contact, Link
+    from stickslip.declared.scatter import EventScatter
     from stickslip.declared.speeds import Speed
     from stickslip.declared.units import Channel
     from stickslip.discovery.discover import Found, discover
@@ -68,6 +69,7 @@ _HOME = {  # where each public name lives; imported when it is first used, for a
     "DahlFriction": "stickslip.declared.formula_laws.dahl",
     "DrivenSlider": "stickslip.declared.rig",
     "Effect": "stickslip.declared.effect",
+    "EventScatter": "stickslip.declared.scatter",
     "FormulaFriction": "stickslip.declared.formula_laws.formula",
     "Found": "stickslip.discovery.discover",
     "HyperbolicFriction": "stickslip.declared.friction.hyperbolic",
@@ -154,6 +156,7 @@ __all__ = [
     "DahlFriction",
     "DrivenSlider",
     "Effect",
+    "EventScatter",
     "FormulaFriction",
     "Found",
     "HyperbolicFriction",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 DESCRIBED_BY = "stickslip.shown.objects"
 REPORTED_BY = "stickslip.shown.report.write"
+CONTENTS_BY = "stickslip.shown.report.contents"
 WIDEST = 119  # characters of the line that an object is printed in
 LISTED = 4  # members of a sequence that are printed; of a longer one how many there are
 
@@ -34,6 +35,12 @@ def reporter() -> Callable[..., list[Path]]:
     """What writes the report of a `Found`."""
     write: Callable[..., list[Path]] = import_module(REPORTED_BY).write_report
     return write
+
+
+def contents() -> Callable[..., dict[str, Any]]:
+    """What tells all that the report of a `Found` says."""
+    told: Callable[..., dict[str, Any]] = import_module(CONTENTS_BY).contents
+    return told
 
 
 def one_line(text: str) -> str:

@@ -26,6 +26,7 @@ GROUPS: Mapping[str, tuple[str, tuple[str, ...]]] = {  # page: title, names of `
             "Contact",
             "MatricesRig",
             "Speed",
+            "EventScatter",
         ),
     ),
     "friction": (

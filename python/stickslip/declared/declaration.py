@@ -24,6 +24,7 @@ from stickslip.declared.rig_kinds import RIG_KINDS
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig, RigError
 from stickslip.declared.rigs.matrices import MatricesRig
+from stickslip.declared.scatter import EventScatter
 from stickslip.declared.toml_file import Document, Key, Table
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, did_you_mean
@@ -171,6 +172,11 @@ def read_channel(document: Document, *keys: Key, table: Table) -> Channel:
         if not isinstance(given.get(name, ""), str):
             raise document.error('not text; write it in "quotes"', *keys, name, value=given[name])
     return _made(document, keys, Channel, given)
+
+
+def read_scatter(document: Document, table: Table) -> EventScatter:
+    """Make the scatter that [scatter] of a model declares."""
+    return _made(document, ("scatter",), EventScatter, dict(table))
 
 
 def rig_table(rig: AnyRig) -> dict[str, object]:

@@ -22,6 +22,7 @@ from stickslip.declared.declaration import (
     read_effect,
     read_laws,
     read_rig,
+    read_scatter,
     rig_table,
 )
 from stickslip.declared.effect import AnyEffect, Effect, FormulaEffect, Tabulated, with_numbers
@@ -31,6 +32,7 @@ from stickslip.declared.law_dimensions import in_model
 from stickslip.declared.number_names import check_number_names
 from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
+from stickslip.declared.scatter import EventScatter
 from stickslip.declared.toml_file import read_toml, write_text
 from stickslip.declared.units import DIMENSIONS, Channel, refuse_sensor
 from stickslip.errors import InputError, Place, did_you_mean, number, unknown
@@ -44,7 +46,7 @@ _HEADER = """\
 # A model of stickslip: stickslip.load_model reads it.
 # [rig] as in (2.1), [friction] as in (4.1)-(4.3) or another kind, an [[effect]] for each thing these lack,
 # nondimensional; [rig.scales] turns them back to SI (a block on a belt has none: its numbers are as given).
-# [channels] and [noise]: columns and units of the readings.
+# [channels] and [noise]: columns and units of the readings. [scatter]: how friction differs from event to event.
 """
 
 
@@ -75,6 +77,9 @@ class Model(Drawn):
         that was identified; None: nondimensional readings in columns of these names.
     noise
         Standard deviation of the readings by channel, in the channel's unit.
+    scatter
+        How friction and the belt differ from event to event, for `forecast`; None: as its past shows. Of a rig of
+        (2.1) or a block on a belt.
 
     Raises
     ------
@@ -97,6 +102,7 @@ class Model(Drawn):
     effects: tuple[AnyEffect, ...] = field(default=(), kw_only=True)
     channels: Mapping[str, Channel] | None = field(default=None, kw_only=True, hash=False)
     noise: Mapping[str, float] | None = field(default=None, kw_only=True, hash=False)
+    scatter: EventScatter | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         must_be("rig", self.rig, (Rig, BlockOnBelt, DrivenSlider, GeneralRig))
@@ -142,6 +148,13 @@ class Model(Drawn):
             must_be("noise", self.noise, Mapping)
             checked = {name: number(name, value, above=0) for name, value in self.noise.items()}
             object.__setattr__(self, "noise", checked)
+        if self.scatter is not None:
+            must_be("scatter", self.scatter, EventScatter)
+            if not isinstance(self.rig, (Rig, BlockOnBelt)):
+                words = (
+                    "is of a rig of (2.1) or a block on a belt; forecasts of this rig take it from their past"
+                )
+                raise InputError(words, key="scatter")
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -287,6 +300,8 @@ class Model(Drawn):
             tables["channels"] = {name: one.table for name, one in self.channels.items()}
         if self.noise is not None:
             tables["noise"] = dict(self.noise)
+        if self.scatter is not None:
+            tables["scatter"] = dataclasses.asdict(self.scatter)
         return (
             (_GENERAL_HEADER if isinstance(self.rig, GeneralRig) else _HEADER) + "\n" + tomlkit.dumps(tables)
         )
@@ -325,7 +340,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         raise document.error(
             "this is a case with its runs, not a model; identify or discover make a model of it", "run", 0
         )
-    known = ("rig", "friction", "law", "effect", "channels", "noise")
+    known = ("rig", "friction", "law", "effect", "channels", "noise", "scatter")
     for key, table in tables.items():
         if key not in known:
             raise document.error(f"unknown; {did_you_mean(key, known)}", key)
@@ -350,8 +365,11 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         with document.at("noise"):
             noise = {name: number(name, value, above=0) for name, value in _table(tables["noise"]).items()}  # type: ignore[arg-type]
     law = read_laws(document, rig)
+    scatter = read_scatter(document, _table(tables["scatter"])) if "scatter" in tables else None
     with document.at():
-        return Model(rig, friction=law, effects=tuple(effects), channels=channels, noise=noise)
+        return Model(
+            rig, friction=law, effects=tuple(effects), channels=channels, noise=noise, scatter=scatter
+        )
 
 
 def model_file(path: Path) -> Path:

@@ -20,7 +20,7 @@ from stickslip.discovery.plain import Json, plain
 from stickslip.errors import InputError
 from stickslip.measured.case import Case
 from stickslip.measured.thinning import Thinned
-from stickslip.objects import Drawn, reporter
+from stickslip.objects import Drawn, contents, reporter
 
 Floats = NDArray[np.float64]
 AGAINST = 0.05  # chance of so little likelihood from which runs never fitted speak against what was found
@@ -464,7 +464,15 @@ class Found(Drawn):
 
     @property
     def report(self) -> dict[str, Json]:
-        """report.json as plain Python: numbers, strings, lists and dicts only (no arrays of readings)."""
+        """What report.json holds, as plain Python: numbers, strings, lists and dicts only.
+
+        Of what `discover` did not return, and so holds no case, that without units, provenance and words.
+        """
+        return self.plain if self.case is None else contents()(self, self.case)
+
+    @property
+    def plain(self) -> dict[str, Json]:
+        """The same as the search left it (no arrays of readings)."""
         skipped = {"before", "after", "runs", "spectrum", "constants", "unclaimed", "case"}
         items = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in skipped}
         return {name: plain(value) for name, value in items.items()}

@@ -242,6 +242,7 @@ class Identified(SavedResult):
             effects=made.effects,
             channels=self.channels,
             noise=self.reading_noise,
+            scatter=made.scatter,
         )
 
     @property

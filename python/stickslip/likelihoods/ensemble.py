@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip.declared.effect import Tabulated
 from stickslip.declared.model import Model
+from stickslip.declared.scatter import EventScatter
 from stickslip.fitted.data import Data
 from stickslip.likelihoods.band import MEMBERS, band, standing
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -24,13 +25,14 @@ from stickslip.likelihoods.in_common import Common, in_common
 from stickslip.likelihoods.members import ComingEvents, Members
 from stickslip.likelihoods.memory import KINETIC, memory, of_effects
 from stickslip.likelihoods.policy import POLICY
-from stickslip.likelihoods.population import factor
+from stickslip.likelihoods.population import factor, population_of
 from stickslip.likelihoods.sensors import Sensors
 from stickslip.likelihoods.shared import Declared
 from stickslip.likelihoods.stretches import Stretch, stretches, timed
 from stickslip.likelihoods.symmetric_root import symmetric_root
 
 Floats = NDArray[np.float64]
+AGES = "static_aging"
 YIELDS = "contact_compliance"  # under it nothing sticks, and no window begins
 FEWEST = 3  # windows of a past that shows scatter
 
@@ -69,30 +71,36 @@ def distribution(
     seed : of the draws
     """
     cut = [one for one in stretches([run]) if one.stuck]  # where it next sticks is known
-    if len(cut) < FEWEST or not _has_windows(model):
+    known = model.scatter if len(cut) < POLICY.fewest_windows else None  # so few do not tell it
+    if len(cut) < (FEWEST if known is None else 1) or not _has_windows(model):
         return None
-    windows = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
     try:
-        fit = fitted(begin(windows), POLICY)
+        fit = _fitted(begin(BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)), known)
+        if any(
+            one.name == AGES for one in model.effects
+        ):  # it depends on how long sticks last: as the fit has them
+            cut = timed(cut, fit.windows.motions(fit.at, fit.own))
+            again = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
+            fit = _fitted(replace(begin(again), own=fit.own), known)
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
     # no model of these windows: its scatter is that of something else
     if unexplained(fit) > POLICY.noise_left:
         return None
     try:
-        shared = in_common(fit, POLICY)
+        shared = in_common(fit, POLICY) if known is None else None
     except (FloatingPointError, np.linalg.LinAlgError):
         shared = None
     if shared is not None:
         fit = shared.fit
-        assert isinstance(fit.windows, BeltWindows)
-        windows = fit.windows
+    windows = fit.windows
+    assert isinstance(windows, BeltWindows)
     cut = timed(cut, windows.motions(fit.at, fit.own))
     last = cut[-1]
     rest = float(np.median([one.rest for one in cut]))
     tail = Stretch(0, last.stop, len(run.t), last.dwell, rest)
     rng = np.random.default_rng(seed)
-    events, common = _events(fit, shared, rng)
+    events, common = _events(fit, shared, rng) if known is None else _of_others(fit, rng)
     members = Members(windows, fit.at, _extended(run, future), events, rest, rng)
     expected = common + events.memory.mean(axis=0) * (fit.random[-1] - common)
     own = members.begun(tail, fit.population, fit.noise, expected)
@@ -101,6 +109,21 @@ def distribution(
     whole = members.run(own, tail, len(run.t) + len(future)).readings[:, len(run.t) - tail.start :]
     found = _summed(whole, run, fit, rng)
     return None if found is None else replace(found, common=shared is not None)
+
+
+def _fitted(first: Fit, known: EventScatter | None) -> Fit:
+    """The windows of a past at their best; where its scatter is `known` from other runs, with that."""
+    if known is None:
+        return fitted(first, POLICY)
+    return fitted(replace(first, population=population_of(known)), POLICY, held=POLICY.most_steps)
+
+
+def _of_others(fit: Fit, rng: np.random.Generator) -> tuple[ComingEvents, Floats]:
+    """What other runs show of the events to come, whose mean event is the law's."""
+    _, like = of_effects(fit, MEMBERS, rng)
+    none = np.zeros(fit.windows.effects)
+    root = factor(fit.population, fit.windows.places)[0]
+    return ComingEvents(root, like, np.tile(none, (MEMBERS, 1)), np.ones(MEMBERS)), none
 
 
 def _has_windows(model: Model) -> bool:

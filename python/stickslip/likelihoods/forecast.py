@@ -23,7 +23,6 @@ from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.bodies_forecast import forecast_bodies
 from stickslip.likelihoods.ensemble import Distribution, distribution
 from stickslip.likelihoods.one_thread import one_thread
-from stickslip.likelihoods.policy import POLICY
 from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.scaled import scaled
 from stickslip.measured.case import Recording
@@ -33,6 +32,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Z = 1.96  # standard deviations that hold 95 %
+NOISE_ALONE = (
+    "the windows of the past do not tell how friction of the events to come differs: the band is noise alone"
+)
 
 
 @one_thread
@@ -124,9 +126,10 @@ def forecast(
         raise CallError("lacks belt_speed; it needs model, recording, belt_speed, horizon", key="forecast")
     expected = follow(model, recording, belt_speed, horizon)  # type: ignore[arg-type]  # it looks
     found = _of_block(expected) if isinstance(model.rig, BlockOnBelt) else _of_rig(expected)
-    scatters = found is not None and found.scatter > POLICY.repeats
-    # a run whose friction scatters begins where its last window ends
-    if said := [one for one in (expected.wrong, None if scatters else expected.far) if one]:
+    # what is told by windows begins where the last one ends
+    if said := [
+        one for one in (expected.wrong, *((expected.far, NOISE_ALONE) if found is None else ())) if one
+    ]:
         warnings.warn("; ".join(said), ModelWarning, stacklevel=3)
     mean, low, high = _band(expected, found)
     columns = dict(zip(expected.channels, mean.T, strict=True))
@@ -148,19 +151,12 @@ def _in_units(recording: Recording, channel: str, values: Floats) -> Floats:
 
 
 def _band(expected: Expected, found: Distribution | None) -> tuple[Floats, Floats, Floats]:
-    """Expected readings and the 95 % band, (n, c) each, in model units.
-
-    Where events repeat and have nothing of their own in common, the model's own run is expected, and the ensemble gives
-    its doubt alone.
-    """
-    if found is None:
-        half = Z * prepare([expected.past])[0].noise[: expected.readings.shape[1]]
-        return expected.readings, expected.readings - half, expected.readings + half
+    """Expected readings and the 95 % band, (n, c) each, in model units; around the model's own run it is the noise."""
     count = expected.readings.shape[1]
-    mean, low, high = (side[:, :count] for side in (found.mean, found.low, found.high))
-    if found.scatter > POLICY.repeats or found.common:
-        return mean, low, high
-    return expected.readings, expected.readings + low - mean, expected.readings + high - mean
+    if found is not None:
+        return found.mean[:, :count], found.low[:, :count], found.high[:, :count]
+    half = Z * prepare([expected.past])[0].noise[:count]
+    return expected.readings, expected.readings - half, expected.readings + half
 
 
 def _of_rig(expected: Expected) -> Distribution | None:
@@ -182,6 +178,7 @@ def _of_block(expected: Expected) -> Distribution | None:
         effects=tuple(
             units.effect(one, back=False) for one in model.effects if isinstance(one, (Effect, FormulaEffect))
         ),
+        scatter=model.scatter,
     )
     force = past.channel("x1") == "spring_force"
     sensors = BlockSensors((f"gain.{past.channel('x1')}",), own.parameters["stiffness"] if force else None)

@@ -13,6 +13,7 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.declared.scatter import EventScatter
 from stickslip.likelihoods.policy import Policy
 
 Floats = NDArray[np.float64]
@@ -105,6 +106,15 @@ class Population:
     def without(self) -> Population:
         """Return the population in which nothing differs."""
         return replace(self, level=0.0, curve=0.0, static=0.0, belt=0.0)
+
+    def declared(self) -> EventScatter:
+        """Return it as a model carries it."""
+        return EventScatter(self.level, self.curve, self.length, self.static, self.belt)
+
+
+def population_of(scatter: EventScatter) -> Population:
+    """Return the population that a model carries."""
+    return Population(scatter.level, scatter.along, scatter.length, scatter.static, scatter.belt)
 
 
 def start(policy: Policy) -> Population:

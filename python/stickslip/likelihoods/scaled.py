@@ -109,6 +109,7 @@ class Scaled:
             effects=tuple(effects),
             channels=made.channels,
             noise=made.noise,
+            scatter=made.scatter,
         )
 
     def data(self, run: Data) -> Data:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,8 @@ class ScatterNumbers:
 def of_rig(material: Material, declared: Declared, fit: Fit) -> Identified:
     """Return what was identified on the rig of (2.1)."""
     start = material.friction or PaperFriction()
-    model = fitted_model(Model(material.rig, friction=start), fit.values())
+    scatter = fit.population.declared()
+    model = fitted_model(Model(material.rig, friction=start, scatter=scatter), fit.values())
     return _general(material, declared, fit, model, _numbers(fit, _bare), None)
 
 
@@ -55,7 +56,7 @@ def of_block(
 ) -> Identified:
     """Return what was identified of a block on a belt; `preference` is BIC(Coulomb) - BIC(hyperbolic)."""
     values = fit.values()
-    made = fitted_model(fit.windows.model, values)
+    made = replace(fitted_model(fit.windows.model, values), scatter=fit.population.declared())
     model = units.model(made, values, _belt(fit).sensors.gains[0])
     found = _numbers(fit, units.size)
     general = _general(material, declared, fit, model, found, units)
@@ -172,7 +173,7 @@ def _one_way(material: Material, found: Identified, fit: Fit, units: Scaled, pre
         **{
             **vars(found),
             "law": law,
-            "fitted": Model(found.fitted.rig, friction=law, effects=found.fitted.effects),
+            "fitted": replace(found.fitted, friction=law),
             "estimates": estimates,
             "names": tuple(n + own for n in found.names),
             "events": events,

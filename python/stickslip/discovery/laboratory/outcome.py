@@ -97,6 +97,7 @@ def model(bench: Bench, trial: Trial, declared: Model) -> Model:
         effects=(*effects, *made.effects),
         channels=declared.channels,
         noise=declared.noise,
+        scatter=None if lost(trial.fit) else trial.fit.population.declared(),
     )
 
 

@@ -19,6 +19,7 @@ from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.rigs.number_unit import PER, number_unit
 from stickslip.declared.rigs.parts import RigPart
+from stickslip.declared.scatter import EventScatter
 from stickslip.declared.si import dimension_in, si_of
 from stickslip.declared.speeds import Speed
 from stickslip.shown.objects.description import Cell, Description, describe
@@ -81,6 +82,14 @@ def _scales(one: Scales) -> Description:
     rows: list[Row] = [(field.name, getattr(one, field.name), OF_RIG[field.name]) for field in fields(one)]
     rows += [("time", one.time, "s"), ("velocity", one.velocity, "m/s"), ("force", one.force, "N")]
     return Description(title="What is 1 in (2.1)", rows=rows)
+
+
+@describe.register
+def _scatter(one: EventScatter) -> Description:
+    rows: list[Row] = [(field.name, getattr(one, field.name)) for field in fields(one)]
+    return Description(
+        title="What differs from event to event", heads=("share of itself", "value"), rows=rows
+    )
 
 
 @describe.register

@@ -19,7 +19,9 @@ from stickslip.discovery.rig_numbers import constant, declared
 from stickslip.measured.case import Case
 from stickslip.shown.report import words
 from stickslip.shown.report.declared import declared as declared_numbers
+from stickslip.shown.report.declared import off
 from stickslip.shown.report.places import unit_at
+from stickslip.shown.report.scatter import scatter
 from stickslip.shown.report.units import axes_of
 
 FORMAT = 2  # raised when a key of report.json changes its meaning
@@ -37,11 +39,11 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     Returns
     -------
     dict
-        `Found.report` with, for a case in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
+        `Found.plain` with, for a case in SI, `value_si`, `low_si`, `high_si` and `unit` beside each
         parameter that has a dimension (`si_name` too where it is a number of the rig), and with `summary`, `caveats`,
         `parameters` and `provenance`.
     """
-    out = dict(found.report)
+    out = dict(found.plain)
     out["format"] = FORMAT
     out["summary"] = [words.headline(found), *words.sureness(found), words.clean_sentence(found)]
     axes = None if isinstance(case.rig, DrivenSlider | GeneralRig) else axes_of(case)
@@ -50,7 +52,8 @@ def contents(found: Found, case: Case) -> dict[str, Json]:
     for which, law in (("law", found.law), ("law_before", found.law_before)):
         out[which] = {name: {**_table(plain(one)), **_si(name, one, case)} for name, one in law.items()}
     out["parameters"] = [*parameter_table(found, case)]
-    out["declared"] = declared_numbers(found, case)
+    out["declared"] = numbers = declared_numbers(found, case)
+    out["scatter"] = {**scatter(found), "constants": off(numbers)}
     out["provenance"] = provenance(case, found.seconds)
     first = ("format", "title", "verdict", "summary", "effects", "error")
     return {key: out[key] for key in (*first, *(key for key in out if key not in first))}

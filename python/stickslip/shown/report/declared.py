@@ -36,6 +36,26 @@ def declared(found: Found, case: Case) -> dict[str, Json]:
     return out
 
 
+def off(numbers: Mapping[str, Json]) -> dict[str, Json]:
+    """
+    Return by how much each declared constant and gain is off by what the runs say: shares of the declared one.
+
+    Parameters
+    ----------
+    numbers : as of `declared`; what the runs do not say is left out
+    """
+    out: dict[str, Json] = {}
+    for name, row in numbers.items():
+        assert isinstance(row, dict)
+        value, runs = row["value"], row["runs"]
+        if isinstance(runs, dict) and isinstance(value, float) and value:
+            sides = [None if runs[k] is None else runs[k] / value - 1 for k in ("value", "low", "high")]  # type: ignore[operator]
+            if value < 0:
+                sides[1:] = sides[:0:-1]
+            out[name] = dict(zip(("value", "low", "high"), sides, strict=True))
+    return out
+
+
 def _unit(name: str, rig: AnyRig, channels: Mapping[str, Channel]) -> str:
     if isinstance(rig, GeneralRig):
         return unit_of(rig, name)

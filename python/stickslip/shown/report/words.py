@@ -25,6 +25,7 @@ from stickslip.discovery.result import (
     Residual,
     Verdict,
 )
+from stickslip.likelihoods.policy import POLICY
 from stickslip.shown.report.units import Axes, Axis
 
 PLAIN: Mapping[str, str] = {
@@ -123,6 +124,14 @@ def _verdict(found: Found) -> str:
         names = joined([called(one) for one in found.unclaimed])
         them = "it" if len(found.unclaimed) == 1 else "them"
         return f"Nothing is claimed: the train runs name {names}, but runs not used speak against {them}."
+    there = found.after.scatter
+    if found.verdict is Verdict.no_effect and not found.scatter and there is not None:
+        differs = max(there.level, there.along, there.static)
+        if differs > POLICY.repeats:  # all events share what the model lacks, and no cause was found
+            return (
+                "Nothing can be named: the declared model explains the readings only with friction that is "
+                f"{percent(differs)} off in every event, and no cause of that was found."
+            )
     if (
         found.verdict is Verdict.no_effect
         and isinstance(found.before.rig, BlockOnBelt)
