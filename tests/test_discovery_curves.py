@@ -60,6 +60,7 @@ def test_a_fit_s_curve_becomes_the_model_s(model: Model) -> None:
     assert as_terms([learned], model.parameters) == (CURVE,)
 
 
+@pytest.mark.filterwarnings("ignore:.*the band is noise alone")
 def test_the_file_forecasts_what_the_loop_does(model: Model, tmp_path) -> None:
     model.save(tmp_path / "model.toml")
     run = bent().validate[0]

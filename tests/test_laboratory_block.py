@@ -100,7 +100,7 @@ def test_a_damping_is_named_and_the_error_falls_to_the_noise(
     write_report(found, case, tmp_path / "out")
     report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
     assert report["effects"][0]["name"] == "block_viscous_damping"
-    assert set(report["scatter"]) == {"static", "kinetic", "belt"}
+    assert set(report["scatter"]) == {"static", "kinetic", "belt", "constants"}
     assert set(report["declared"]) == {"m", "k", "c", "spring_force"}
     model = ss.load_model(tmp_path / "out" / "model_after.toml")
     assert model == found.model

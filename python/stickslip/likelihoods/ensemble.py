@@ -45,15 +45,11 @@ class Distribution:
     Parameters
     ----------
     mean, low, high : (n, channels) expected readings, and the band that holds 95 % of the readings to come
-    scatter : relative standard deviation of friction as a whole from event to event
-    common : whether the events have something in common that the model lacks
     """
 
     mean: Floats
     low: Floats
     high: Floats
-    scatter: float
-    common: bool = False
 
 
 def distribution(
@@ -76,9 +72,7 @@ def distribution(
         return None
     try:
         fit = _fitted(begin(BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)), known)
-        if any(
-            one.name == AGES for one in model.effects
-        ):  # it depends on how long sticks last: as the fit has them
+        if any(one.name == AGES for one in model.effects):  # by as much as sticks last, as the fit has them
             cut = timed(cut, fit.windows.motions(fit.at, fit.own))
             again = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
             fit = _fitted(replace(begin(again), own=fit.own), known)
@@ -107,8 +101,7 @@ def distribution(
     if own is None:
         return None
     whole = members.run(own, tail, len(run.t) + len(future)).readings[:, len(run.t) - tail.start :]
-    found = _summed(whole, run, fit, rng)
-    return None if found is None else replace(found, common=shared is not None)
+    return _summed(whole, run, fit, rng)
 
 
 def _fitted(first: Fit, known: EventScatter | None) -> Fit:
@@ -172,12 +165,7 @@ def _summed(whole: Floats, run: Data, fit: Fit, rng: np.random.Generator) -> Dis
     if members is None:
         return None
     low, high = band(members, run.noise * np.sqrt(np.maximum(fit.noise, 1.0)), rng)
-    return Distribution(members.mean(axis=0), low, high, _scatter(fit))
-
-
-def _scatter(fit: Fit) -> float:
-    """How much friction differs between the events of the past, over that of the model."""
-    return float(np.std(fit.random[:, fit.windows.kinetic].mean(axis=1)))
+    return Distribution(members.mean(axis=0), low, high)
 
 
 def _extended(run: Data, future: Floats) -> Data:

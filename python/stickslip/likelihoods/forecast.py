@@ -126,10 +126,9 @@ def forecast(
         raise CallError("lacks belt_speed; it needs model, recording, belt_speed, horizon", key="forecast")
     expected = follow(model, recording, belt_speed, horizon)  # type: ignore[arg-type]  # it looks
     found = _of_block(expected) if isinstance(model.rig, BlockOnBelt) else _of_rig(expected)
-    # what is told by windows begins where the last one ends
-    if said := [
-        one for one in (expected.wrong, *((expected.far, NOISE_ALONE) if found is None else ())) if one
-    ]:
+    # what windows tell begins where the last one ends
+    doubts = (expected.wrong,) if found is not None else (expected.wrong, expected.far, NOISE_ALONE)
+    if said := [one for one in doubts if one]:
         warnings.warn("; ".join(said), ModelWarning, stacklevel=3)
     mean, low, high = _band(expected, found)
     columns = dict(zip(expected.channels, mean.T, strict=True))

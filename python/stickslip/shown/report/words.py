@@ -124,8 +124,11 @@ def _verdict(found: Found) -> str:
         names = joined([called(one) for one in found.unclaimed])
         them = "it" if len(found.unclaimed) == 1 else "them"
         return f"Nothing is claimed: the train runs name {names}, but runs not used speak against {them}."
-    there = found.after.scatter
-    if found.verdict is Verdict.no_effect and not found.scatter and there is not None:
+    if (
+        found.verdict is Verdict.no_effect
+        and not found.scatter
+        and (there := found.after.scatter) is not None
+    ):
         differs = max(there.level, there.along, there.static)
         if differs > POLICY.repeats:  # all events share what the model lacks, and no cause was found
             return (
