@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -100,6 +101,18 @@ def test_the_report_says_what_the_runs_say_of_a_constant(tmp_path: Path) -> None
     assert runs["value"] == pytest.approx(share * 0.277)  # type: ignore[index, call-overload]
     assert runs["low"] == pytest.approx(0.99 * share * 0.277)  # type: ignore[index, call-overload]
     assert told["k3"]["runs"] is None  # type: ignore[index, call-overload]
+
+
+def test_a_damping_that_is_a_difference_has_an_interval(tmp_path: Path) -> None:
+    """c2 is eta12 less eta1: from either alone no interval of it follows, and none was said."""
+    found, case = made(tmp_path)
+    per = case.rig.scales.k2 / case.rig.scales.omega
+    damping = {"eta1": Interval(0.1, 0.09, 0.11), "eta12": Interval(0.25, 0.23, 0.27)}
+    alone = contents(dataclasses.replace(found, constants=damping), case)["declared"]["c2"]["runs"]  # type: ignore[index, call-overload]
+    assert alone == {"value": pytest.approx(0.15 * per), "low": None, "high": None}
+    apart = {**damping, "eta2": Interval(0.15, 0.14, 0.16)}
+    runs = contents(dataclasses.replace(found, constants=apart), case)["declared"]["c2"]["runs"]  # type: ignore[index, call-overload]
+    assert [runs[k] / per for k in ("value", "low", "high")] == pytest.approx([0.15, 0.14, 0.16])  # type: ignore[index]
 
 
 @pytest.mark.study

@@ -68,6 +68,7 @@ def constant(rig: AnyRig, name: str, found: Mapping[str, Interval]) -> SIConstan
         "beta3": SIConstant("k3", k2, 1.0),
         "eta1": SIConstant("c1", k2 / omega),
         "eta12": SIConstant("c2", k2 / omega, eta1),
+        "eta2": SIConstant("c2", k2 / omega),
         "inertia": SIConstant("m", k2 / omega**2),
         "stiffness": SIConstant("k1", k2, 1.0),
     }

@@ -346,7 +346,8 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
     """
     Return what the runs say of every declared constant and gain; a gain as 1 + e.
 
-    Of (2.1) in SI alpha1 is "inertia" and "stiffness", which are one number in its own unit of time alone.
+    Of (2.1) in SI alpha1 is "inertia" and "stiffness", which are one number in its own unit of time alone; "eta2" is
+    eta12 less eta1.
     """
     found = intervals(fit)
     springs = _springs(bench, fit, found)
@@ -359,7 +360,23 @@ def constants(bench: Bench, fit: Fit) -> Mapping[str, Interval]:
             low, high = (None if x is None else 1 + x for x in (one.low, one.high))
             one = Interval(1 + one.value, low, high)
         out[bench.declared.gains.get(name, name)] = one
+    if (apart := _less(fit, "eta12", "eta1")) is not None:
+        out["eta2"] = apart
     return out
+
+
+def _less(fit: Fit, first: str, second: str) -> Interval | None:
+    """One fitted number less another, whose errors go together; None where not both are fitted."""
+    numbers = fit.windows.numbers
+    places = {n.name: i for i, n in enumerate(numbers)}
+    if fit.solution is None or not {first, second} <= places.keys():
+        return None
+    along = np.zeros(len(fit.at))
+    for name, sign in ((first, 1.0), (second, -1.0)):
+        along[places[name]] = sign * numbers[places[name]].slope(float(fit.at[places[name]]))
+    value = fit.values()[first] - fit.values()[second]
+    half = Z * math.sqrt(float(along @ fit.solution.covariance @ along))
+    return Interval(value, value - half, value + half)
 
 
 def _springs(bench: Bench, fit: Fit, found: Mapping[str, Interval]) -> dict[str, Interval]:
