@@ -43,6 +43,7 @@ def test_law_constants_and_scatter_of_a_rig_are_found(rig: ss.Identified) -> Non
     assert found.estimates["T_s_minus"].value == pytest.approx(true.T_s_minus, rel=0.02)
     assert 0.9 < found.reduced_chi2 < 1.1
     assert found.scatter.kinetic.low < 0.02 < found.scatter.kinetic.high
+    assert found.model.scatter.level == pytest.approx(0.02, rel=0.4)
     for name, value in RIG.items():
         one = found.constants[name]
         assert one.declared == pytest.approx(value)
@@ -115,6 +116,8 @@ def test_a_block_whose_friction_differs_from_slip_to_slip(
     assert found.unidentified == ("static_plus", "kinetic_plus")
     again = ss.load_model(_saved(found, tmp_path))
     assert again.friction == found.law
+    assert again.scatter == found.model.scatter
+    assert again.scatter.level == pytest.approx(0.02, rel=0.5)
 
 
 def _saved(found: ss.Identified, folder: Path) -> Path:

@@ -28,6 +28,7 @@ def test_nothing_is_named_where_only_friction_scatters(tmp_path: Path) -> None:
     found = ss.discover(ss.load_case(block_case(tmp_path, few=True, seed=1, scatter=SCATTER, off=NEARLY)))
     assert found.verdict is ss.discovery.result.Verdict.no_effect
     assert found.scatter["kinetic"].value == pytest.approx(SCATTER, rel=0.35)
+    assert found.after.scatter.level == pytest.approx(SCATTER, rel=0.5)
     for name, true in (("mass", MASS), ("stiffness", STIFFNESS), ("spring_force", 1.003)):
         one = found.constants[name]
         assert one.low is not None
