@@ -273,3 +273,25 @@ def test_forecast_writes_nothing_on_bad_input(tmp_path: Path) -> None:
     assert result.exit_code == 2
     assert result.stderr == "stickslip: --horizon = '-1': must be a finite number above 0\n"
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (("forecast", "model.toml", "past.csv", "--horizon", "0.1"), "model: a driven slider goes where its"),
+        (("simulate", "model.toml", "--t-end", "1"), "rig: a driven slider has neither belt nor spring"),
+    ],
+    ids=["forecast", "simulate"],
+)  # fmt: skip
+def test_of_a_driven_slider_no_belt_speed_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...], said: str
+) -> None:
+    """The speed of its belt was asked for, which it has not, and with one it was refused."""
+    monkeypatch.chdir(tmp_path)
+    ss.Model(ss.DrivenSlider(mass=1.0), friction=ss.CoulombFriction(static=2, kinetic=1)).save("model.toml")
+    pd.DataFrame({"t": [0.0, 0.1], "x1": [0.0, 0.1]}).to_csv("past.csv", index=False)
+    for speed in ((), ("--belt-speed", "0.1")):
+        result = invoke(*command, *speed, "--out", "out.csv")
+        assert result.exit_code == 2
+        assert said in result.output
+    assert not Path("out.csv").exists()

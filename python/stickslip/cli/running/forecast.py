@@ -16,7 +16,7 @@ from stickslip.declared.scale import read_quantity, scales
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import chosen, time_digits, with_figure, write_csv
-from stickslip.fitted.forecast import MOST
+from stickslip.fitted.forecast import MOST, not_driven
 from stickslip.likelihoods.forecast import forecast as run_forecast
 from stickslip.measured.channels import head_of
 from stickslip.measured.readers.tables import open_table
@@ -52,7 +52,8 @@ def _of_named_rig(
     out: Path,
     figure: bool,
 ) -> list[Path]:
-    """The forecast of a rig of (2.1), a block on a belt or a driven slider, written; the files."""
+    """The forecast of a rig of (2.1) or a block on a belt, written; the files."""
+    not_driven(loaded.rig)
     if drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
     if belt_speed is None:

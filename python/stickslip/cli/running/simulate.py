@@ -14,7 +14,7 @@ from rich.console import Console
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.cli.simulate_rig import Asked, is_file, read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
-from stickslip.declared.rig import DrivenSlider
+from stickslip.declared.rig import on_belt
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
 from stickslip.declared.speeds import Speed
@@ -48,6 +48,7 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
     """Simulate and write, as the command does; return its exit status."""
     if asked.sensors:
         raise InputError("is for rigs of bodies or matrices; leave it out", key="--sensors")
+    on_belt(loaded.rig)
     units = scales(loaded.rig, loaded.channels)
     if asked.belt_speed is None:
         raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")
@@ -102,9 +103,7 @@ def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:
 
 def _drawn(model: Model, times: Array) -> Array:
     """Times to draw at: those of the CSV if they are dense enough, or as many as a curve needs."""
-    if isinstance(model.rig, DrivenSlider):  # it has no spring, and no period
-        return times
-    period, end = natural_period(model.rig), float(times[-1])
+    period, end = natural_period(on_belt(model.rig)), float(times[-1])
     begin = max(0.0, end - LONGEST * period)
     if np.diff(times).max() <= period / DRAWN:
         return np.asarray(times[times >= begin])
