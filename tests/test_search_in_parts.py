@@ -161,19 +161,27 @@ def test_a_contact_that_its_score_promises_nothing_stays_a_candidate(bench: Belt
     assert one.worth(len(bench.stretches)) < 0
 
 
-@pytest.mark.parametrize("swells", [False, True])
+@pytest.mark.parametrize("swells", ["nothing", "the law", "its rival", "both"])
 def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
-    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, swells: bool
+    bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, swells: str
 ) -> None:
-    """A law whose friction scatters by 30 % moves like no reading: draws beside it hid a peak that gained 1,475."""
+    """
+    A law whose friction scatters by 30 % moves like no reading: draws beside it hid a peak that gained 1,475.
+
+    So do draws with the scatter of a rival that lacks something, too: they hid a pivot's friction that gained 55,900.
+    """
     usual = fit.windows.scatter()
     (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
-    null = Trial((), replace(fit, population=replace(usual, static=0.3) if swells else usual))
-    best = Trial((term(kind, {"k": 4.0}),), replace(fit, population=usual, deviance=fit.deviance - 1475.0))
-    asked: list[Fit] = []
+    wide = replace(usual, static=0.3)
+    null = Trial((), replace(fit, population=wide if swells in ("the law", "both") else usual))
+    there = replace(
+        fit, population=wide if swells in ("its rival", "both") else usual, deviance=fit.deviance - 1475.0
+    )
+    best = Trial((term(kind, {"k": 4.0}),), there)
+    asked: list[tuple[Fit, Fit]] = []
 
-    def gate(_: BeltBench, at: Fit, screen: Screen, *__: object) -> SearchGate:
-        asked.append(at)
+    def gate(_: BeltBench, at: Fit, screen: Screen, __: int, like: Fit) -> SearchGate:
+        asked.append((at, like))
         assert screen is screens[at.deviance]
         return SearchGate(np.array([5.0]), 1200.0 if at.deviance == fit.deviance else 9.0)
 
@@ -189,8 +197,11 @@ def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     one = replace(bench, policy=replace(bench.policy, most_effects=1))
     known = Uncertainty(bench.model.rig, {}, {}, {})
     found = searching.search(one, known, lambda _: None, base=null)
-    assert [one.deviance for one in asked] == [best.deviance if swells else fit.deviance]
-    assert found.steps[0].gate.threshold == (9.0 if swells else 1200.0)
+    beside = swells == "the law"
+    ((at, like),) = asked
+    assert at.deviance == (best.deviance if beside else fit.deviance)
+    assert like is (null.fit if swells == "its rival" else best.fit)
+    assert found.steps[0].gate.threshold == (9.0 if beside else 1200.0)
 
 
 @pytest.mark.parametrize(

@@ -266,7 +266,9 @@ def _forward(
         step.beside = _scored(bench, best, tell, workers)
         step.gate = gate(bench, best.fit, step.beside, seed, best.fit)
     else:
-        step.gate = gate(bench, base.fit, screen, seed, best.fit)
+        # what a rival lacks, too, may swell its scatter: records of that show anything
+        like = base.fit if swollen(best.fit) and not swollen(base.fit) else best.fit
+        step.gate = gate(bench, base.fit, screen, seed, like)
     return step, base
 
 
