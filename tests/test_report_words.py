@@ -18,12 +18,10 @@ import stickslip as ss
 from found_by_hand import SCHEMA, made
 from stickslip.cli.running.discover import effects_table
 from stickslip.declared.catalogue import KINDS
-from stickslip.declared.scatter import EventScatter
 from stickslip.discovery.carry_over import carries_over, instead
 from stickslip.discovery.laboratory.block_words import absorbed
 from stickslip.discovery.messages import unseen
 from stickslip.discovery.result import Alternative, Curve, Interval, Likelihood, Part, Verdict
-from stickslip.likelihoods.policy import POLICY
 from stickslip.shown.pages import skeleton
 from stickslip.shown.pages.filters import error, interval, percent, span, valued
 from stickslip.shown.report import words
@@ -392,19 +390,3 @@ def test_a_rig_of_coordinates_is_said_by_their_names() -> None:
 def test_a_load_that_each_way_of_slip_takes_up_is_said_by_the_ways_of_the_runs() -> None:
     assert absorbed([1.0, 1.0]).endswith("every run slips one way only")
     assert "one way" not in absorbed([1.0, -1.0]).replace("up one way", "")
-
-
-def test_friction_that_is_far_off_in_every_event_is_not_nothing(tmp_path: Path) -> None:
-    """A mass 23 % wrong and declared exact: "nothing is missing", it said, of friction 36 % off in every event."""
-    found, case = made(tmp_path)
-    silent = dataclasses.replace(found, verdict=Verdict.no_effect, effects=(), scatter={})
-    for level, said in (
-        (0.36, "only with friction that is 36 % off in every event"),
-        (1e-4, "Nothing is missing"),
-    ):
-        scatter = EventScatter(level=level, along=1e-4, length=0.4, static=1e-4, belt=1e-4)
-        one = dataclasses.replace(silent, after=dataclasses.replace(found.after, scatter=scatter))
-        assert said in words.headline(one)
-        told = contents(one, case)["scatter"]["kinetic"]
-        assert told["value"] == pytest.approx(level, rel=0.5)
-        assert told["high"] == max(told["value"], POLICY.repeats)

@@ -165,19 +165,13 @@ def test_a_contact_that_its_score_promises_nothing_stays_a_candidate(bench: Belt
 def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     bench: BeltBench, fit: Fit, monkeypatch: pytest.MonkeyPatch, swells: str
 ) -> None:
-    """
-    A law whose friction scatters by 30 % moves like no reading: draws beside it hid a peak that gained 1,475.
-
-    So do draws with the scatter of a rival that lacks something, too: they hid a pivot's friction that gained 55,900.
-    """
+    """Records drawn where friction scatters by 30 %, of the law or of a rival, hid what gained 1,475 and 55,900."""
     usual = fit.windows.scatter()
     (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
     wide = replace(usual, static=0.3)
-    null = Trial((), replace(fit, population=wide if swells in ("the law", "both") else usual))
-    there = replace(
-        fit, population=wide if swells in ("its rival", "both") else usual, deviance=fit.deviance - 1475.0
-    )
-    best = Trial((term(kind, {"k": 4.0}),), there)
+    law, rival = (wide if swells in (one, "both") else usual for one in ("the law", "its rival"))
+    null = Trial((), replace(fit, population=law))
+    best = Trial((term(kind, {"k": 4.0}),), replace(fit, population=rival, deviance=fit.deviance - 1475.0))
     asked: list[tuple[Fit, Fit]] = []
 
     def gate(_: BeltBench, at: Fit, screen: Screen, __: int, like: Fit) -> SearchGate:
@@ -197,8 +191,7 @@ def test_the_gate_is_asked_where_the_motion_is_that_of_the_readings(
     one = replace(bench, policy=replace(bench.policy, most_effects=1))
     known = Uncertainty(bench.model.rig, {}, {}, {})
     found = searching.search(one, known, lambda _: None, base=null)
-    beside = swells == "the law"
-    ((at, like),) = asked
+    ((at, like),), beside = asked, swells == "the law"
     assert at.deviance == (best.deviance if beside else fit.deviance)
     assert like is (null.fit if swells == "its rival" else best.fit)
     assert found.steps[0].gate.threshold == (9.0 if beside else 1200.0)

@@ -15,6 +15,7 @@ from stickslip.discovery import rig_numbers
 from stickslip.discovery.laboratory import outcome, two_degree
 from stickslip.discovery.laboratory.constants import freed
 from stickslip.discovery.laboratory.hypothesis import term
+from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.errors import InputError
 from stickslip.fitted.data import prepare
@@ -159,7 +160,7 @@ def test_what_the_runs_say_of_it(more: float) -> None:
     # a speed at which the law bends is counted in the unit of time, too, and is as much in doubt
     speed = next(n for n in fit.windows.numbers if n.name == "v_w_max")
     assert speed.sd == pytest.approx(read.uncertainty.relative("omega"))
-    said = outcome.constants(bench, fit)
+    said = said_of_constants(bench, fit)
     assert "alpha1" not in said
     for name, constant in (("inertia", "m"), ("stiffness", "k1")):
         of = rig_numbers.constant(declared, name, said).of
@@ -178,7 +179,7 @@ def test_what_the_runs_say_of_it(more: float) -> None:
     # a phase of each run is a number each
     wave = term(KINDS["harmonic_forcing"], {"a": 1e-6, "w": 1.0, "phi": 0.0}, (0.1, 0.2))
     beside = closed(begin(bench.windows((wave,))), POLICY)
-    assert outcome.constants(bench, beside).keys() == said.keys()
+    assert said_of_constants(bench, beside).keys() == said.keys()
 
 
 @pytest.mark.sampled(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 from stickslip.arguments import explained
@@ -49,6 +50,11 @@ class EventScatter(Displayed):
     length: float
     static: float
     belt: float
+
+    @property
+    def kinetic(self) -> float:
+        """Of kinetic friction at one place."""
+        return math.hypot(self.level, self.along)
 
     def __post_init__(self) -> None:
         for one in dataclasses.fields(self):

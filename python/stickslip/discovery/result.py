@@ -247,9 +247,9 @@ class Likelihood:
 
     An event has friction of its own, as it scatters in the train runs. `gain`: by how much their -2 log likelihood
     falls with it, over all events (`forecasts`); `chance`: how often it would fall by so little if they were as likely
-    without, by ranks of the events (Wilcoxon, one-sided):
-    a single one in which much goes wrong decides nothing. `spare`: what the gain on the train runs has beyond the gate;
-    None for what has no gate. `name`: the effect it is of, beside the others; "" for all that was found.
+    without, by ranks of the events (Wilcoxon, one-sided): a single one in which much goes wrong decides nothing.
+    `spare`: what the gain on the train runs has beyond the gate; None for what has no gate. `name`: the effect it is
+    of, beside the others; "" for all that was found.
     """
 
     gain: float

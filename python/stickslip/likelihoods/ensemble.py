@@ -72,7 +72,7 @@ def distribution(
         return None
     try:
         fit = _fitted(begin(BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)), known)
-        if any(one.name == AGES for one in model.effects):  # by as much as sticks last, as the fit has them
+        if any(one.name == AGES for one in model.effects):  # for as long as sticks last, which the fit knows
             cut = timed(cut, fit.windows.motions(fit.at, fit.own))
             again = BeltWindows(model, [run], cut, [], Declared(), sensors, POLICY)
             fit = _fitted(replace(begin(again), own=fit.own), known)

@@ -51,10 +51,10 @@ def forecast(
 
     The state at its last sample, hidden states of effects and phases included, comes from its own readings by
     output error over windows; from there the model runs freely. What all events of the past have in common beside the
-    model is expected of those to come, too. For a block on a belt, phases and the level of friction
-    are the model's unless others foretell the past clearly better. The belt speed is that of the past and of the
-    future: a change of speed is not modelled. Drifts count t from the recording's first row: give the past from where
-    the run began.
+    model is expected of those to come, too. Friction of these differs as it did in the past, or, where that has fewer
+    than twelve windows, as `model.scatter` says. For a block on a belt, phases are the model's unless others foretell
+    the past clearly better. The belt speed is that of the past and of the future: a change of speed is not modelled.
+    Drifts count t from the recording's first row: give the past from where the run began.
 
     Parameters
     ----------
@@ -92,7 +92,8 @@ def forecast(
     -----
     ModelWarning
         The model does not pass through the last readings: the forecast starts somewhere else. Or, for a block on a
-        belt, the sticks of the past ride at another speed than `belt_speed`.
+        belt, the sticks of the past ride at another speed than `belt_speed`. Or nothing tells how friction of events to
+        come differs: the band is that of the noise alone.
 
     Examples
     --------

@@ -30,7 +30,7 @@ def scatter(fit: Fit, length: float) -> Scatter:
     n (1 - m^2)/(1 + m^2) of them (Bartlett 1946), a share of 1/sqrt(2 n).
     """
     p = fit.population
-    kinetic = math.hypot(p.level, p.curve)
+    kinetic = p.declared().kinetic
     found, error = memory(fit, KINETIC)
     worth = max(len(fit.own) * (1 - found**2) / (1 + found**2), 2.0)
 

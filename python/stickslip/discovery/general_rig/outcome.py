@@ -22,6 +22,7 @@ from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.rival_kind import RivalKind, within
+from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
@@ -197,7 +198,7 @@ def ranking(found: Searched) -> tuple[Rival, ...]:
 def constants(bench: GeneralBench, fit: Fit) -> dict[str, Interval]:
     """Return what the runs say of every declared constant and gain; a gain as 1 + e."""
     known, out = bench.model.parameters, {}
-    for name, one in outcome.constants(bench, fit).items():
+    for name, one in said_of_constants(bench, fit).items():
         size = known.get(name, 1.0)
         out[name] = Interval(*(None if x is None else x * size for x in (one.value, one.low, one.high)))  # type: ignore[arg-type]
     return out

@@ -25,6 +25,7 @@ from stickslip.discovery.laboratory.carried import likelihood
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import RivalKind
+from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.scaled import found as in_declared
 from stickslip.discovery.laboratory.scaled import in_units
 from stickslip.discovery.laboratory.search import Searched
@@ -251,7 +252,7 @@ def _found(search: BlockSearch, tell: Callable[[str], None], began: float, worke
         ),
         seconds=time.monotonic() - began,
         scatter=outcome.scatter(chosen.fit),
-        constants=_in_units(units, outcome.constants(bench, chosen.fit)),
+        constants=_in_units(units, said_of_constants(bench, chosen.fit)),
     )
 
 

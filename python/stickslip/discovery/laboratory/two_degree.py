@@ -18,6 +18,7 @@ from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.carried import error_block, likelihood
 from stickslip.discovery.laboratory.left import left
 from stickslip.discovery.laboratory.rival_kind import rival
+from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.unused import stood_out, usable, with_windows
 from stickslip.discovery.laboratory.verdicts import Verdicts, beside_a_hum, searched
@@ -227,6 +228,6 @@ def _found(asked: _RigSearch, verdicts: Verdicts[BeltBench], notes: tuple[str, .
         ),
         seconds=time.monotonic() - began,
         scatter=outcome.scatter(chosen.fit),
-        constants=outcome.constants(bench, chosen.fit),
+        constants=said_of_constants(bench, chosen.fit),
     )
     return replace(done, messages=(*done.messages, *messages.unseen(done)))

@@ -50,8 +50,6 @@ def off(numbers: Mapping[str, Json]) -> dict[str, Json]:
         value, runs = row["value"], row["runs"]
         if isinstance(runs, dict) and isinstance(value, float) and value:
             sides = [None if runs[k] is None else runs[k] / value - 1 for k in ("value", "low", "high")]  # type: ignore[operator]
-            if value < 0:
-                sides[1:] = sides[:0:-1]
             out[name] = dict(zip(("value", "low", "high"), sides, strict=True))
     return out
 

@@ -21,8 +21,7 @@ def scatter(found: Found) -> dict[str, Json]:
     out: dict[str, Json] = dict.fromkeys(KINDS)
     there = found.after.scatter
     if there is not None and not found.scatter:
-        sizes = math.hypot(there.level, there.along), there.belt
-        static = math.hypot(there.static, sizes[0])
-        for name, size in zip(KINDS, (static, *sizes), strict=True):
+        static = math.hypot(there.static, there.kinetic)
+        for name, size in zip(KINDS, (static, there.kinetic, there.belt), strict=True):
             out[name] = plain(Interval(size, 0.0, max(size, POLICY.repeats)))
     return out | {name: plain(one) for name, one in found.scatter.items()}

@@ -129,7 +129,7 @@ def _verdict(found: Found) -> str:
         and not found.scatter
         and (there := found.after.scatter) is not None
     ):
-        differs = max(there.level, there.along, there.static)
+        differs = max(there.kinetic, there.static)
         if differs > POLICY.repeats:  # all events share what the model lacks, and no cause was found
             return (
                 "Nothing can be named: the declared model explains the readings only with friction that is "
