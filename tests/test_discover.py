@@ -99,13 +99,6 @@ def test_scatter_is_said_where_nothing_scatters(crossed):
     assert crossed.after.scatter.level < 4e-3
 
 
-def test_a_difference_of_two_dampings_is_as_sure_as_both_together_make_it(crossed):
-    apart, *both = (crossed.constants[name] for name in ("eta2", "eta12", "eta1"))
-    assert apart.value == pytest.approx(both[0].value - both[1].value)
-    sizes = [one.high - one.value for one in (apart, *both)]
-    assert abs(sizes[1] - sizes[2]) < sizes[0] < sizes[1] + sizes[2]
-
-
 def test_the_runs_can_be_drawn(crossed):
     for view in crossed.runs:
         n = len(view.t)

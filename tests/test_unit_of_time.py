@@ -1,6 +1,7 @@
 """A rig of (2.1) whose unit of time is not the declared one: its springs are other ones beside alpha1, the mass."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -167,6 +168,16 @@ def test_what_the_runs_say_of_it(more: float) -> None:
         low, high = of(said[name].low), of(said[name].high)
         assert low < SI[constant] < high
         assert high - low < 0.05 * SI[constant]
+    # c2 is what eta12 has beside eta1: as sure as their errors go together
+    i, j = (
+        next(k for k, n in enumerate(fit.windows.numbers) if n.name == name) for name in ("eta12", "eta1")
+    )
+    covariance = fit.solution.covariance.copy()
+    covariance[i, j] = covariance[j, i] = math.sqrt(covariance[i, i] * covariance[j, j])
+    alike = replace(fit, solution=replace(fit.solution, covariance=covariance))
+    one = said_of_constants(bench, alike)
+    halves = [one[name].high - one[name].value for name in ("eta2", "eta12", "eta1")]
+    assert halves[0] == pytest.approx(abs(halves[1] - halves[2]), rel=0.02)  # logarithms are not quite even
     table = declared_table(SimpleNamespace(constants=said, effects=()), read)
     for name in ("m", "k1", "J", "k3"):
         assert table[name]["runs"]["low"] < SI[name] < table[name]["runs"]["high"]
