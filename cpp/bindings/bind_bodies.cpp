@@ -16,13 +16,15 @@ py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>
                          const std::vector<Formulas>& pushes, int parameters, const ConstVector& values,
                          const std::vector<int>& modes, double t_start, double t_end,
                          const std::optional<ConstVector>& t_eval, double rtol, double atol, Locator locator,
-                         const ConstMatrix& seeds, long max_transitions, long max_steps, bool sensed) {
+                         const ConstMatrix& seeds, long max_transitions, long max_steps, bool sensed, double after,
+                         bool extremes, bool work) {
   check(contact_speed.size() == static_cast<Eigen::Index>(laws.size()) && modes.size() == laws.size(),
         "a speed and a mode for every contact");
   const Model model = model_of(n, laws, contact_speed, speeds, pushes, parameters);
   const int size = layout_of(model.bodies).size;
   check(parameters >= 0 && values.size() == size, "values must hold every number of bodies_layout");
   check(seeds.rows() == 0 || seeds.cols() == size, "seeds must have a column for every value");
+  check(seeds.rows() == 0 || !(extremes || work), "extremes and work are summed up without seeds");
   std::vector<signed char> start;
   for (const int one : modes) {
     check(one >= -1 && one <= 2, "a mode is -1, 0, 1, or 2 for what the state says");
@@ -43,7 +45,7 @@ py::dict simulate_bodies(int n, const std::vector<std::pair<Formulas, Formulas>>
                               max_transitions,
                               max_steps,
                               sensed};
-  BodiesRecord r = released([&] { return record_bodies(request, interrupted); });
+  BodiesRecord r = released([&] { return record_bodies(request, {after, extremes, work}, interrupted); });
   if (r.summary.outcome == Outcome::interrupted) throw py::error_already_set();
   return as_dict(std::move(r));
 }
@@ -107,7 +109,7 @@ void bind_bodies(py::module_& m) {
         py::arg("parameters"), py::arg("values").noconvert(), py::arg("modes"), py::arg("t_start"), py::arg("t_end"),
         py::arg("t_eval").noconvert(), py::arg("rtol"), py::arg("atol"), py::arg("locator"),
         py::arg("seeds").noconvert(), py::arg("max_transitions"), py::arg("max_steps") = most_steps,
-        py::arg("sensed") = false);
+        py::arg("sensed") = false, py::arg("after") = 0.0, py::arg("extremes") = false, py::arg("work") = false);
 }
 
 }  // namespace stickslip::bindings

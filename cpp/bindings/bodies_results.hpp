@@ -26,6 +26,10 @@ inline py::dict as_dict(BodiesRecord&& r) {
   out["transition_after"] = as_array(std::move(r.event_after), {k, m});
   out["transition_sensitivity"] = as_array(std::move(r.event_sensitivity), {k, d + 1, p});
   out["kink_t"] = as_array(std::move(r.kink_t), {kinks});
+  const auto twice = static_cast<py::ssize_t>(r.low.size()), worked = static_cast<py::ssize_t>(r.work.size());
+  out["state_min"] = as_array(std::move(r.low), {twice});
+  out["state_max"] = as_array(std::move(r.high), {twice});
+  out["work"] = as_array(std::move(r.work), {worked});
   out["outcome"] = r.summary.outcome;
   out["t_reached"] = r.summary.t;
   out["steps"] = r.summary.steps;

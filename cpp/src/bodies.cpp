@@ -99,8 +99,14 @@ void on_transition(void* context, const BodiesTransition& event) {
 
 }  // namespace
 
-BodiesRecord record_bodies(const BodiesRequest& request, bool (*interrupted)(void*)) {
+BodiesRecord record_bodies(const BodiesRequest& request, const Summed& summed, bool (*interrupted)(void*)) {
   BodiesRecord out;
+  const auto twice = static_cast<std::size_t>(summed.extremes ? 2 * request.bodies->n : 0);
+  out.low.resize(twice);
+  out.high.resize(twice);
+  out.work.resize(static_cast<std::size_t>(summed.work ? request.bodies->contacts : 0));
+  const auto room = [](std::vector<double>& of) { return of.empty() ? nullptr : of.data(); };
+  const BodiesTotals totals{summed.after, room(out.low), room(out.high), room(out.work)};
   const BodiesLayout at = layout_of(*request.bodies);
   out.seeds = static_cast<std::size_t>(request.n_seeds);
   out.states = static_cast<std::size_t>(at.state);
@@ -110,14 +116,15 @@ BodiesRecord record_bodies(const BodiesRequest& request, bool (*interrupted)(voi
     const auto [first, count] = dispatch::seed_group(request.n_seeds, group);
     BodiesRequest part = request;
     part.n_seeds = count;
+    part.totals = totals;
     if (request.n_seeds > 0) part.seeds = request.seeds + static_cast<std::ptrdiff_t>(first) * at.size;
     Rows collector{&out, static_cast<std::size_t>(first), static_cast<std::size_t>(count), request.t_eval == nullptr};
     const BodiesSink sink{&collector, on_sample, on_transition, interrupted};
     constexpr std::size_t line = 64;
     std::vector<std::byte> memory(dispatch::bodies_workspace(part) + line);
     void* workspace = memory.data();
-    std::size_t room = memory.size();
-    std::align(line, room - line, workspace, room);
+    std::size_t left = memory.size();
+    std::align(line, left - line, workspace, left);
     dispatch::simulate_bodies(part, sink, out.summary, workspace);
     if (out.summary.outcome == Outcome::interrupted) break;
   }

@@ -2,7 +2,7 @@
 #include "stickslip/bodies/kernel.hpp"
 
 #include "stickslip/bodies/machine.hpp"
-#include "stickslip/bodies/sensed.hpp"
+#include "stickslip/bodies/totals.hpp"
 #include "stickslip/single_run.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -81,12 +81,20 @@ std::size_t run_as(const BodiesRequest& q, const BodiesSink* sink, Summary* summ
   static constexpr BodiesSink nowhere{};
   BodiesWriter<T> writer{q, sink == nullptr ? nowhere : *sink, sys.at.state};
   writer.place(arena);
+  constexpr bool sums = std::is_same_v<T, double>;
+  BodiesTally tally{q.totals};
+  if constexpr (sums) tally.place(arena, sys);
   if (memory == nullptr) return arena.used;
   load(q.values, q.seeds, 0, q.n_seeds, sys.at.size, sys.values, sys.at.size);
   build(sys);
   machine.start(q.t_start, q.modes);
   if (q.t_eval == nullptr) writer.emit_state(machine, q.t_start);
+  if constexpr (sums) {
+    tally.clear(sys);
+    if (tally.any()) machine.seen_from = q.totals.after;
+  }
   const auto observe = [&](BodiesMachine<T>& m, Real<T> h, int used, bool inclusive) {
+    if constexpr (sums) tally.step(m, h, used);
     writer.step(m, h, used, inclusive);
   };
   const auto changed = [&](BodiesMachine<T>& m, bool kink) { writer.changed(m, kink); };

@@ -194,6 +194,9 @@ def simulate_bodies(
     max_transitions: typing.SupportsInt | typing.SupportsIndex,
     max_steps: typing.SupportsInt | typing.SupportsIndex = 5000000,
     sensed: bool = False,
+    after: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    extremes: bool = False,
+    work: bool = False,
 ) -> dict[str, object]: ...
 def simulate_windows(
     *,

@@ -109,6 +109,13 @@ constexpr BodiesLayout layout_of(const Bodies& b) {
   return l;
 }
 
+// What is summed up of the run from `after` on, null where it is not asked for: extremes of q and q' (2n), work of the
+// friction in every contact.
+struct BodiesTotals {
+  double after = 0;
+  double *low = nullptr, *high = nullptr, *work = nullptr;
+};
+
 struct BodiesRequest {
   const Bodies* bodies;
   const double* values;      // layout.size
@@ -121,7 +128,8 @@ struct BodiesRequest {
   int n_seeds;
   const double* seeds;  // n_seeds x layout.size
   long max_transitions, max_steps;
-  bool sensed = false;  // samples carry what is sensed beside the state
+  bool sensed = false;    // samples carry what is sensed beside the state
+  BodiesTotals totals{};  // without seeds
 };
 
 // What is sensed beside the state: q'', T of the contacts, F of the pushes, V of the speeds.

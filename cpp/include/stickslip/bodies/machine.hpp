@@ -20,8 +20,9 @@ struct BodiesMachine {
   bool linear = false;  // the present piece, and all that may end it
   Summary summary;
   Chatter<R> chatter;
-  long calm = 0;                                         // as of a named rig (trajectory.hpp)
-  R asked = R(std::numeric_limits<double>::infinity());  // likewise
+  long calm = 0;                                             // as of a named rig (trajectory.hpp)
+  R asked = R(std::numeric_limits<double>::infinity());      // likewise
+  R seen_from = R(std::numeric_limits<double>::infinity());  // the observer wants every step from then on
   BodiesStretch<T> stretch;
 
   BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {
@@ -58,7 +59,7 @@ struct BodiesMachine {
       R h(0.0);
       const int order = expand(h, left);
       if (!(h > 0)) return finish(Outcome::not_finite);
-      if (linear && ++calm > patience && crosses(h, left, observe, stepped)) continue;
+      if (linear && value(s.t) < seen_from && ++calm > patience && crosses(h, left, observe, stepped)) continue;
       const bool last = h >= left;
       if (last) h = left;
       const R least = std::numeric_limits<R>::epsilon() * magnitude(value(s.t));
@@ -110,7 +111,7 @@ struct BodiesMachine {
  private:
   template <class Observe, class Stepped>
   bool crosses(const R& unit, const R& left, Observe& observe, Stepped& stepped) {
-    const R h = cross(sys, stretch, unit, smallest(left, R(asked - value(s.t))), s);
+    const R h = cross(sys, stretch, unit, smallest(left, R(smallest(asked, seen_from) - value(s.t))), s);
     if (!(h > 0)) {
       calm = patience / 2;
       return false;

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip.declared.speeds import Speed
-from stickslip.errors import InputError, unknown
+from stickslip.errors import unknown
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
 from stickslip.simulated.general import General
 from stickslip.simulated.named_places import whole
@@ -22,11 +22,6 @@ from stickslip.simulated.sweep.request import Request
 
 Floats = NDArray[np.float64]
 SPEEDS = ("belt_speed", "drive_speed")
-NOT_OBSERVED = (
-    "state_min",
-    "state_max",
-    "dissipated",
-)  # what only the core of the named rigs sums up on its way
 
 
 @dataclass(frozen=True)
@@ -124,6 +119,9 @@ class BodiesRequest(Request):
             seeds=np.zeros((0, len(lowered.values))),
             max_transitions=self.max_transitions,
             max_steps=self.max_steps,
+            after=self.after,
+            extremes=not {"state_min", "state_max"}.isdisjoint(self.observe),
+            work="dissipated" in self.observe,
         )
         return self._observed(raw, own)
 
@@ -172,6 +170,8 @@ class BodiesRequest(Request):
             "periodicity": int(periodicity(points[None])[0]),
             "points": points,
             "point_time": times,
+            **{name: raw[name][order] for name in ("state_min", "state_max") if len(raw[name])},
+            "dissipated": float(raw["work"].sum()),
         }
 
     def _stuck(self, raw: Mapping[str, Any]) -> float:
@@ -182,14 +182,6 @@ class BodiesRequest(Request):
         first = raw["transition_before"][:1] if len(t) else raw["mode"][-1:]
         stuck = np.vstack([first, modes]) == 0
         return float((lasts[:, None] * stuck).sum() / (self.t_end - self.after) / stuck.shape[1])
-
-
-def check_observed(observe: Iterable[str]) -> None:
-    """Refuse what is not observed of general rigs."""
-    for name in observe:
-        if name in NOT_OBSERVED:
-            words = f"'{name}' is observed of a named rig under its own laws, on a belt of constant speed"
-            raise InputError(words, key="observe")
 
 
 def checked_start(own: General, initial: ArrayLike | None) -> tuple[float, ...]:

@@ -58,7 +58,7 @@ OBSERVABLES: Mapping[str, Observable] = {
     "state_min": Observable(RANGE, "least value of each state", "state", ("state",)),
     "state_max": Observable(RANGE, "greatest value of each state", "state", ("state",)),
     "dissipated": Observable(
-        DISSIPATED, "work of friction on the sliding contact, integral of T v_w dt", "energy"
+        DISSIPATED, "work of friction, integral of T v_w dt over all sliding contacts", "energy"
     ),
     "points": Observable(COUNTS | POINTS, "state at releases, the last first", "state", ("point", "state")),
     "point_time": Observable(COUNTS | POINTS, "times of these releases", "time", ("point",)),

@@ -27,7 +27,7 @@ from stickslip.simulated.lowering import lower
 from stickslip.simulated.named_places import whole
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
 from stickslip.simulated.simulate_bodies import constant_speed, needs_bodies
-from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, check_observed, checked_start, named
+from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, checked_start, named
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
 from stickslip.simulated.sweep.grid import Grid, make_grid
 from stickslip.simulated.sweep.observables import DEFAULT, TAKEN, Arrays, chosen
@@ -112,8 +112,8 @@ def sweep(
         points repeat; 0 if none does), state_min, state_max (.., state), dissipated, points (.., point, state) and
         point_time (.., point): states and times of the last releases, the last first, NaN where there was none; status
         (its flags in the attributes; the others are NaN or -1 where it is not "finished"). Attributes say the model,
-        the settings and the build. Of a rig of bodies or matrices, a law of formulas or a speed that changes there is
-        no state_min, state_max and dissipated; counts are those of all contacts, stick_fraction is their mean.
+        the settings and the build. Of a rig of several contacts counts and dissipated are those of all contacts,
+        stick_fraction is their mean.
 
     Raises
     ------
@@ -280,7 +280,6 @@ def _bodies_request(model: Model, over: Mapping[str, object], asked: _SweepCall)
     own = whole(model, *(0.0 if key in varied else one for key, one in speeds.items()))
     grid = make_grid(over, model, named(own, model.parameters), TAKEN)
     settings = asked.checked(model.rig)
-    check_observed(settings["observe"])
     belt, drive = (None if one is None else Speed.of(one, key) for key, one in speeds.items())
     start = checked_start(own, asked.initial)
     return BodiesRequest(
