@@ -16,15 +16,18 @@ from bodies_cases import CASES, recorded, recording
 from stickslip.declared.uncertainty import Uncertainty
 from stickslip.discovery.general_rig.bench import GeneralBench, bench_of
 from stickslip.discovery.general_rig.curve_kinds import CurveKind
-from stickslip.discovery.general_rig.outcome import effects, standing
+from stickslip.discovery.general_rig.curve_told import standing
+from stickslip.discovery.general_rig.outcome import effects
+from stickslip.discovery.laboratory import trials
 from stickslip.discovery.laboratory.gate import SearchGate
-from stickslip.discovery.laboratory.hypothesis import label, term
-from stickslip.discovery.laboratory.screen import Screen, columns
+from stickslip.discovery.laboratory.hypothesis import Term, label, term
+from stickslip.discovery.laboratory.screen import Candidate, Screen, columns
 from stickslip.discovery.laboratory.search import Searched, SearchStep
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.result import Curve, Evidence, FoundEffect
+from stickslip.discovery.workers import ALONE
 from stickslip.likelihoods.fit import null
-from stickslip.likelihoods.fit_state import begin
+from stickslip.likelihoods.fit_state import Fit, begin
 from test_candidates_general import LAWS, RIG, chain
 
 Floats = NDArray[np.float64]
@@ -143,6 +146,75 @@ def test_a_curve_has_what_a_name_does_at_its_place() -> None:
     np.testing.assert_allclose(one.curve.value, shapes @ sizes - cubic * x**3, atol=1e-12)
     assert one.formula.endswith("in the model spring_cubic_k1 does a part of it")
     assert (one.curve.low < one.curve.value)[np.abs(x) > 0.2 * np.abs(x).max()].all()
+
+
+@pytest.mark.parametrize("steps", [9, 16])
+def test_where_a_curve_leads_names_whose_steps_ran_out_are_fitted_anew(
+    monkeypatch: pytest.MonkeyPatch, steps: int
+) -> None:
+    """A cubic spring that acts stopped 105 short of a curve, which can be it, and 14 ahead of it when fitted anew."""
+    own = bench()
+    fit = begin(own.windows())
+    fit.deviance = 1000.0
+    kinds, curve = {label(one): one for one in own.kinds()}, curves(own)["link_1", "deflection"]
+    every = [
+        Candidate(term(curve, {one.name: 0.1 for one in curve.parameters}), 200.0, 4, np.zeros(len(fit.at))),
+        Candidate(term(kinds["spring_cubic_k1@link_1"], {"k": 70.0}), 200.0, 1, np.zeros(len(fit.at))),
+    ]
+    asked: list[str] = []
+
+    def from_near(_: GeneralBench, start: Fit) -> Fit:
+        whole = len(start.windows.numbers) > len(fit.at) + 1
+        return replace(start, deviance=500.0 if whole else 605.0, steps=5 if whole else steps)
+
+    def sought(_: GeneralBench, __: Trial, found: tuple[Fit, Term], *___: object) -> Fit:
+        asked.append(found[1].name)
+        return replace(found[0], deviance=486.0)
+
+    monkeypatch.setattr(trials, "from_near", from_near)
+    monkeypatch.setattr(trials, "_sought", sought)
+    made, done = trials.all_full(own, Trial((), fit), every, ALONE)
+    assert asked == list(done) == (["spring_cubic_k1@link_1"] if steps == 16 else [])
+    assert min(made, key=lambda one: one.deviance).names == ((asked or [curve.name])[0],)
+
+
+@pytest.mark.parametrize(("short", "told"), [(90.0, True), (200.0, False)])
+def test_names_that_only_together_do_what_a_curve_does_are_told_as_one(
+    monkeypatch: pytest.MonkeyPatch, short: float, told: bool
+) -> None:
+    """A spring by k d abs(d) was told as a cubic spring and a gap of one link, which explained 80 of 2640 more."""
+    own = bench()
+    kinds, curve = {label(one): one for one in own.kinds()}, curves(own)["link_1", "deflection"]
+    terms = (
+        term(kinds["spring_cubic_k1@link_1"], {"k": 70.0}),
+        term(kinds["spring_gap_k3@link_1"], {"k": 2.0, "d": 0.05}),
+    )
+    fit = replace(null(own.windows(terms), replace(own.policy, most_steps=1)), deviance=1000.0)
+    plain = replace(null(own.windows(), replace(own.policy, most_steps=1)), deviance=2000.0)
+    monkeypatch.setattr(Trial, "whole", lambda self: self.deviance)
+    base = Trial((), plain)
+    alone = Trial(
+        (term(curve, {one.name: 0.1 for one in curve.parameters}),), replace(plain, deviance=1000.0 + short)
+    )
+    each = [Trial((one,), replace(plain, deviance=1500.0)) for one in terms]
+    step = SearchStep(base, Screen((), ()), [alone, *each], SearchGate(np.zeros(0), 5.0))
+    without = {one.name: other for one, other in zip(terms, each[::-1], strict=True)}
+    found = effects(own, Searched(base, Trial(terms, fit), [step], without))
+    if not told:
+        assert {one.name for one in found} == {"spring_cubic_k1", "spring_gap_k3"}
+        return
+    (one,) = found
+    assert (one.name, one.where, one.depends_on) == ("unlisted", "link_1", ("deflection",))
+    assert one.formula.endswith("in the model made of spring_cubic_k1 and spring_gap_k3")
+    assert {each.name for each in one.alternatives} == {"spring_cubic_k1", "spring_gap_k3"}
+    assert one.evidence.delta_chi2 == pytest.approx(1000.0)
+    assert "curve_of" not in one.evidence.sentence
+    values = fit.values()
+    assert one.curve is not None
+    x = one.curve.x
+    over = np.maximum(np.abs(x) - values["spring_gap_k3@link_1.d"], 0.0) * np.sign(x)
+    made = -values["spring_cubic_k1@link_1.k"] * x**3 - values["spring_gap_k3@link_1.k"] * over
+    np.testing.assert_allclose(one.curve.value, made, atol=1e-12)
 
 
 def test_names_at_the_place_of_a_curve_are_told_with_it() -> None:

@@ -121,6 +121,40 @@ def test_what_comes_furthest_from_a_null_that_is_far_off_is_fitted_anew_before_t
 
 
 @pytest.mark.parametrize(
+    ("ends", "tried"),
+    [
+        (((30.0, 8),), 1),  # above the hypothesis that it contains, but it settled
+        (((30.0, 16), (-20.0, 16)), 2),  # its steps ran out there: another start
+        (((30.0, 16), (None, 0), (40.0, 16)), 3),
+        (((-5.0, 16),), 1),
+    ],
+)
+def test_a_fit_whose_steps_ran_out_above_the_hypothesis_is_begun_elsewhere(
+    bench: BeltBench,
+    fit: Fit,
+    monkeypatch: pytest.MonkeyPatch,
+    ends: tuple[tuple[float | None, int], ...],
+    tried: int,
+) -> None:
+    """A curve that acts ended at 11,034 from its best start, 8,238 without it, and at 5,619 from the next."""
+    (kind,) = [one for one in bench.kinds() if one.name == "spring_cubic_k1"]
+    spring = Candidate(term(kind, {"k": 4.0}), 50.0, 1, np.zeros(len(fit.at)))
+    made: list[Fit | None] = []
+
+    def from_near(_: BeltBench, start: Fit) -> Fit | None:
+        off, steps = ends[len(made)]
+        made.append(None if off is None else replace(start, deviance=fit.deviance + off, steps=steps))
+        return made[-1]
+
+    monkeypatch.setattr(trials, "explained", lambda _: True)
+    monkeypatch.setattr(trials, "from_near", from_near)
+    monkeypatch.setattr(trials, "anew", lambda *_: None)
+    (one,), _ = all_full(bench, Trial((), fit), [spring], ALONE)
+    assert len(made) == tried
+    assert one.fit.deviance == min(each.deviance for each in made if each is not None)
+
+
+@pytest.mark.parametrize(
     ("times", "usual", "names"),
     [
         (1.9, True, ["spring_cubic_k1"]),

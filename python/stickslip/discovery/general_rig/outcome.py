@@ -10,29 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.effect import AnyEffect, effect
-from stickslip.declared.formula.parse import parse
-from stickslip.declared.formula.tree import names as names_of
-from stickslip.declared.formula.value import value as formula_value
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import ContactRow, GeneralRig
 from stickslip.discovery.general_rig.bench import GeneralBench
 from stickslip.discovery.general_rig.curve_kinds import CurveKind
+from stickslip.discovery.general_rig.curve_told import standing, told_as_curves
 from stickslip.discovery.laboratory import left as windows_left
 from stickslip.discovery.laboratory import outcome
 from stickslip.discovery.laboratory.constants import Freed
-from stickslip.discovery.laboratory.hypothesis import Term
 from stickslip.discovery.laboratory.rival_kind import RivalKind, within
 from stickslip.discovery.laboratory.said_of_constants import said_of_constants
 from stickslip.discovery.laboratory.search import Searched
 from stickslip.discovery.laboratory.trials import Trial
 from stickslip.discovery.laboratory.wrong_constant import evidence_of, rivals_of
-from stickslip.discovery.result import Curve, FoundEffect, Interval, Rival, Z
+from stickslip.discovery.result import FoundEffect, Interval, Rival
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_identify import scatter as sizes_of_scatter
 from stickslip.likelihoods.fit_state import Fit, unexplained
 
 Floats = NDArray[np.float64]
-NEARBY = 1e-4  # share of a number that it is moved by for a slope, and the least that it is taken to be
 
 
 def said(name: str) -> str:
@@ -89,11 +85,10 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
     named = list(outcome.effects(bench, replace(found, chosen=replace(found.chosen, freed=None))))
     if found.chosen.freed is not None:
         named.append(_wrong_constant(bench, found, found.chosen.freed))
-    curves = {one.name: one for one in found.chosen.terms if isinstance(one.kind, CurveKind)}
     out = []
-    for one in named:
-        if one.name in curves:
-            out.append(_curve(one, curves[one.name], found.chosen.terms, found.chosen.fit))
+    for one in told_as_curves(bench, found, named):
+        if one.curve is not None:
+            out.append(one)
             continue
         rivals = tuple(replace(a, name=said(a.name)) for a in one.alternatives)
         proof = replace(
@@ -101,59 +96,6 @@ def effects(bench: GeneralBench, found: Searched) -> tuple[FoundEffect, ...]:
         )
         out.append(replace(one, alternatives=rivals, evidence=proof))
     return standing(sorted(out, key=lambda one: -one.evidence.weight))
-
-
-def standing(every: Sequence[FoundEffect]) -> tuple[FoundEffect, ...]:
-    """Return the effects less names at the place of a curve: they do a part of what acts there, told with it."""
-    out = []
-    curved = {one.where for one in every if one.curve is not None}
-    for one in every:
-        if one.curve is None and one.where in curved:
-            continue
-        beside = [each.name for each in every if each.curve is None and each.where == one.where]
-        if one.curve is not None and beside:
-            verb = "does" if len(beside) == 1 else "do"
-            words = f"{one.formula}; in the model {' and '.join(beside)} {verb} a part of it"
-            one = replace(one, formula=words)
-        out.append(one)
-    return tuple(out)
-
-
-def _curve(one: FoundEffect, of: Term, terms: Sequence[Term], fit: Fit) -> FoundEffect:
-    """What no name explains: a place, a variable and a curve, with what names say there of the same variable."""
-    kind = of.kind
-    assert isinstance(kind, CurveKind)
-    assert fit.solution is not None
-    beside = [(each.name, text) for each in terms if (text := _force(each, kind)) is not None]
-    own = {of.name, *(name for name, _ in beside)}
-    at = [i for i, n in enumerate(fit.windows.numbers) if n.name.rpartition(".")[0] in own]
-    x, shapes = kind.shapes()
-
-    def whole(coordinates: Floats) -> Floats:
-        sizes = {fit.windows.numbers[i].name: fit.windows.numbers[i].value(float(coordinates[i])) for i in at}
-        made = shapes @ np.array([sizes[f"{of.name}.{info.name}"] for info in kind.parameters])
-        for name, text in beside:
-            short = {k.rpartition(".")[2]: v for k, v in sizes.items() if k.rpartition(".")[0] == name}
-            made = made + np.asarray(formula_value(parse(text), {kind.variable: x, **short}))
-        return np.asarray(made)
-
-    middle = whole(fit.at)
-    steps = [NEARBY * max(abs(float(fit.at[i])), NEARBY) * np.eye(len(fit.at))[i] for i in at]
-    slopes = np.array([(whole(fit.at + h) - whole(fit.at - h)) / (2 * h.sum()) for h in steps])
-    error = Z * np.sqrt(np.einsum("kn,kl,ln->n", slopes, fit.solution.covariance[np.ix_(at, at)], slopes))
-    curve = Curve(kind.where, kind.variable, kind.term, x, middle, middle - error, middle + error, x, None)
-    words = f"{kind.term}: a curve in {kind.variable}"
-    sentence = one.evidence.sentence.replace(of.name, "the curve")
-    proof = replace(one.evidence, sentence=sentence)
-    return FoundEffect("unlisted", kind.where, (kind.variable,), {}, proof, (), words, curve)
-
-
-def _force(one: Term, curve: CurveKind) -> str | None:
-    """The formula of a force at a curve's place and of its variable alone; None for what is none."""
-    text = one.kind.anywhere.force
-    if one.kind is curve or text is None or one.kind.where != curve.where or isinstance(one.kind, RivalKind):
-        return None
-    return text if names_of(parse(text)) - {i.name for i in one.kind.parameters} == {curve.variable} else None
 
 
 def _gain(bench: GeneralBench, one: Freed) -> bool:

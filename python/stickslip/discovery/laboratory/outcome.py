@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from stickslip.declared.uncertainty import GAINS as CHANNELS
 from stickslip.declared.uncertainty import numbers as every_number
 from stickslip.discovery.laboratory.constants import Freed
 from stickslip.discovery.laboratory.curve_words import guess
-from stickslip.discovery.laboratory.hypothesis import Bench
+from stickslip.discovery.laboratory.hypothesis import Bench, Term
 from stickslip.discovery.laboratory.learned import ScoredCurve
 from stickslip.discovery.laboratory.left import Left
 from stickslip.discovery.laboratory.rival_kind import within
@@ -166,11 +166,19 @@ def _without(found: Searched, name: str) -> Trial:
     return found.without[name] if name in found.without else _step_of(found, name).base
 
 
-def evidence(found: Searched, name: str) -> Evidence:
-    """Return what speaks for an effect."""
-    step, base = _step_of(found, name), _without(found, name)
+def evidence(found: Searched, name: str, base: Trial | None = None, alike: Collection[str] = ()) -> Evidence:
+    """
+    Return what speaks for an effect.
+
+    Parameters
+    ----------
+    found, name : the search's end, and which effect
+    base : what stands without it, and without others that are told with it
+    alike : hypotheses that say the same; none is a control
+    """
+    step, base = _step_of(found, name), base or _without(found, name)
     gain = base.deviance - found.chosen.deviance
-    wrong = [t for t in step.trials if t.names[-1] not in found.chosen.names]
+    wrong = [t for t in step.trials if t.names[-1] not in {*found.chosen.names, *alike}]
     control = min(wrong, key=lambda t: t.deviance, default=None)
     fall = None if control is None else max(step.base.deviance - control.deviance, 0.0)
     label = "" if control is None else control.names[-1]
@@ -183,6 +191,11 @@ def evidence(found: Searched, name: str) -> Evidence:
     ratio = math.sqrt(unseen / without)
     words += f"; error on windows held out falls to {ratio:.3g} of what it was"
     return Evidence(gain, base.worth() - found.chosen.worth(), ratio, fall, label, asked.threshold, words)
+
+
+def numbers_of(trial: Trial, term: Term) -> dict[str, Interval]:
+    """Return the numbers of an effect of a hypothesis that all runs share, by their short names."""
+    return _own(intervals(trial.fit), term.name)
 
 
 def _own(numbers: Mapping[str, Interval], name: str) -> dict[str, Interval]:

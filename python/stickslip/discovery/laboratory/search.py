@@ -31,6 +31,7 @@ from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, null
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import beyond_shown, explained, swollen
+from stickslip.likelihoods.shared import SharedNumber
 
 
 @dataclass
@@ -176,7 +177,7 @@ def told_by_sizes(trial: Trial) -> float:
     A fall of the deviance that they do not tell is what the fit without the effect was short of. The shape is held, as
     both may be known only together: of a peak narrower than the readings tell, height times width is. Of an effect
     that is one time alone, as a lag, that is the size. Of a contact that yields, which is nothing at no number, and of
-    a user's effects without a size nothing is asked.
+    a user's effects without a size nothing is asked. A size that runs against its bound is none that the runs tell.
     """
     one, fit = trial.terms[-1], trial.fit
     numbers = fit.windows.numbers
@@ -186,6 +187,10 @@ def told_by_sizes(trial: Trial) -> float:
     time_alone = len(own) == 1 and not isinstance(one.kind, RivalKind)
     if fit.solution is None or not (sizes.any() or time_alone):
         return math.inf
+    if not one.kind.nameless and any(
+        _at_bound(numbers[i], float(fit.at[i])) for i, size in zip(own, sizes, strict=True) if size
+    ):
+        return -math.inf
     covariance = fit.solution.covariance[np.ix_(own, own)]
     price = math.log(len(fit.own))
     if not sizes.any():  # to first order its share of itself is known as well as its logarithm
@@ -194,6 +199,11 @@ def told_by_sizes(trial: Trial) -> float:
     size = fit.at[own][sizes]
     precision = np.linalg.inv(covariance)[np.ix_(sizes, sizes)]
     return float(size @ precision @ size) - len(size) * price
+
+
+def _at_bound(number: SharedNumber, at: float) -> bool:
+    """Whether a size is as large as it may be."""
+    return any(math.isfinite(end) and end != 0 and at == end for end in (number.low, number.high))
 
 
 def with_wrong_constant(bench: Bench, known: Uncertainty, null: Trial, chosen: Trial) -> Trial:

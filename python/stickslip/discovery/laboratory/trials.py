@@ -19,6 +19,7 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit import begun, fitted
 from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.policy import Policy
 from stickslip.likelihoods.remembered import remembered
 from stickslip.likelihoods.repeating import explained, lost
 from stickslip.likelihoods.single_windows import settled
@@ -111,7 +112,8 @@ def all_full(
     What is worth less than its score promised is fitted anew where no other reaches that much; beside a null that is
     no model of the windows, so is what reaches furthest, before the others are held against it; but nothing is that
     falls short of what is there already. Nor is a curve that no one declared: its shapes reach what is near, and from
-    afar it takes long.
+    afar it takes long. Where it leads, names whose steps ran out on the way are fitted anew: what each of them is, it
+    can be.
 
     Parameters
     ----------
@@ -133,12 +135,16 @@ def all_full(
         fits[first] = _sought(bench, base, (fits[first], terms[first]), workers)
         done.append(first)
     reached = min([there, *(fit.deviance for fit in fits.values())])
+    curve_leads = first is not None and terms[first].kind.nameless and fits[first].deviance < there
     short = [
         one.term.name
         for one in every
         if one.term.name in fits.keys() - set(done)
         and not one.term.kind.nameless
-        and _promised(bench, base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
+        and (
+            _promised(bench, base, one) < min(reached, fits[one.term.name].deviance - bench.policy.noticed)
+            or (curve_leads and ran_out(fits[one.term.name], bench.policy))
+        )
     ]
     again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
     fits |= dict(zip(short, again, strict=True))
@@ -155,8 +161,26 @@ def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
 
 
 def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
-    """A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it."""
-    return from_near(bench, _start(bench, base, candidate))
+    """
+    A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it.
+
+    With all its sizes 0 it is that hypothesis: a fit whose steps ran out above it failed, and another start is taken.
+    So is for a curve that no one declared while it is short of its score, as it is not fitted anew later.
+    """
+    enough = _promised(bench, base, candidate) if candidate.term.kind.nameless else base.fit.deviance
+    best: Fit | None = None
+    for start in _starts(bench, base, candidate):
+        fit = from_near(bench, start)
+        if fit is not None and (best is None or fit.deviance < best.deviance):
+            best = fit
+        if best is not None and (best.deviance <= enough or not ran_out(best, bench.policy)):
+            break
+    return best
+
+
+def ran_out(fit: Fit, policy: Policy) -> bool:
+    """Whether the fit of a candidate took all the steps that it has, and may not be at its best."""
+    return fit.steps >= policy.candidate_steps
 
 
 def from_near(bench: Bench, start: Fit) -> Fit | None:
@@ -166,9 +190,9 @@ def from_near(bench: Bench, start: Fit) -> Fit | None:
     return None
 
 
-def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
-    """The best start of a candidate."""
-    best: tuple[float, Fit] | None = None
+def _starts(bench: Bench, base: Trial, candidate: Candidate) -> list[Fit]:
+    """Where a candidate may start, the best first."""
+    out = list[tuple[float, Fit]]()
     for scale, moved in ((1.0, False), (1.0, True), (0.4, False)):
         term = _scaled(candidate.term, scale)
         windows = bench.windows((*base.terms, term))
@@ -180,11 +204,8 @@ def _start(bench: Bench, base: Trial, candidate: Candidate) -> Fit:
         at = windows.bounded(at)
         first = replace(base.fit, windows=windows, at=at, own=own_in(base.fit.own, base.fit.windows, windows))
         own, _, each = settled(first)
-        cost = float(each.sum()) + windows.prior.penalty(at)
-        if best is None or cost < best[0]:
-            best = cost, replace(first, own=own)
-    assert best is not None
-    return best[1]
+        out.append((float(each.sum()) + windows.prior.penalty(at), replace(first, own=own)))
+    return [fit for _, fit in sorted(out, key=lambda one: one[0])]
 
 
 def trial_beside(bench: Bench, base: Trial, fit: Fit, term: Term) -> Trial:
