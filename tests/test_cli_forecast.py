@@ -278,8 +278,8 @@ def test_forecast_writes_nothing_on_bad_input(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        (("forecast", "model.toml", "past.csv", "--horizon", "0.1"), "model: a driven slider goes where its"),
-        (("simulate", "model.toml", "--t-end", "1"), "rig: a driven slider has neither belt nor spring"),
+        (("forecast", "model.toml", "past.csv", "--horizon", "0.1"), "--drive: missing: the force on the slider"),
+        (("simulate", "model.toml", "--t-end", "1"), "--drive: missing: the force on the slider"),
     ],
     ids=["forecast", "simulate"],
 )  # fmt: skip

@@ -131,9 +131,9 @@ def test_what_needs_a_belt_says_so(folder: Path) -> None:
     case = ss.load_case(folder)
     with pytest.raises(InputError, match="neither belt nor spring"):
         ss.identify(case)
-    with pytest.raises(InputError, match="neither belt nor spring"):
-        ss.compare(case.model(), case.train[0])
-    with pytest.raises(InputError, match="goes where its drive takes it"):
-        ss.forecast(case.model(), case.train[0], belt_speed=0.0, horizon=1.0)
-    with pytest.raises(InputError, match="neither belt nor spring"):
-        ss.simulate(case.model(), belt_speed=0.1, initial=(0.0, 0.0), t_end=1.0)
+    with pytest.raises(InputError, match="drive: missing: the force on the slider"):
+        ss.forecast(case.model(), case.train[0], horizon=1.0)
+    with pytest.raises(InputError, match="a driven slider has neither belt nor spring"):
+        ss.forecast(case.model(), case.train[0], belt_speed=0.0, drive=1.0, horizon=1.0)
+    with pytest.raises(InputError, match="a driven slider has no belt"):
+        ss.simulate(case.model(), belt_speed=0.1, drive=1.0, initial=(0.0, 0.0), t_end=1.0)

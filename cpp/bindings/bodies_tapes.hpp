@@ -15,9 +15,10 @@ using namespace stickslip_abi;  // NOLINT(google-build-using-namespace): plain d
 
 constexpr int most_coordinates = 64, most_contacts = 64, most_pushes = 64;
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(Op::count)> op_names{
-    "parameter", "u",        "v",        "t",      "dwell", "state",  "coordinate", "velocity", "distance",
-    "add",       "subtract", "multiply", "divide", "power", "negate", "abs",        "min",      "max",
-    "sign",      "exp",      "log",      "sqrt",   "sin",   "cos",    "tan",        "tanh",     "asinh"};
+    "parameter", "u",        "v",          "t",   "dwell",    "state",    "coordinate",
+    "velocity",  "distance", "prescribed", "add", "subtract", "multiply", "divide",
+    "power",     "negate",   "abs",        "min", "max",      "sign",     "exp",
+    "log",       "sqrt",     "sin",        "cos", "tan",      "tanh",     "asinh"};
 
 using Rows = std::vector<std::array<int, 3>>;
 
@@ -35,9 +36,9 @@ struct Formulas {
       const Node node{static_cast<Op>(op), a, b};
       const bool binary =
           (node.op >= Op::add && node.op <= Op::power) || node.op == Op::minimum || node.op == Op::maximum;
-      if (node.op > Op::distance && (a < 0 || a >= i || (binary && (b < 0 || b >= i))))
+      if (node.op > Op::prescribed && (a < 0 || a >= i || (binary && (b < 0 || b >= i))))
         throw py::value_error("a node must read nodes before it");
-      if ((node.op == Op::parameter || (node.op >= Op::state && node.op <= Op::distance)) && a < 0)
+      if ((node.op == Op::parameter || (node.op >= Op::state && node.op <= Op::prescribed)) && a < 0)
         throw py::value_error("a place must not be negative");
       nodes.push_back(node);
     }
@@ -59,7 +60,8 @@ struct Formulas {
 // Nodes read what a rig of n coordinates and some speeds has.
 inline bool reads_rig(const Formulas& one, int parameters, int states, int n, int speeds) {
   return one.largest(Op::parameter) < parameters && one.largest(Op::state) < states &&
-         one.largest(Op::coordinate) < n && one.largest(Op::velocity) < n && one.largest(Op::distance) < speeds;
+         one.largest(Op::coordinate) < n && one.largest(Op::velocity) < n && one.largest(Op::distance) < speeds &&
+         one.largest(Op::prescribed) < speeds;
 }
 
 struct Speed {
@@ -109,7 +111,7 @@ inline Model model_of(int n, const std::vector<std::pair<Formulas, Formulas>>& l
       check(piece.largest(Op::parameter) < parameters, "a speed reads a parameter that is not there");
       for (const Node& node : piece.nodes)
         check(node.op != Op::u && node.op != Op::v && node.op != Op::dwell &&
-                  (node.op < Op::state || node.op > Op::distance) && node.op != Op::sign && node.op != Op::absolute &&
+                  (node.op < Op::state || node.op > Op::prescribed) && node.op != Op::sign && node.op != Op::absolute &&
                   node.op != Op::minimum && node.op != Op::maximum,
               "a speed is a formula of t without abs, sign, min, max; give it in pieces");
       pieces.push_back(piece.view());

@@ -18,6 +18,11 @@ from stickslip.cli.options import Named, Output, force_option
     help="v_b of RUN and of what follows it, in the belt channel's unit, or with one: '12 mm/s'.",
 )
 @click.option("--drive-speed", default=None, help="The same of the drive of a rig of bodies or matrices.")
+@click.option(
+    "--drive",
+    default=None,
+    help="Force on a driven slider after RUN: '4 N', a formula of t, or the file of a run; t is that of RUN.",
+)
 @click.option("--horizon", required=True, help="How far ahead, in the unit of the run's time, or '20 s'.")
 @click.option("--out", type=Output(dir_okay=False), required=True, help="CSV file to write.")
 @click.option("--figure", is_flag=True, help="Also draw the forecast after the end of the run, beside OUT.")
@@ -27,6 +32,7 @@ def forecast(
     run: Path,
     belt_speed: str | None,
     drive_speed: str | None,
+    drive: str | None,
     horizon: str,
     out: Path,
     figure: bool,
@@ -43,4 +49,4 @@ def forecast(
     """
     from stickslip.cli.running.forecast import perform
 
-    perform(model, run, belt_speed, drive_speed, horizon, out, figure, force)
+    perform(model, run, (belt_speed, drive_speed, drive), horizon, out, figure, force)

@@ -23,6 +23,12 @@ from stickslip.cli.options import Named, Output, force_option
     default=None,
     help="Likewise of the drive that pulls at links of a rig of bodies; a .csv has columns t and drive.",
 )
+@click.option(
+    "--drive",
+    default=None,
+    help="Force on a driven slider: '4 N', a formula of t in newtons, '20*sin(3*t)', or the file of a run, whose drive "
+    "moves it again.",
+)
 @click.option("--t-end", required=True, help="Length of the run: a number in the unit of time, or '60 s'.")
 @click.option("--dt", default=None, help="Sampling step of the CSV; a two-thousandth of the run if absent.")
 @click.option(

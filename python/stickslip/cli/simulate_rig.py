@@ -93,6 +93,7 @@ class Asked:
 
     belt_speed: str | None
     drive_speed: str | None
+    drive: str | None
     t_end: str
     dt: str | None
     initial: str | None

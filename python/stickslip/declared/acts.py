@@ -30,6 +30,8 @@ class Acts:
         By name: its rate, and what it starts as.
     of_belt
         A factor of a prescribed speed, not of a contact's friction.
+    gain
+        Factor of the force F of a driven slider's drive: F, position and t.
     refused
         Why it acts on no such rig, and what would do instead.
     """
@@ -42,6 +44,7 @@ class Acts:
     reading: str | None = None
     states: Mapping[str, tuple[str, str]] = field(default_factory=dict, hash=False)
     of_belt: bool = False
+    gain: str | None = None
     refused: str | None = None
 
     @property
@@ -57,4 +60,5 @@ class Acts:
 
 
 NO_DECLARED_NUMBER = Acts(refused="change the rig's own numbers instead")
-NO_DRIVE_FORCE = Acts(refused="it is for a DrivenSlider")
+DRIVE_ALONE = "it is for a DrivenSlider"
+NO_DRIVE_FORCE = Acts(refused=DRIVE_ALONE)

@@ -45,6 +45,11 @@ def distance(key: str) -> Name:
     return Name(f"distance {key}")
 
 
+def prescribed(key: str) -> Name:
+    """Return what names a prescribed speed in a tree: of a driven slider, the force of its drive."""
+    return Name(f"prescribed {key}")
+
+
 def seen(z: Value, n: int, t: Value, belt: Value, drive: Value) -> dict[str, Value]:
     """Return what trees read of a rig: of (q, v, ...), the time, and where the belt and the drive are."""
     of: dict[str, Value] = {coordinate(i).name: z[i] for i in range(n)}

@@ -336,8 +336,9 @@ class DrivenSlider(InUnits, Displayed):
     >>> import stickslip as ss
     >>> rig = ss.DrivenSlider(mass=95.1, damping="200 N s/m")
     >>> model = ss.Model(rig, friction=ss.CoulombFriction(static=20, kinetic=20))  # N
-    >>> rig.state_names
-    ('x1', 'x2')
+    >>> run = ss.simulate(model, drive="60*sin(6*t)", t_end=5)
+    >>> print(f"{1e3 * run.x1.max():.1f} mm")
+    26.1 mm
     """
 
     __repr__ = as_call

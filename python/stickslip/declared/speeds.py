@@ -139,6 +139,17 @@ class Speed(Drawn):
                 out[same] = value(self.pieces[held[same[0]]], {"t": flat[same]})
         return out.reshape(times.shape)
 
+    def within(self, start: float, end: float) -> Speed:
+        """Return what is the same between two times, with the pieces that are needed there alone."""
+        kept = slice(self.piece(start), self.piece(end) + 1)
+        return Speed(self.begins[kept], self.pieces[kept], self.text)
+
+    def delayed(self, by: float) -> Speed:
+        """Return what comes so much later."""
+        late: Mapping[str, Tree] = {"t": Apply("subtract", (_T, Number(by)))}
+        pieces = tuple(one if isinstance(one, Number) else substituted(one, late) for one in self.pieces)
+        return Speed(tuple(one + by for one in self.begins), pieces, f"{self.text}, {by:g} later")
+
     def scaled(self, time: float, size: float) -> Speed:
         """Return the speed in other units: of t/time and value * size."""
         if time == 1 and size == 1:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.arguments import must_be
 from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.model import Model
-from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider
+from stickslip.declared.rig import BlockOnBelt
 from stickslip.declared.scale import plainly
 from stickslip.errors import InputError, number
 from stickslip.fitted.data import CHANNELS, Data, prepare
@@ -53,19 +53,11 @@ class Expected:
     far: str | None = None
 
 
-def not_driven(rig: AnyRig) -> None:
-    """Raise `InputError` of a driven slider: nothing of it can be forecast."""
-    if isinstance(rig, DrivenSlider):
-        words = "a driven slider goes where its drive takes it, and the past does not hold that of the future"
-        raise InputError(words, key="model")
-
-
 def follow(model: Model, recording: Recording, belt_speed: float, horizon: float) -> Expected:
     """Return what a model without scatter makes of what follows; errors and warnings are those of `forecast`."""
     must_be("model", model, Model, "load_model(file) gives one")
     check_closed_form(model.rig, model.friction)
     must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
-    not_driven(model.rig)
     if type(recording.rig) is not type(model.rig):
         kinds = [type(one.rig).__name__ for one in (recording, model)]
         raise InputError("{} was recorded on a {}, and the model is of a {}".format(recording.name, *kinds))

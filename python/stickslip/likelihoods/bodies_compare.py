@@ -31,7 +31,7 @@ FEWEST = 3  # windows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RigComparison(Drawn):
-    """What `compare` finds on a rig of bodies or matrices.
+    """What `compare` finds on a rig of bodies or matrices, or a driven slider.
 
     Attributes
     ----------
@@ -44,7 +44,12 @@ class RigComparison(Drawn):
     channels
         Names of the readings.
     readings, simulated : (n, channels)
-        Measured, and a free run of the model with friction of the mean event, in SI.
+        Measured, and a free run of the model with friction of the mean event, in SI. A driven slider is followed in
+        pieces instead: nothing draws it back to where it was.
+    ahead
+        How far ahead the error of forecasts is.
+    begins
+        Samples at which these pieces begin.
 
     Examples
     --------
@@ -70,6 +75,8 @@ class RigComparison(Drawn):
     channels: tuple[str, ...]
     readings: Floats
     simulated: Floats
+    ahead: str = "one event"
+    begins: tuple[int, ...] = (0,)
 
     def __repr__(self) -> str:
         return one_line(
@@ -93,12 +100,12 @@ class RigComparison(Drawn):
 
     def verdict(self) -> tuple[str, ...]:
         """Sentences that say what the rows amount to."""
-        error, left = self.row("forecast error").simulated, self.row("noise left").simulated
+        error = self.row("forecast error").simulated
+        left = next((one.simulated for one in self.rows if one.quantity == "noise left"), None)
         assert error is not None
-        assert left is not None
         how = "good" if error < GOOD else "of no use" if error > POOR else "fair"
-        said = [f"one event ahead the model errs by {percent(error)} of how far the readings move: {how}"]
-        if left > POLICY.noise_left:
+        said = [f"{self.ahead} ahead the model errs by {percent(error)} of how far the readings move: {how}"]
+        if left is not None and left > POLICY.noise_left:
             words = f"{left:.3g} times the noise is left with friction of each event its own"
             said.append(f"{words}: the model lacks something")
         return tuple(said)

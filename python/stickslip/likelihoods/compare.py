@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 from stickslip.arguments import explained, must_be
 from stickslip.declared.model import Model
+from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted import compare as named
 from stickslip.fitted.compare import Comparison
 from stickslip.fitted.identify import BeltSpeed
 from stickslip.likelihoods.bodies_compare import RigComparison, compare_bodies
+from stickslip.likelihoods.driven_compare import compare_driven
 from stickslip.likelihoods.one_thread import one_thread
 from stickslip.measured.recording import Recording
 
@@ -49,7 +51,8 @@ def compare(
         stick.
     RigComparison
         Of a rig of bodies or matrices: of each contact stick fraction, time between slips and fastest slip, the error
-        of forecasts one event ahead, and what is left of the readings with friction of each event its own.
+        of forecasts one event ahead, and what is left of the readings with friction of each event its own. Of a driven
+        slider: the error of forecasts a fortieth of the record ahead, and its largest speed.
 
     Raises
     ------
@@ -74,6 +77,9 @@ def compare(
     10
     """
     must_be("model", model, Model, "load_model(file) or identify(case).model give one")
+    if isinstance(model.rig, DrivenSlider):
+        must_be("recording", recording, Recording, "one of a case's runs, like case.validate[0]")
+        return compare_driven(model, recording, progress)
     if not isinstance(model.rig, GeneralRig):
         return named.compare(model, recording, belt_speed=belt_speed, progress=progress)
     must_be("recording", recording, Recording, "one of a case's runs, like case.validate[0]")

@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.arguments import explained, must_be
+from stickslip.declared.drive import Drive
 from stickslip.declared.effect import Effect, FormulaEffect
 from stickslip.declared.model import Model
-from stickslip.declared.rig import BlockOnBelt
+from stickslip.declared.rig import BlockOnBelt, DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, ModelWarning
 from stickslip.fitted.data import prepare
+from stickslip.fitted.driven import DrivenForecast, forecast_driven
 from stickslip.fitted.forecast import Expected, follow
 from stickslip.likelihoods.block_windows import BlockSensors
 from stickslip.likelihoods.bodies_forecast import forecast_bodies
@@ -46,6 +48,7 @@ def forecast(
     horizon: float | str,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
+    drive: Drive | None = None,
 ) -> pd.DataFrame:
     """Predict the readings that follow a recording.
 
@@ -69,6 +72,9 @@ def forecast(
         bodies or matrices it may be left out, as the recording has it, and may be a formula of t.
     drive_speed
         The same of the drive of such a rig.
+    drive
+        Force on a driven slider after the record, as `simulate` takes it; t and times are the record's. The band is
+        as wide as such forecasts erred within the record.
 
     Returns
     -------
@@ -116,6 +122,14 @@ def forecast(
         belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
         drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
         horizon = written_time(horizon, model.rig, "horizon")
+    if isinstance(getattr(model, "rig", None), DrivenSlider):
+        must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
+        for key, one in (("belt_speed", belt_speed), ("drive_speed", drive_speed)):
+            if one is not None:
+                raise InputError("a driven slider has neither belt nor spring; `drive` moves it", key=key)
+        return _of_slider(recording, forecast_driven(model, recording, drive, horizon))
+    if drive is not None:
+        raise InputError("no force moves this rig; leave it out", key="drive")
     if isinstance(getattr(model, "rig", None), GeneralRig):
         must_be("recording", recording, Recording, "load_recording(path, rig) or a case's runs give one")
         given = {"belt_speed": belt_speed, "drive_speed": drive_speed}
@@ -140,6 +154,17 @@ def forecast(
     return pd.DataFrame(
         {"t": t / recording.factor("t")}
         | {n: _in_units(recording, channel_of[n], v) for n, v in columns.items()}
+    )
+
+
+def _of_slider(recording: Recording, found: DrivenForecast) -> pd.DataFrame:
+    """A forecast of a driven slider in the recording's own units."""
+    import pandas as pd  # slow to import
+
+    columns = {"x1": found.mean, "x1_low": found.low, "x1_high": found.high}
+    per = recording.factor("x1")
+    return pd.DataFrame(
+        {"t": found.t / recording.factor("t")} | {name: one / per for name, one in columns.items()}
     )
 
 

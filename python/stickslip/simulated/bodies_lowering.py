@@ -21,7 +21,7 @@ from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import VARIABLES, BranchForm
 from stickslip.declared.model import Model
-from stickslip.declared.placed import coordinate, distance, velocity
+from stickslip.declared.placed import coordinate, distance, prescribed, velocity
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import Equations, GeneralRig
 from stickslip.declared.rigs.named import equations_of
@@ -215,6 +215,8 @@ class LoweredBodies:
         for one, k in zip(self.own.state_names, self.own.order, strict=True):
             if name == f"initial.{one}":
                 return coordinate(k).name if k < n else velocity(k - n).name
+        if name == self.own.drive_name:
+            return prescribed("drive_speed").name
         return name
 
     def _refuse_lengths(self, name: str) -> None:
@@ -264,7 +266,7 @@ def lower_bodies(own: General, model: Model) -> LoweredBodies:
             tuple(_formulas(law.branch(s), _Tape(parameters, places, states, of_rig)) for s in (-1, 1))
         )
     pushes = [_push(one, parameters, added, of_rig) for one in own.effects.pushes]
-    speeds = [_speed(one, key, parameters, added, own.effects.factor(key)) for key, one in moving]
+    speeds = [_speed(one, own.called(key), parameters, added, own.effects.factor(key)) for key, one in moving]
     keys = [key for key, _ in moving]
     rubs = [keys.index("belt_speed") if one.against == "belt" else -1 for one in eq.contacts]
     layout = _core.bodies_layout(
@@ -299,7 +301,8 @@ def _of_rig(n: int, keys: list[str]) -> dict[str, tuple[str, int]]:
     """Return what names of trees read of the rig: operations and places."""
     out = {coordinate(i).name: ("coordinate", i) for i in range(n)}
     out |= {velocity(i).name: ("velocity", i) for i in range(n)}
-    return out | {distance(key).name: ("distance", i) for i, key in enumerate(keys)}
+    out |= {distance(key).name: ("distance", i) for i, key in enumerate(keys)}
+    return out | {prescribed(key).name: ("prescribed", i) for i, key in enumerate(keys)}
 
 
 def _push(

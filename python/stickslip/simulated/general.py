@@ -13,7 +13,7 @@ from stickslip.declared.effect import Tabulated
 from stickslip.declared.formula.value import value
 from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
-from stickslip.declared.placed import Places, seen
+from stickslip.declared.placed import Places, prescribed, seen
 from stickslip.declared.rigs.general import Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
@@ -42,6 +42,8 @@ class General:
         "<contact>.<state>". After them those of effects, "<effect>.<state>".
     effects
         What the model's effects add beside changes of the laws.
+    drive_name
+        What the drive's speed is called in sweeps and sensitivities; of a driven slider it is a force.
     """
 
     equations: Equations
@@ -51,6 +53,7 @@ class General:
     order: tuple[int, ...]
     state_names: tuple[str, ...]
     effects: Effects = field(default_factory=lambda: NO_EFFECTS)
+    drive_name: str = "drive_speed"
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -63,9 +66,14 @@ class General:
         )
         return (*of_laws, *(one.name for push in self.effects.pushes for one in push.states))
 
+    def called(self, key: str) -> str:
+        """What "belt_speed" and "drive_speed" are called outside."""
+        return self.drive_name if key == "drive_speed" else key
+
     def seen(self, z: Floats, t: float) -> dict[str, float]:
         """Return what formulas may read of the rig at the start (q, v): its coordinates, speeds and time."""
-        return seen(z, len(self.equations.names), t, 0.0, 0.0)
+        now = {prescribed("drive_speed").name: float(self.drive(t))} if self.effects.pushes else {}
+        return {**seen(z, len(self.equations.names), t, 0.0, 0.0), **now}
 
     def start(self, initial: Floats, given: Mapping[str, float], t: float) -> Floats:
         """Return (q, v, states of the laws) at the start; states that are not given as the laws start.
@@ -116,8 +124,7 @@ def general(
     Raises
     ------
     InputError
-        A speed is missing, or given where nothing moves at it; the model is of a driven slider, or an effect acts on no
-        such rig.
+        A speed is missing, or given where nothing moves at it; an effect acts on no such rig.
     """
     rig = model.rig
     own, order = equations_of(rig)

@@ -19,11 +19,12 @@ from stickslip.declared.law_form import BranchForm, LawForm
 from stickslip.declared.laws import LAWS
 from stickslip.declared.model import Model
 from stickslip.declared.placed import Placed, PlacedState, Places, coordinate, placed, velocity
-from stickslip.declared.rig import AnyRig, BlockOnBelt, Rig
+from stickslip.declared.rig import AnyRig, BlockOnBelt, DrivenSlider, Rig
 from stickslip.declared.rigs.general import ContactRow, Equations
 from stickslip.declared.rigs.named import equations_of
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
+from stickslip.simulated.driven import driven, with_mass
 from stickslip.simulated.general import General, general
 from stickslip.simulated.placed_effects import of_placed
 
@@ -49,6 +50,8 @@ def whole(model: Model, belt_speed: object, drive_speed: object = None) -> Gener
     InputError
         As `general`, and an effect that does not act beside a formula.
     """
+    if isinstance(model.rig, DrivenSlider):
+        return driven(model, Speed.of(drive_speed, "drive"), _curve)
     if belt_speed is None or not isinstance(model.rig, (Rig, BlockOnBelt)):
         return general(model, belt_speed, drive_speed)
     formula = any(isinstance(one, FormulaEffect) for one in model.effects)
@@ -101,7 +104,9 @@ def named(model: Model, belt_speed: object, *, readings: bool = False) -> Genera
 
 
 def corrected(model: Model) -> AnyRig:
-    """Return a block's rig with the constants that effects correct."""
+    """Return a rig with the constants that effects correct."""
+    if isinstance(model.rig, DrivenSlider):
+        return with_mass(model)
     if not isinstance(model.rig, BlockOnBelt):
         return model.rig
     shares = {

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
 from stickslip.arguments import explained, must_be, texts, vector, whole_number
+from stickslip.declared.drive import Drive, pull_or_force
 from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
@@ -37,6 +38,7 @@ def simulate(
     *,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
+    drive: Drive | None = None,
     initial: ArrayLike | Trajectory | None = None,
     t_end: float | str,
     t_start: float | str = 0.0,
@@ -67,6 +69,9 @@ def simulate(
         Left out where no contact rubs on a belt.
     drive_speed
         Likewise of the drive that pulls at links of a rig of bodies; it is at 0 at `t_start`, or where a run left it.
+    drive
+        Force on a `DrivenSlider`: a number [N] or one with a unit, a formula of t, or (times, forces), each held until
+        the next.
     initial
         State at `t_start` in the order of `rig.state_names`, optionally followed by the hidden states w, z,
         b, m, dwell, or by those of the laws. At rest at the origin if absent; a law's state as its law starts it. Or a
@@ -128,6 +133,7 @@ def simulate(
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
     belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
     drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
+    drive_speed = pull_or_force(model.rig, drive_speed, drive)
     first = written_time(t_start, model.rig, "t_start")
     before, begun = (initial, None) if isinstance(initial, Trajectory) else (None, initial)
     if before is not None:

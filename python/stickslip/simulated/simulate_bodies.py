@@ -17,6 +17,7 @@ from stickslip.declared.formula.value import value
 from stickslip.declared.formula_law import LawByFormula
 from stickslip.declared.model import Model
 from stickslip.declared.placed import seen
+from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.speeds import Speed
 from stickslip.errors import CallError, InputError, number
@@ -33,8 +34,11 @@ def needs_bodies(model: Model, belt_speed: object, drive_speed: object) -> bool:
     """Say whether only the core of general rigs can simulate this: another rig or law, a speed that is no number."""
     formulas = isinstance(belt_speed, (str, Speed)) and Speed.of(belt_speed).constant is None
     formula = any(isinstance(one, FormulaEffect) for one in model.effects)
-    general_rig = isinstance(model.rig, GeneralRig) or isinstance(model.friction, LawByFormula) or formula
-    if drive_speed is not None and not isinstance(model.rig, GeneralRig):
+    general_rig = isinstance(model.rig, (GeneralRig, DrivenSlider))
+    general_rig = general_rig or isinstance(model.friction, LawByFormula) or formula
+    if isinstance(model.rig, DrivenSlider) and belt_speed is not None:
+        raise InputError("a driven slider has no belt; leave it out", key="belt_speed")
+    if drive_speed is not None and not isinstance(model.rig, (GeneralRig, DrivenSlider)):
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="drive_speed")
     return general_rig or formulas
 
@@ -119,7 +123,7 @@ def run_bodies(
 def _ways(own: General) -> list[str]:
     """Which of belt and drive move, in the order in which their ways follow the states."""
     used = (own.equations.on_belt, own.equations.driven)
-    return [key for key, moves in zip(own.effects.keys, used, strict=True) if moves]
+    return [own.called(key) for key, moves in zip(own.effects.keys, used, strict=True) if moves]
 
 
 def _rested(raw: dict[str, Any], start: float, before: Floats | None) -> Floats:

@@ -44,6 +44,7 @@ void classify_leaf(Tape<T>& tape, int i) {
     case Op::coordinate: series(r.coordinates + one.a * series_size); break;
     case Op::velocity: series(r.velocities + one.a * series_size); break;
     case Op::distance: series(r.distances + one.a * series_size); break;
+    case Op::prescribed: series(r.speeds + one.a * series_size); break;
     default: series(r.states[one.a]); break;
   }
   if (f.form == Form::constant) f.now = value(f.level);

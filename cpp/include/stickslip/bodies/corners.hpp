@@ -29,6 +29,13 @@ Real<T> next_corner(const BodiesSystem<T>& sys) {
   return first;
 }
 
+// Where a push reads the size of a prescribed speed that jumps, its new value says on which side.
+template <class T>
+void forget_jumped_sides(Tape<T>& tape) {
+  for (int i = 0; i < tape.formulas->count; ++i)
+    if (is_piecewise(tape.at(i).op) && tape.at(tape.at(i).a).op == Op::prescribed) tape.node[i].side = 0;
+}
+
 // Takes every speed to its piece at t, and the modes along.
 template <class T>
 void turn_corners(BodiesSystem<T>& sys, BodiesState<T>& s, const Real<T>& t, Side* on) {
@@ -37,6 +44,7 @@ void turn_corners(BodiesSystem<T>& sys, BodiesState<T>& s, const Real<T>& t, Sid
     Rail<T>& rail = sys.rail[i];
     while (rail.now + 1 < tape.count && tape.begins[rail.now + 1] <= t) ++rail.now;
   }
+  for (int e = 0; e < sys.pushes; ++e) forget_jumped_sides(sys.push[e].tape);
   set_bodies_modes(sys, s, nullptr, false, on);
 }
 

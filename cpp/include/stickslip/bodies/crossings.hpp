@@ -17,7 +17,7 @@ bool mark_surface(Tape<T>& tape, int i) {
   for (int k = i - 1; k >= 0; --k) {
     const Node& one = tape.at(k);
     if (!tape.marks[k]) continue;
-    if (one.op == Op::t || (one.op >= Op::dwell && one.op <= Op::distance)) return false;
+    if (one.op == Op::t || (one.op >= Op::dwell && one.op <= Op::prescribed)) return false;
     if (is_leaf(one.op)) continue;
     tape.marks[one.a] = true;
     if (is_binary(one.op)) tape.marks[one.b] = true;

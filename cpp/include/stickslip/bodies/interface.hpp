@@ -22,6 +22,7 @@ enum class Op : int {
   coordinate,  // a: which; q
   velocity,    // a: which; q'
   distance,    // a: of which speed; x
+  prescribed,  // a: which speed; V
   add,
   subtract,
   multiply,
@@ -62,7 +63,7 @@ struct LawTape {
   int states;
 };
 
-// A force F that an effect adds on a direction g, and states of its own; both read q, q', x and t. One whose g is zero
+// A force F that an effect adds on a direction g, and states of its own; both read q, q', x, V and t. One whose g is zero
 // moves nothing: its states follow the motion.
 struct PushTape {
   BranchTape formulas;

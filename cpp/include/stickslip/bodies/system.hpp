@@ -86,7 +86,7 @@ struct BodiesSystem {
         one.compliant[s] = law.branch[s].limit < 0;
         one.tape[s].place(arena, law.branch[s], parameters);
         one.tape[s].reads = {
-            values + at.parameters, row(u, j), time, row(dwell, j), states_of + first, 0.0, false, q, v, x};
+            values + at.parameters, row(u, j), time, row(dwell, j), states_of + first, 0.0, false, q, v, x, V};
         one.tape[s].first_id = ids;
         ids += law.branch[s].count;
       }
@@ -121,7 +121,7 @@ struct BodiesSystem {
       one.states = given.states;
       one.first_state = first;
       one.tape.place(arena, given.formulas, parameters);
-      one.tape.reads = {values + at.parameters, time, time, time, states_of + first, 0.0, false, q, v, x};
+      one.tape.reads = {values + at.parameters, time, time, time, states_of + first, 0.0, false, q, v, x, V};
       one.tape.first_id = ids;
       ids += given.formulas.count;
       if (real)

@@ -24,7 +24,7 @@ struct Reads {
   const T* const* states = nullptr;
   double direction = 0;  // of v; 0 at rest, where u and v are 0
   bool base_is_time = false;
-  const T *coordinates = nullptr, *velocities = nullptr, *distances = nullptr;  // rows of series
+  const T *coordinates = nullptr, *velocities = nullptr, *distances = nullptr, *speeds = nullptr;  // rows of series
 };
 
 enum class Code : signed char {
@@ -75,7 +75,7 @@ constexpr int largest_base = 2 * series_size;  // beside a power that is not who
 inline bool is_piecewise(Op op) {
   return op == Op::absolute || op == Op::sign || op == Op::minimum || op == Op::maximum;
 }
-inline bool is_leaf(Op op) { return op <= Op::distance; }
+inline bool is_leaf(Op op) { return op <= Op::prescribed; }
 inline bool is_binary(Op op) { return (op >= Op::add && op <= Op::power) || op == Op::minimum || op == Op::maximum; }
 
 // The whole number above 1 that the exponent of a node is, or 0.

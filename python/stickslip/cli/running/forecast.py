@@ -4,41 +4,54 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.cli.drive import is_record, read_drive
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.quantity import sized, with_unit
 from stickslip.declared.rig import Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
+from stickslip.declared.speeds import Speed
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import chosen, time_digits, with_figure, write_csv
-from stickslip.fitted.forecast import MOST, not_driven
+from stickslip.fitted.forecast import MOST
 from stickslip.likelihoods.forecast import forecast as run_forecast
 from stickslip.measured.channels import head_of
 from stickslip.measured.readers.tables import open_table
 from stickslip.measured.recording import Recording, load_recording
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 def perform(
     model: Path,
     run: Path,
-    belt_speed: str | None,
-    drive_speed: str | None,
+    moved_by: tuple[str | None, str | None, str | None],
     horizon: str,
     out: Path,
     figure: bool,
     force: bool,
 ) -> None:
-    """Do what `stickslip forecast` is asked for."""
-    with chosen(with_figure(out, figure), {"MODEL": model_file(model), "RUN": run}, force=force):
+    """Do what `stickslip forecast` is asked for; `moved_by` are the belt's speed, the drive's, and its force."""
+    belt_speed, drive_speed, drive = moved_by
+    inputs = {"MODEL": model_file(model), "RUN": run}
+    if drive is not None and is_record(drive):
+        inputs["--drive"] = Path(drive)
+    with chosen(with_figure(out, figure), inputs, force=force):
         loaded = load_model(model)
         if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
             words = "the rig is in SI and the units of the readings are not given; add [channels]"
             raise InputError(f"{words}, as in rig.toml", place=Place(str(model)))
+        force_to_come = read_drive(drive, loaded)
+        if force_to_come is not None:
+            say_written(_of_slider(loaded, run, moved_by, force_to_come, horizon, out, figure))
+            return
         of_rig = _of_bodies if isinstance(loaded.rig, GeneralRig) else _of_named_rig
         say_written(of_rig(loaded, run, belt_speed, drive_speed, horizon, out, figure))
 
@@ -53,7 +66,6 @@ def _of_named_rig(
     figure: bool,
 ) -> list[Path]:
     """The forecast of a rig of (2.1) or a block on a belt, written; the files."""
-    not_driven(loaded.rig)
     if drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
     if belt_speed is None:
@@ -98,6 +110,25 @@ def _of_named_rig(
     return written
 
 
+def _of_slider(
+    model: Model,
+    run: Path,
+    moved_by: tuple[str | None, str | None, str | None],
+    drive: Speed,
+    horizon: str,
+    out: Path,
+    figure: bool,
+) -> list[Path]:
+    """The forecast of a driven slider, written; the files."""
+    for key, one in zip(("--belt-speed", "--drive-speed"), moved_by, strict=False):
+        if one is not None:
+            raise InputError("a driven slider has neither belt nor spring; leave it out", key=key)
+    channels, noise = _recorded(model, run)
+    past = load_recording(run, model.rig, channels=channels, noise=noise)
+    ahead = sized(horizon, "s", "--horizon") * (1.0 if with_unit(horizon)[1] else past.factors["t"])
+    return _told(past, run_forecast(model, past, drive=drive, horizon=ahead), out, figure)
+
+
 def _of_bodies(
     model: Model,
     run: Path,
@@ -117,13 +148,18 @@ def _of_bodies(
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
         frame = run_forecast(model, past, horizon=ahead)
+    say_lines(str(doubt.message) for doubt in doubts)
+    return _told(past, frame, out, figure)
+
+
+def _told(past: Recording, frame: pd.DataFrame, out: Path, figure: bool) -> list[Path]:
+    """Write a forecast, and say what is in it."""
     write_csv(frame, out, 10)
     written = [out]
     if figure:
         from stickslip.shown.plot import curves as plot
 
         written += plot.save_figure(plot.forecast(past, frame), out.with_suffix(""))
-    say_lines(str(doubt.message) for doubt in doubts)
     names = [str(name) for name in frame if name in past.channels and name != "t"]
     console.print(f"{len(frame)} samples; " + ", ".join(_column(past, name) for name in names), markup=False)
     return written

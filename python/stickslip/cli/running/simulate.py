@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from stickslip.cli.drive import is_record, read_drive
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.cli.simulate_rig import Asked, is_file, read_speed, simulate_rig
 from stickslip.declared.model import Model, load_model, model_file
-from stickslip.declared.rig import on_belt
+from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import Quantity, Scale, read_quantity, scales
 from stickslip.declared.speeds import Speed
@@ -27,6 +28,7 @@ from stickslip.simulated.trajectory import Trajectory
 
 FEW = 5  # rows a transition, below which the CSV does not show the motion
 DRAWN = 120  # points a natural period in the figure: what is drawn must be a curve, whatever the CSV's step
+MANY = 4001  # points in the figure of what has no period
 LONGEST = 1000  # natural periods in the figure
 
 
@@ -35,6 +37,8 @@ def perform(model: Path, force: bool, **given: Any) -> None:
     asked = Asked(**given)
     speeds = {"--belt-speed": asked.belt_speed, "--drive-speed": asked.drive_speed}
     files = {key: Path(text) for key, text in speeds.items() if text is not None and is_file(text)}
+    if asked.drive is not None and is_record(asked.drive):
+        files["--drive"] = Path(asked.drive)
     inputs = {"MODEL": model_file(model), **files}
     with chosen(with_figure(asked.out, asked.figure), inputs, force=force):
         loaded = load_model(model)
@@ -48,16 +52,17 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
     """Simulate and write, as the command does; return its exit status."""
     if asked.sensors:
         raise InputError("is for rigs of bodies or matrices; leave it out", key="--sensors")
-    on_belt(loaded.rig)
     units = scales(loaded.rig, loaded.channels)
-    if asked.belt_speed is None:
-        raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")
     if asked.drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
-    v_b = read_speed(asked.belt_speed, units["t"], units["belt"], loaded.rig)
+    drive = read_drive(asked.drive, loaded)
+    v_b = None if drive is not None else _belt(asked, units, loaded)
+    if drive is not None and asked.belt_speed is not None:
+        raise InputError("a driven slider has no belt; leave it out", key="--belt-speed")
     times = asked.times(lambda text, key: read_quantity(text, "t", units["t"], loaded.rig, key))
     start = None if asked.initial is None else _start(loaded, units, asked.initial)
-    _say_understood(loaded, units, v_b, times, start)
+    how = f"drive {drive.text} (N)" if drive is not None else _told(units, v_b)
+    _say_understood(loaded, units, how, times, start)
     drawn = _drawn(loaded, times) if asked.figure else times[:0]
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", ModelWarning)
@@ -65,6 +70,7 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
             run = run_model(
                 loaded,
                 belt_speed=v_b,
+                drive=drive,
                 initial=start,
                 t_end=float(times[-1]),
                 t_eval=np.union1d(times, drawn),
@@ -79,7 +85,7 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
 
         seen = _at(run, drawn)
         seen = seen if len(seen.t) else kept  # it ended before the stretch to be drawn
-        speed = v_b if isinstance(v_b, float) else float(v_b(0.0))
+        speed = float(v_b(0.0)) if isinstance(v_b, Speed) else v_b
         shown = plot.trajectory(seen, loaded.rig.state_names, belt_speed=speed, units=units)
         written += plot.save_figure(shown, asked.out.with_suffix(""))
     console.print(
@@ -87,6 +93,20 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
     )
     say_written(written)
     return 0 if run.status.ok else 1
+
+
+def _belt(asked: Asked, units: dict[Quantity, Scale], model: Model) -> float | Speed:
+    if asked.belt_speed is None:
+        raise InputError("missing: the rig has a belt; give its speed, like '14 mm/s'", key="--belt-speed")
+    return read_speed(asked.belt_speed, units["t"], units["belt"], model.rig)
+
+
+def _told(units: dict[Quantity, Scale], v_b: float | Speed | None) -> str:
+    """What was understood of the belt's speed."""
+    if isinstance(v_b, Speed) or v_b is None:
+        return f"belt speed {v_b.text if v_b is not None else ''}"
+    own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
+    return f"belt speed {units['belt'].of(v_b)}{own}"
 
 
 def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:
@@ -103,7 +123,9 @@ def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:
 
 def _drawn(model: Model, times: Array) -> Array:
     """Times to draw at: those of the CSV if they are dense enough, or as many as a curve needs."""
-    period, end = natural_period(on_belt(model.rig)), float(times[-1])
+    if isinstance(model.rig, DrivenSlider):  # it has no period of its own
+        return np.union1d(times, np.linspace(0.0, float(times[-1]), MANY))
+    period, end = natural_period(model.rig), float(times[-1])
     begin = max(0.0, end - LONGEST * period)
     if np.diff(times).max() <= period / DRAWN:
         return np.asarray(times[times >= begin])
@@ -130,20 +152,15 @@ def _start(model: Model, units: dict[Quantity, Scale], text: str) -> list[float]
 
 
 def _say_understood(
-    model: Model, units: dict[Quantity, Scale], v_b: float | Speed, times: Array, start: list[float] | None
+    model: Model, units: dict[Quantity, Scale], how: str, times: Array, start: list[float] | None
 ) -> None:
     """Print what was understood of the numbers, in their units."""
-    if isinstance(v_b, Speed):
-        own, told = "", v_b.text
-    else:
-        own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
-        told = units["belt"].of(v_b)
     at = "rest at the origin"
     if start is not None:
         names: tuple[Quantity, ...] = model.rig.state_names  # type: ignore[assignment]
         at = ", ".join(f"{name} = {units[name].of(x)}" for name, x in zip(names, start, strict=True))
     console.print(
-        f"belt speed {told}{own}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
+        f"{how}; from {at}; to t = {units['t'].of(times[-1])} in steps of "
         f"{units['t'].of(times[1] - times[0])}",
         soft_wrap=True,
     )

@@ -1,6 +1,6 @@
 """A drive whose gain drifts within each run."""
 
-from stickslip.declared.acts import NO_DRIVE_FORCE
+from stickslip.declared.acts import DRIVE_ALONE, Acts
 from stickslip.declared.dimensions import RATE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -21,5 +21,5 @@ EFFECT = EffectKind(
     on_slider=160,
     adds=Adds(drive=share),
     drawn={"r": 0.02},
-    anywhere=NO_DRIVE_FORCE,
+    anywhere=Acts(gain="1 + r*t", refused=DRIVE_ALONE),
 )

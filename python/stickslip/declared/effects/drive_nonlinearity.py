@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stickslip.declared.acts import NO_DRIVE_FORCE
+from stickslip.declared.acts import DRIVE_ALONE, Acts
 from stickslip.declared.dimensions import PER_FORCE
 from stickslip.declared.effect_kind import EffectKind, free
 from stickslip.declared.effect_terms import Adds, At, Numbers, Value
@@ -23,5 +23,5 @@ EFFECT = EffectKind(
     on_slider=170,
     adds=Adds(drive=share),
     drawn={"q": 0.003},
-    anywhere=NO_DRIVE_FORCE,
+    anywhere=Acts(gain="1 + q*abs(F)", refused=DRIVE_ALONE),
 )

@@ -78,13 +78,15 @@ def beside(c: RigComparison) -> Figure:
     """Draw a free run of the model over the readings, channel by channel."""
     from stickslip.shown.plot.drawing import Drawing
 
+    general = isinstance(c.model.rig, GeneralRig)
+    how = "friction of the mean event" if general else "each piece from the readings before it"
     figure = Drawing(figsize=(WIDTH, HEIGHT * len(c.channels) + 0.6), layout="constrained")
     axes = figure.subplots(len(c.channels), 1, sharex=True, squeeze=False)[:, 0]
     for axis, name, read, made in zip(axes, c.channels, c.readings.T, c.simulated.T, strict=True):
         axis.plot(c.t, read, color="0.6", lw=1.8, label="measured")
-        axis.plot(c.t, made, color="C3", lw=0.9, label="simulated, friction of the mean event")
+        axis.plot(c.t, made, color="C3", lw=0.9, label=f"simulated, {how}")
         axis.set_ylabel(Scale(1.0, _unit(c, name)).head(name))
-    axes[0].legend(loc="upper right")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
     axes[-1].set_xlabel("t [s]")
     return figure
 
@@ -93,25 +95,34 @@ def portraits(c: RigComparison) -> Figure:
     """Draw every recorded coordinate's rate over it, its mean motion taken away; what jumps is left out."""
     from stickslip.shown.plot.drawing import Drawing
 
-    rig = c.model.rig
-    assert isinstance(rig, GeneralRig)
     each = list(zip(c.channels, c.readings.T, c.simulated.T, strict=True))
-    shown = [one for one in each if not may_jump(rig.equations, _quantity(c, one[0]))] or each
+    shown = [one for one in each if not _may_jump(c, one[0])] or each
     figure = Drawing(figsize=(4.2 * len(shown), 3.8), layout="constrained")
     axes = figure.subplots(1, len(shown), squeeze=False)[0]
     for axis, (name, read, made) in zip(axes, shown, strict=True):
-        for values, look in ((read, {"color": "0.6", "lw": 1.8}), (made, {"color": "C3", "lw": 0.9})):
-            x, v, _ = smoothed(c.t - c.t[0], values, 0.0, 0.0)
-            axis.plot(x - np.polyval(np.polyfit(c.t, x, 1), c.t), v, **look)
+        for values, begins, look in (
+            (read, (0,), {"color": "0.6", "lw": 1.8}),
+            (made, c.begins, {"color": "C3", "lw": 0.9}),
+        ):
+            trend = np.polyval(np.polyfit(c.t, values, 1), c.t)
+            for a, b in zip(begins, (*begins[1:], len(c.t)), strict=True):
+                x, v, _ = smoothed(c.t[a:b] - c.t[a], values[a:b], 0.0, 0.0)
+                axis.plot(x - trend[a:b], v, **look)
         unit = _unit(c, name)
         axis.set_xlabel(Scale(1.0, unit).head(f"{name} less its trend"))
         axis.set_ylabel(Scale(1.0, "1" if unit == "1" else f"{unit}/s").head("rate"))
     return figure
 
 
+def _may_jump(c: RigComparison, name: str) -> bool:
+    rig = c.model.rig
+    return isinstance(rig, GeneralRig) and may_jump(rig.equations, _quantity(c, name))
+
+
 def _unit(c: RigComparison, name: str) -> str:
     rig = c.model.rig
-    assert isinstance(rig, GeneralRig)
+    if not isinstance(rig, GeneralRig):  # a driven slider
+        return "1" if c.recording.channels[name].unit == "1" else "m"
     return rig.channel_units[_quantity(c, name)]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from stickslip.arguments import must_be
 from stickslip.declared.bodies_model import check_closed_form
 from stickslip.declared.model import Model
-from stickslip.declared.rig import on_belt
+from stickslip.declared.rig import DrivenSlider, on_belt
 from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, number
@@ -29,6 +29,8 @@ def flow_of(
         A speed is missing, or given where nothing moves at it; no motion of the model repeats.
     """
     must_be("model", model, Model, "Model(rig, friction=law) or load_model(file) give one")
+    if isinstance(model.rig, DrivenSlider):
+        on_belt(model.rig)
     belt_speed = written_speed(belt_speed, model.rig, "belt_speed")
     drive_speed = written_speed(drive_speed, model.rig, "drive_speed")
     if needs_bodies(model, belt_speed, drive_speed):

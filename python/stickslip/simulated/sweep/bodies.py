@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip import _core
+from stickslip.declared.rig import AnyRig, DrivenSlider
 from stickslip.declared.speeds import Speed
 from stickslip.errors import unknown
 from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
@@ -21,7 +22,11 @@ from stickslip.simulated.sweep.observables import OBSERVABLES, STATUS_FLAGS, Arr
 from stickslip.simulated.sweep.request import Request
 
 Floats = NDArray[np.float64]
-SPEEDS = ("belt_speed", "drive_speed")
+
+
+def speed_names(rig: AnyRig) -> tuple[str, str]:
+    """Return what the prescribed speeds are called: of a driven slider the second is the force of its drive."""
+    return "belt_speed", "drive" if isinstance(rig, DrivenSlider) else "drive_speed"
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,8 @@ def named(own: General, numbers: Iterable[str]) -> ByName:
     """Return the names that a sweep may vary."""
     starts = [f"initial.{name}" for name in (*own.state_names, *own.hidden)]
     needed = [own.equations.on_belt, own.equations.driven]
-    speeds = [key for key, used in zip(SPEEDS, needed, strict=True) if used]
+    called = [own.called(key) for key in own.effects.keys]
+    speeds = [key for key, used in zip(called, needed, strict=True) if used]
     return ByName((*numbers, *speeds, *starts))
 
 
@@ -62,12 +68,12 @@ class BodiesRequest(Request):
     @property
     def fixed_speeds(self) -> Mapping[str, object]:
         """Prescribed speeds that do not vary, by name."""
-        given = {key: one for key, one in zip(SPEEDS, self.speeds, strict=True) if one is not None}
+        given = {key: one for key, one in zip(self._called, self.speeds, strict=True) if one is not None}
         return {key: one.text if one.constant is None else one.constant for key, one in given.items()}
 
     def more_settings(self) -> Mapping[str, object]:
         """Return the prescribed speeds, which a store is known by too."""
-        return {f"prescribed_{key}": repr(one) for key, one in zip(SPEEDS, self.speeds, strict=True)}
+        return {f"prescribed_{key}": repr(one) for key, one in zip(self._called, self.speeds, strict=True)}
 
     def compute(self, start: int, stop: int) -> Arrays:
         """Compute members start..stop and return their results by name, members first."""
@@ -80,8 +86,14 @@ class BodiesRequest(Request):
     @cached_property
     def base(self) -> LoweredBodies:
         """The model as the core takes it, with every varied speed a number."""
-        speeds = [0.0 if key in self._varied else one for key, one in zip(SPEEDS, self.speeds, strict=True)]
+        speeds = [
+            0.0 if key in self._varied else one for key, one in zip(self._called, self.speeds, strict=True)
+        ]
         return lower_bodies(whole(self.model, *speeds), self.model)
+
+    @property
+    def _called(self) -> tuple[str, str]:
+        return speed_names(self.model.rig)
 
     @property
     def _varied(self) -> set[str]:
@@ -134,7 +146,7 @@ class BodiesRequest(Request):
         model = self.model.replace(
             {name: size for name, size in given.items() if name in self.model.parameters}
         )
-        belt, drive = (given.get(key, one) for key, one in zip(SPEEDS, self.speeds, strict=True))
+        belt, drive = (given.get(key, one) for key, one in zip(self._called, self.speeds, strict=True))
         return lower_bodies(whole(model, belt, drive), model)
 
     def _observed(self, raw: Mapping[str, Any], own: General) -> Mapping[str, object]:

@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip.arguments import explained, whole_number
 from stickslip.arguments import path as as_path
+from stickslip.declared.drive import KEY, Drive, Pull, pull_or_force
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
-from stickslip.declared.rig import AnyRig
+from stickslip.declared.rig import AnyRig, DrivenSlider
 from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
@@ -27,7 +28,7 @@ from stickslip.simulated.lowering import lower
 from stickslip.simulated.named_places import whole
 from stickslip.simulated.simulate import checked_initial, checked_tolerances
 from stickslip.simulated.simulate_bodies import constant_speed, needs_bodies
-from stickslip.simulated.sweep.bodies import SPEEDS, BodiesRequest, checked_start, named
+from stickslip.simulated.sweep.bodies import BodiesRequest, checked_start, named, speed_names
 from stickslip.simulated.sweep.cluster import WorkersLostError, run_dask, usable
 from stickslip.simulated.sweep.grid import Grid, make_grid
 from stickslip.simulated.sweep.observables import DEFAULT, TAKEN, Arrays, chosen
@@ -49,6 +50,7 @@ def sweep(
     initial: ArrayLike | None = None,
     belt_speed: float | str | Speed | None = None,
     drive_speed: float | str | Speed | None = None,
+    drive: Drive | None = None,
     rtol: float = 1e-8,
     atol: float = 1e-8,
     observe: str | Iterable[str] = DEFAULT,
@@ -77,8 +79,9 @@ def sweep(
         End of every run, in the rig's unit of time or with a unit ("60 s"); runs start at 0.
     initial
         State at the start as for `simulate`; at rest at the origin if absent.
-    belt_speed, drive_speed
-        v_b, and the drive's speed, where they do not vary; as for `simulate`.
+    belt_speed, drive_speed, drive
+        v_b, the drive's speed, and the force on a `DrivenSlider`, where they do not vary; as for `simulate`. In
+        `over` the force is "drive".
     rtol, atol
         Error allowed to each step.
     observe
@@ -153,6 +156,7 @@ def sweep(
         points,
         lanes,
         (max_transitions, max_steps),
+        drive,
     )
     request = _request(model, over, asked)
     workers = _threads(threads)
@@ -233,6 +237,7 @@ class _SweepCall:
     points: int
     lanes: bool
     most: tuple[int, int]
+    drive: Drive | None = None
 
     def checked(self, rig: AnyRig) -> dict[str, Any]:
         """Return the settings of every sweep."""
@@ -255,9 +260,9 @@ class _SweepCall:
 def _request(model: Model, over: Mapping[str, object], asked: _SweepCall) -> Request:
     if not isinstance(model, Model):
         raise InputError(f"must be a Model, not {type(model).__name__}", key="model")
-    speeds = zip(asked.speeds, SPEEDS, strict=True)
-    belt, drive = (written_speed(given, model.rig, key) for given, key in speeds)
-    asked = replace(asked, speeds=(belt, drive))
+    keys = ("belt_speed", "drive_speed")
+    belt, pull = (written_speed(given, model.rig, key) for given, key in zip(asked.speeds, keys, strict=True))
+    asked = replace(asked, speeds=(belt, _pull_or_force(model.rig, over, pull, asked.drive)))
     if needs_bodies(model, *asked.speeds):
         return _bodies_request(model, over, asked)
     belt_speed = asked.speeds[0]
@@ -273,7 +278,7 @@ def _bodies_request(model: Model, over: Mapping[str, object], asked: _SweepCall)
     """Return the sweep of what only the core of general rigs simulates."""
     given: object = over
     varied = given if isinstance(given, Mapping) else {}
-    speeds = dict(zip(SPEEDS, asked.speeds, strict=True))
+    speeds = dict(zip(speed_names(model.rig), asked.speeds, strict=True))
     for key, one in speeds.items():
         if key in varied and one is not None:
             raise InputError("varies in `over`; leave it out here", key=key, value=str(one))
@@ -285,6 +290,13 @@ def _bodies_request(model: Model, over: Mapping[str, object], asked: _SweepCall)
     return BodiesRequest(
         model=model, grid=grid, belt_speed=0.0, initial=start, speeds=(belt, drive), **settings
     )
+
+
+def _pull_or_force(rig: AnyRig, over: object, pull: Pull, drive: Drive | None) -> Pull:
+    """Return the speed of a drive that pulls, or the force of a driven slider's in its place."""
+    if drive is None and isinstance(over, Mapping) and KEY in over and isinstance(rig, DrivenSlider):
+        return pull
+    return pull_or_force(rig, pull, drive)
 
 
 def _yes_or_no(key: str, value: object) -> bool:

@@ -1,0 +1,224 @@
+"""A model of a driven slider against a record of it: where it stands, what follows, and how far off that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.declared.drive import drive_of
+from stickslip.declared.model import Model
+from stickslip.declared.rig import DrivenSlider
+from stickslip.declared.speeds import Speed
+from stickslip.errors import InputError, StickslipError, number
+from stickslip.measured.recording import Recording
+from stickslip.simulated.simulate import simulate
+from stickslip.simulated.trajectory import Trajectory
+
+Floats = NDArray[np.float64]
+PAST = 24  # samples before an instant from which the state there is taken
+TURNS = 6  # of the fit of that state
+STARTS = 40  # forecasts within the past whose errors say how far off one may be
+FEWEST = 6  # of these
+GROWS = 1.5  # power of time by which a doubt of the force grows, integrated twice, beyond what the past shows
+Z = 1.96
+MOST = 1_000_000  # samples of a forecast
+PIECES = 40  # a comparison follows the record in so many
+
+
+@dataclass(frozen=True)
+class DrivenForecast:
+    """
+    Positions to come.
+
+    Parameters
+    ----------
+    t : (n,) times of the record's clock
+    mean, low, high : (n,) expected readings, and the band that holds 95 % of the readings to come
+    """
+
+    t: Floats
+    mean: Floats
+    low: Floats
+    high: Floats
+
+
+def forecast_driven(model: Model, recording: Recording, drive: object, horizon: float) -> DrivenForecast:
+    """Return what follows a record of a driven slider under a drive to come.
+
+    The state is that of the model which passes best through the last readings; the band is as wide as such forecasts
+    erred within the record.
+
+    Parameters
+    ----------
+    model, recording
+        Of one slider.
+    drive
+        Force after the last sample's interval, as `simulate` takes it; t is the record's.
+    horizon
+        How far, in the model's unit of time.
+
+    Raises
+    ------
+    InputError
+        The drive is missing or wrong, the horizon too short or long, the record too short.
+    StickslipError
+        The model cannot be simulated.
+    """
+    _check_record(recording)
+    t, step = recording.t, float(np.median(np.diff(recording.t)))
+    count = int(number("horizon", horizon, above=0) / step + 0.05)
+    if not 1 <= count <= MOST:
+        words = f"gives {count} samples at intervals of {step:.3g}; 1 to {MOST} can be forecast"
+        raise InputError(words, key="horizon", value=horizon)
+    future = drive_of(drive, model.rig)
+    assert future is not None
+    known = recorded_drive(recording)
+    last = len(t) - 1
+    times = t[last] + step * np.arange(1, count + 1)
+    course = _followed(known, future, float(t[last]) + step)
+    mean = _ahead(model, course, recording, last, times)
+    error = _errors(model, known, recording, count)
+    return DrivenForecast(times, mean, mean - Z * error, mean + Z * error)
+
+
+def recorded_drive(recording: Recording) -> Speed:
+    """Return the force of the drive over a record [N], each sample held until the next."""
+    course = drive_of((recording.t, recording.drive), recording.rig)
+    assert course is not None
+    return course
+
+
+def _check_record(recording: Recording) -> None:
+    if not isinstance(recording.rig, DrivenSlider) or recording.drive is None:
+        raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
+    if len(recording.t) < PAST + FEWEST:
+        raise InputError(
+            f"{recording.name} has {len(recording.t)} samples; {PAST + FEWEST} are needed to see how the slider moves"
+        )
+
+
+def _followed(known: Speed, future: Speed, begin: float) -> Speed:
+    """A course, and another from a time on."""
+    kept = [i for i, at in enumerate(known.begins) if at < begin]
+    later = [i for i, at in enumerate(future.begins) if at > begin]
+    begins = (*(known.begins[i] for i in kept), begin, *(future.begins[i] for i in later))
+    pieces = (
+        *(known.pieces[i] for i in kept),
+        future.pieces[future.piece(begin)],
+        *(future.pieces[i] for i in later),
+    )
+    return Speed(begins, pieces, future.text)
+
+
+def _ahead(model: Model, course: Speed, recording: Recording, at: int, times: Floats) -> Floats:
+    """Positions at times after a sample, from the state that the readings before it show."""
+    late = [one.parameters["delay"] for one in model.effects if one.name == "drive_delay"]
+    first, last = float(recording.t[at - PAST + 1]), float(times[-1])
+    course = course.within(first - max([0.0, *late]), last - min([0.0, *late]))
+    begun = _begun(model, course, recording, at)
+    run = simulate(model, drive=course, initial=begun, t_end=float(times[-1]), t_eval=times)
+    if len(run.t) < len(times):
+        raise StickslipError(f"the model's run {run.status}")
+    return run.x1
+
+
+def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajectory:
+    """The run of the model that passes best through the readings up to a sample, and ends there."""
+    part = slice(at - PAST + 1, at + 1)
+    t, x = recording.t[part], recording.x1[part]
+    since = (t - t[0]) / (t[-1] - t[0])
+    b = np.linalg.lstsq(np.vander(since, 4, increasing=True), x, rcond=None)[0]
+
+    def run(start: Floats) -> Trajectory:
+        return simulate(
+            model,
+            drive=course,
+            initial=start,
+            t_start=float(t[0]),
+            t_end=float(t[-1]),
+            t_eval=t,
+            sensitivity=("initial.x1", "initial.x2"),
+        )
+
+    def cost(made: Trajectory) -> float:
+        return float(np.sum((made.x1 - x) ** 2)) if len(made.t) == len(t) else np.inf
+
+    starts = [np.array([b[0], b[1] / (t[-1] - t[0])]), np.array([float(x.mean()), 0.0])]
+    start, best = min(((one, run(one)) for one in starts), key=lambda pair: cost(pair[1]))
+    for _ in range(TURNS):
+        if not np.isfinite(cost(best)):
+            raise StickslipError(f"the model's run {best.status}")
+        slopes = best.sensitivity[:, 0]
+        scale = np.maximum(np.abs(slopes).max(axis=0), 1e-300)
+        move = np.linalg.lstsq(slopes / scale, x - best.x1, rcond=1e-6)[0] / scale
+        made = run(start + move)
+        if not cost(made) < cost(best) * (1 - 1e-6):
+            break
+        start, best = start + move, made
+    return best
+
+
+def _errors(model: Model, known: Speed, recording: Recording, count: int) -> Floats:
+    """How far off readings so many samples ahead have been, (count,): root mean squares over starts in the record."""
+    n = len(recording.t)
+    reach = max(min(count, (n - PAST) // 2), 1)
+    at = np.unique(np.linspace(PAST - 1, n - 1 - reach, STARTS).astype(int))
+    missed = np.array([one for one in _misses(model, known, recording, at, reach) if one is not None])
+    if len(missed) < FEWEST:
+        raise StickslipError("the model does not follow the record: no band of what follows is known")
+    seen = np.maximum.accumulate(np.sqrt(np.mean(missed**2, axis=0)))
+    beyond = seen[-1] * (np.arange(reach + 1, count + 1) / reach) ** GROWS
+    return np.concatenate([seen, beyond])
+
+
+def _misses(
+    model: Model, known: Speed, recording: Recording, at: NDArray[np.intp], reach: int
+) -> Iterator[Floats | None]:
+    for i in at:
+        try:
+            made = _ahead(model, known, recording, int(i), recording.t[i + 1 : i + 1 + reach])
+        except StickslipError:
+            yield None
+            continue
+        yield made - recording.x1[i + 1 : i + 1 + reach]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """
+    A record that a model followed in pieces, each from the state that the readings before it show.
+
+    Parameters
+    ----------
+    t, read, made : (n,) times, readings, and the model's positions
+    ends : (m,) where each piece ends
+    """
+
+    t: Floats
+    read: Floats
+    made: Floats
+    ends: NDArray[np.intp]
+
+
+def followed(model: Model, recording: Recording) -> Followed:
+    """Follow a record in pieces.
+
+    Raises
+    ------
+    InputError
+        Of another rig, or too short.
+    StickslipError
+        The model cannot be simulated.
+    """
+    _check_record(recording)
+    known, n = recorded_drive(recording), len(recording.t)
+    ends = np.unique(np.linspace(PAST - 1, n - 1, min(PIECES, (n - PAST) // 2) + 1).astype(int))
+    made = [
+        _ahead(model, known, recording, int(a), recording.t[a + 1 : b + 1])
+        for a, b in zip(ends[:-1], ends[1:], strict=True)
+    ]
+    part = slice(PAST, n)
+    return Followed(recording.t[part], recording.x1[part], np.concatenate(made), ends[1:] - PAST)
