@@ -133,6 +133,14 @@ def test_a_fault_in_any_dialect_gets_one_line_and_shifts_nothing(
     assert str(refused.value).isprintable()
 
 
+@pytest.mark.parametrize("text", ['"', '"\n"\n', ";;\n", '# alone\n"\n'])
+def test_a_file_of_marks_alone_is_empty(tmp_path: Path, text: str) -> None:
+    """A file cut after its first quote ended in a traceback."""
+    (tmp_path / "run.csv").write_text(text)
+    with pytest.raises(ss.InputError, match="empty; it needs a line of column names"):
+        ss.load_recording(tmp_path / "run.csv", RIG, belt_speed="5 mm/s")
+
+
 @settings(max_examples=100, deadline=None)
 @given(dialect=dialects(), data=st.data())
 def test_damaged_text_gets_numbers_or_one_line(dialect: Dialect, data: st.DataObject) -> None:

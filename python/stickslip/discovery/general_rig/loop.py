@@ -26,9 +26,9 @@ from stickslip.discovery.workers import ALONE, Workers
 from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_ahead import WindowForecasts
-from stickslip.likelihoods.fit import null
-from stickslip.likelihoods.fit_state import Fit
+from stickslip.likelihoods.fit import closed, null
 from stickslip.likelihoods.repeating import lost
+from stickslip.likelihoods.single_windows import settled
 from stickslip.measured.case import Case
 
 Floats = NDArray[np.float64]
@@ -66,10 +66,11 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     try:
         tell("fitting the declared laws, their constants and their scatter")
         every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
-        found = search(bench, case.uncertainty, tell, seed, workers=workers, ends=partial(_stand_out, bench))
-        if found.chosen.terms and _stand_out(bench, found.chosen.fit):
-            tell("windows stand out from what was found: once more without them")
-            bench = of_single_events(bench, found.chosen.fit)
+        others = partial(_other_windows, every, bench)
+        found = search(bench, case.uncertainty, tell, seed, workers=workers, ends=others)
+        if found.chosen.terms and others(found.chosen):
+            tell("beside what was found other windows stand out: once more with the rest")
+            bench = beside(every, found.chosen)
             found = search(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
@@ -89,9 +90,21 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     )
 
 
-def _stand_out(bench: GeneralBench, fit: Fit) -> bool:
-    """Whether what was missing hid windows in which more happens than one event."""
-    return len(of_single_events(bench, fit).stretches) < len(bench.stretches)
+def beside(every: GeneralBench, trial: Trial) -> GeneralBench:
+    """
+    Return all windows less those in which more happens than one event, as a hypothesis tells them.
+
+    Without what acts, windows in which it does much stand out too, and the rest tell a part of it.
+    """
+    windows = every.windows(trial.terms)
+    own, count = windows.first(trial.fit.at), len(every.stretches)
+    first = replace(trial.fit, windows=windows, own=own, knee=np.full(count, np.inf))
+    return of_single_events(every, closed(replace(first, own=settled(first)[0]), every.policy, 0))
+
+
+def _other_windows(every: GeneralBench, bench: GeneralBench, trial: Trial) -> bool:
+    """Whether beside a hypothesis other windows hold one event each than were fitted."""
+    return [*map(id, beside(every, trial).stretches)] != [*map(id, bench.stretches)]
 
 
 def _moving(runs: Sequence[BodiesData]) -> None:

@@ -101,7 +101,7 @@ def search(
     seed: int = 0,
     base: Trial | None = None,
     workers: Workers = ALONE,
-    ends: Callable[[Fit], bool] = lambda _: False,
+    ends: Callable[[Trial], bool] = lambda _: False,
 ) -> Searched:
     """
     Return what the runs say of every effect, alone and beside others, and of the declared constants.
@@ -128,7 +128,7 @@ def search(
         if found is None:
             break
         base = found
-        if ends(base.fit):
+        if ends(base):
             break
         screen = step.beside if base is _leader(step) else None
     out.chosen = with_wrong_constant(bench, known, out.null, _back(bench, base, out, tell, workers))

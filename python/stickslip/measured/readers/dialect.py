@@ -142,7 +142,7 @@ def find_layout(file: Path, wanted: Sequence[str] = ()) -> Layout:
     encoding, mark = encoding_of(file)
     with opened(file, encoding, mark) as stream:
         lines = [line.rstrip("\n") for _, line in zip(range(HEAD), stream, strict=False)]
-    if not any(line.strip() and not line.strip().startswith(COMMENTS) for line in lines):
+    if not _plain(lines):
         raise InputError("empty; it needs a line of column names and rows of numbers", place=Place(str(file)))
     at, names, delimiter = (_declared(file, lines, wanted) if wanted else None) or _guessed(file, lines)
     units, first = _units_below(lines, at, names, delimiter)
@@ -252,10 +252,15 @@ def _is_row(line: str, delimiter: str, width: int = 0) -> bool:
     return 2 * numbers > len(told)
 
 
+def _plain(lines: Sequence[str]) -> list[int]:
+    """Lines with something in them beside marks, and no comments."""
+    return [i for i, line in enumerate(lines) if line.strip(EMPTY) and not line.strip().startswith(COMMENTS)]
+
+
 def _guessed(file: Path, lines: Sequence[str]) -> tuple[int, tuple[str, ...], str]:
     """The line of names where none are known: the one above the first rows, or the first line if there are none."""
     used = [i for i, line in enumerate(lines) if line.strip(EMPTY)]
-    plain = [i for i in used if not lines[i].strip().startswith(COMMENTS)]
+    plain = _plain(lines)
     start = _first_rows(lines, plain)
     if start is None:
         delimiter = next(one for one in SEPARATORS if one in lines[plain[0]] or one == " ")
