@@ -124,7 +124,8 @@ def test_a_gain_that_is_found_is_in_the_model_that_forecasts() -> None:
     found = ss.identify(recording_, rig=rig, friction=law)
     assert isinstance(found, ss.IdentifiedRig)
     gains = {one.where: one.parameters["e"] for one in found.model.effects}
-    assert gains == pytest.approx({"x channel": 0.01, "v_x channel": -0.02}, rel=0.05)
+    # the set-point, which both read in every stick, is no better known than to 0.4 %
+    assert gains == pytest.approx({"x channel": 0.01, "v_x channel": -0.02}, abs=2e-3)
     coming = ss.forecast(found.model, recording_, belt_speed=0.01, horizon=0.8)
     for name, one in read.items():
         true = one[past : past + len(coming)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,7 @@ def test_it_is_what_the_fit_of_a_record_steps_through(names: tuple[str, ...]) ->
 def test_derivatives_are_those_of_differences() -> None:
     law = ss.CoulombFriction(static=8.0, kinetic=7.0, static_plus=6.0, kinetic_plus=5.0)
     effects = [usual("drive_lag"), ss.effect("drive_ripple", a=0.2, L=0.03, phi=1.0), usual("rig_mass")]
+    effects.append(ss.effect("viscous_asymmetry", c=8.0))
     whole = replace(model(*effects), friction=law)
     names = (
         "mass",
@@ -126,6 +128,8 @@ def test_derivatives_are_those_of_differences() -> None:
         "static_plus",
         "drive_lag.tau",
         "drive_ripple.a",
+        "rig_mass.e",
+        "viscous_asymmetry.c",
         "drive",
         "initial.x2",
     )
@@ -212,3 +216,91 @@ def test_no_force_moves_another_rig() -> None:
 
 def test_every_effect_of_a_driven_slider_is_tried_here() -> None:
     assert {*SMOOTH, *OWN} == {*DRIVEN}
+
+
+def test_every_number_is_swept_as_simulated() -> None:
+    """A delay, and the start of a lag under a drive that varies, stayed as the model had them."""
+    whole = model(usual("drive_lag"), usual("drive_delay"))
+    over = {"drive_delay.delay": [0.0, 0.3], "drive_lag.tau": [0.1, 0.3]}
+    ds = ss.sweep(whole, over, drive="25*sin(4*t)", initial=(0.0, 0.1), t_end=1.0, **TIGHT)
+    for i, delay in enumerate(over["drive_delay.delay"]):
+        for j, tau in enumerate(over["drive_lag.tau"]):
+            one = whole.replace({"drive_delay.delay": delay, "drive_lag.tau": tau})
+            run = ss.simulate(one, drive="25*sin(4*t)", initial=(0.0, 0.1), t_end=1.0, **TIGHT)
+            np.testing.assert_allclose(ds.final_state[i, j], run.state[-1], atol=1e-11)
+    lagged = model(ss.effect("drive_lag", tau=0.3))
+    run = ss.simulate(lagged, drive=9.0, t_end=1.0, **TIGHT)
+    swept = ss.sweep(lagged, {"drive": [9.0]}, t_end=1.0, **TIGHT)
+    np.testing.assert_allclose(swept.final_state[0], run.state[-1], atol=1e-11)
+
+
+def test_a_store_of_another_drive_is_not_gone_on_with(tmp_path: Path) -> None:
+    """Held samples were told apart by how many they are."""
+    pytest.importorskip("zarr")
+    t = np.arange(0, 3, 0.1)
+    for out, drives in (
+        ("held", [(t, 9 * np.sin(4 * t)), (t, -18 * np.sin(4 * t))]),
+        ("number", [9.0, 9.000001]),
+    ):
+        ss.sweep(model(), {"mass": [1.0, 2.0]}, drive=drives[0], t_end=3, out=tmp_path / out)
+        with pytest.raises(InputError, match="another"):
+            ss.sweep(model(), {"mass": [1.0, 2.0]}, drive=drives[1], t_end=3, out=tmp_path / out)
+
+
+def test_a_root_of_what_is_0_at_the_start_is_refused() -> None:
+    """The drive was taken as 0 for the whole run, and the run as finished."""
+    for text in ("9*sqrt(t)", "t**1.5", "6 + 9*t**2.5"):
+        with pytest.raises(
+            InputError, match="takes a root, or a power that is not whole, of what is 0 at t = 0"
+        ):
+            ss.simulate(model(), drive=text, t_end=1.0)
+        block = ss.Model(ss.BlockOnBelt(), friction=LAW)
+        with pytest.raises(InputError, match="takes a root"):
+            ss.simulate(block, belt_speed=text, t_end=1.0)
+    with pytest.raises(InputError, match="takes a root, or a power that is not whole, of what is 0 at t = 1"):
+        ss.Speed.steps([0.0, 1.0], [2.0, "((t - 1)**2)**0.75"])
+    run = ss.simulate(model(), drive="9*sqrt(t + 1e-9)", t_end=3.0)
+    assert run.x1[-1] > 0.1
+
+
+@pytest.mark.parametrize(("p", "tolerance"), [(15, 1e-4), (20, 1e-8), (24, 1e-10), (33, 1e-11), (200, 1e-11)])
+def test_a_power_with_more_factors_than_a_series_has_terms_acts(p: int, tolerance: float) -> None:
+    """From where its base is 0 every term was 0: a drive by sin(9 t)**20 did nothing for the whole run."""
+    t = np.linspace(0, 1.0, 200_001)
+    forces = 20.0 * np.sin(9 * t) ** p
+    settings: dict[str, Any] = {"initial": (0.0, 0.0), "t_end": 1.0}
+    run = ss.simulate(model(), drive=f"20*sin(9*t)**{p}", rtol=tolerance, atol=tolerance, **settings)
+    fine = ss.simulate(model(), drive=(t, forces), max_transitions=2_000_000, **settings)
+    np.testing.assert_allclose(run.state[-1], fine.state[-1], atol=5e-6)
+    assert len(run.transitions) == len(fine.transitions) > 2
+
+
+def test_a_slip_the_other_way_is_refused() -> None:
+    with pytest.raises(InputError, match="slips the other way"):
+        ss.simulate(model(), drive=9, initial=(0, -1), contact="slip+", t_end=1.0)
+    ss.simulate(model(), drive=9, initial=(0, -1), contact="slip-", t_end=1.0)
+
+
+def test_friction_that_drives_is_said() -> None:
+    with pytest.warns(ss.ModelWarning, match="friction"):
+        ss.simulate(model(ss.effect("friction_drift", r=-1.0)), drive=0, t_end=3.0)
+
+
+def test_a_bristle_is_bent_by_all_that_acts_at_the_contact() -> None:
+    soft = model(
+        ss.effect("contact_compliance", k=2e3, c=0.0), ss.effect("viscous_saturation", dT=2.0, v_s=0.2)
+    )
+    run = ss.simulate(soft, drive=20, initial=(0.0, 0.3), t_end=0.1)
+    bent = truth.PLUS + 2.0 * (1 - np.exp(-0.3 / 0.2))
+    assert run.hidden["contact_compliance.z"][0] == pytest.approx(bent / 2e3, rel=1e-12)
+
+
+def test_a_curve_in_the_sliding_speed_acts_on_the_block_too() -> None:
+    knots, values = [0.0, 0.5, 1.0], [0.0, 2.0, 0.0]
+    runs = [
+        ss.simulate(model(ss.tabulated("block", of, knots, values)), drive=25, initial=(0, 0.1), t_end=1.0)
+        for of in ("v_w", "x2")
+    ]
+    np.testing.assert_array_equal(runs[0].state[-1], runs[1].state[-1])
+    with pytest.raises(InputError, match="no derivative by a delay"):
+        ss.simulate(model(usual("drive_delay")), drive=25, t_end=1.0, sensitivity=("drive_delay.delay",))

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stickslip.declared.drive import drive_of
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
-from stickslip.measured.readers.tables import read_columns
-from stickslip.measured.recording import load_recording
+from stickslip.measured.channels import channel_factor
+from stickslip.measured.readers.tables import column_names, read_columns
 
+Floats = NDArray[np.float64]
 KEY = "--drive"
 
 
@@ -20,15 +24,17 @@ def is_record(text: str) -> bool:
     return Path(text).suffix.lower() == ".csv" or Path(text).is_file()
 
 
-def read_drive(text: str | None, model: Model) -> Speed | None:
+def read_drive(text: str | None, model: Model, after: float | None = None) -> Speed | None:
     """Return the force of the drive [N]; None of a rig that has none.
 
     Parameters
     ----------
     text
-        As given. A record is read by the channels of the model, or has columns t [s] and drive [N].
+        As given. A record has the columns that the channels of the model say, or t [s] and drive [N].
     model
         What it moves.
+    after
+        Time that a record must go beyond, by its own clock; None: it is taken to begin at 0.
 
     Raises
     ------
@@ -43,16 +49,29 @@ def read_drive(text: str | None, model: Model) -> Speed | None:
         words = "missing: the force on the slider, like '4 N', '20*sin(3*t)', or the file of a run"
         raise InputError(words, key=KEY)
     try:
-        return drive_of(_recorded(text, model) if is_record(text) else text, model.rig)
+        if not is_record(text):
+            return drive_of(text, model.rig)
+        t, force = _recorded(text, model)
+        if after is not None and not t[-1] > after:
+            words = f"ends at t = {t[-1]:.6g} s, and what is forecast begins after {after:.6g} s"
+            raise InputError(words, key="drive", value=text)
+        return drive_of((t if after is not None else t - t[0], force), model.rig)
     except InputError as error:
         if error.key != "drive":
             raise
         raise InputError(error.what, key=KEY, value=error.value) from None
 
 
-def _recorded(text: str, model: Model) -> object:
-    if model.channels is None or "drive" not in model.channels:
+def _recorded(text: str, model: Model) -> tuple[Floats, Floats]:
+    """Times and forces of a file, SI."""
+    known, names = model.channels or {}, column_names(text)
+    if "drive" not in known or known["drive"].column not in names:
         values = read_columns(text, ("t", "drive")).values
         return values["t"], values["drive"]
-    run = load_recording(text, model.rig, channels=model.channels)
-    return run.t, run.drive
+    both = [known["t"], known["drive"]]
+    values = read_columns(text, [one.column for one in both]).values
+    t, force = (
+        values[one.column] * channel_factor(key, one, model.rig)
+        for key, one in zip(("t", "drive"), both, strict=True)
+    )
+    return t, force

@@ -19,7 +19,7 @@ from stickslip.declared.formula.dimension import Dimensions, dimensions, measure
 from stickslip.declared.formula.parse import parse
 from stickslip.declared.formula.tree import Apply, Name, Number, Tree, names, substituted, switches
 from stickslip.declared.formula.value import Value
-from stickslip.declared.rig import Rig
+from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.declared.rigs.bodies import BodiesRig
 from stickslip.declared.rigs.general import ContactRow, Equations, GeneralRig
 from stickslip.errors import InputError, did_you_mean
@@ -182,9 +182,12 @@ class Places:
         raise _no_place(where, "body or link" if links else "coordinate", [*bodies, *links])
 
     def _named(self) -> dict[str, int]:
-        return (
-            {} if isinstance(self.rig, GeneralRig) else {k: i for k, i in NAMED_PLACES.items() if i < self.n}
-        )
+        if isinstance(self.rig, GeneralRig):
+            return {}
+        of_contact = (
+            {"contact": 0} if isinstance(self.rig, DrivenSlider) else {}
+        )  # its damping comes from there
+        return of_contact | {k: i for k, i in NAMED_PLACES.items() if i < self.n}
 
     def contact(self, where: str) -> tuple[int, str | None, Site]:
         """Index of a contact, the number of its law ("bit.normal") or None, and what is read there."""

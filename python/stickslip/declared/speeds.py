@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -67,6 +68,7 @@ class Speed(Drawn):
         except InputError as error:
             raise InputError(error.what, key=key, value=error.value) from None
         check_range(key, tree, "t", {})
+        _check_roots(tree, 0.0, key, given)
         if found := switches(tree):
             words = f"'{found[0].operation}' has a kink in time; give the speed in steps, with a formula each"
             raise InputError(words, key=key, value=given)
@@ -88,6 +90,8 @@ class Speed(Drawn):
             raise InputError(f"has {len(values)} values for {len(times)} times", key=key)
         _check_times(times, key)
         pieces = tuple(cls.of(one, key).pieces[0] for one in values)
+        for at, tree, one in zip(times.tolist(), pieces, values, strict=True):
+            _check_roots(tree, at, key, one)
         told = ", ".join(f"{one} from {t:g}" for t, one in zip(times, values, strict=True))
         return cls(tuple(times.tolist()), pieces, told)
 
@@ -112,6 +116,11 @@ class Speed(Drawn):
         before: list[Tree] = [Number(float(speeds[0]))]
         text = f"measured, {len(times)} samples"
         return cls((float(times[0]) - 1.0, *begins), (*before, *pieces), text)
+
+    @property
+    def digest(self) -> str:
+        """What tells it from every other: its pieces in full, where `text` is short."""
+        return hashlib.sha256(repr((self.begins, self.pieces)).encode()).hexdigest()
 
     @property
     def constant(self) -> float | None:
@@ -162,6 +171,23 @@ class Speed(Drawn):
             for one in self.pieces
         )
         return Speed(tuple(one / time for one in self.begins), pieces, self.text)
+
+
+def _check_roots(tree: Tree, at: float, key: str, given: object) -> None:
+    """Refuse a root, or a power that is not whole, of what is 0 where a formula begins: it has no series there."""
+    if not isinstance(tree, Apply):
+        return
+    for one in tree.operands:
+        _check_roots(one, at, key, given)
+    exponent = tree.operands[1] if tree.operation == "power" else None
+    whole = isinstance(exponent, Number) and exponent.value >= 0 and exponent.value == int(exponent.value)
+    if (tree.operation == "sqrt" or (exponent is not None and not whole)) and value(
+        tree.operands[0], {"t": at}
+    ) == 0:
+        words = (
+            f"takes a root, or a power that is not whole, of what is 0 at t = {at:g}; begin a little above 0"
+        )
+        raise InputError(words, key=key, value=given)
 
 
 def _check_times(times: NDArray[np.float64], key: str) -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from stickslip.declared.drive import drive_of
@@ -23,7 +24,6 @@ TURNS = 6  # of the fit of that state
 STARTS = 40  # forecasts within the past whose errors say how far off one may be
 FEWEST = 6  # of these
 GROWS = 1.5  # power of time by which a doubt of the force grows, integrated twice, beyond what the past shows
-Z = 1.96
 MOST = 1_000_000  # samples of a forecast
 PIECES = 40  # a comparison follows the record in so many
 
@@ -80,8 +80,8 @@ def forecast_driven(model: Model, recording: Recording, drive: object, horizon: 
     times = t[last] + step * np.arange(1, count + 1)
     course = _followed(known, future, float(t[last]) + step)
     mean = _ahead(model, course, recording, last, times)
-    error = _errors(model, known, recording, count)
-    return DrivenForecast(times, mean, mean - Z * error, mean + Z * error)
+    half = _half_width(model, known, recording, count)
+    return DrivenForecast(times, mean, mean - half, mean + half)
 
 
 def recorded_drive(recording: Recording) -> Speed:
@@ -94,10 +94,9 @@ def recorded_drive(recording: Recording) -> Speed:
 def _check_record(recording: Recording) -> None:
     if not isinstance(recording.rig, DrivenSlider) or recording.drive is None:
         raise InputError(f"{recording.name} was recorded on another rig than the model's", key="model")
-    if len(recording.t) < PAST + FEWEST:
-        raise InputError(
-            f"{recording.name} has {len(recording.t)} samples; {PAST + FEWEST} are needed to see how the slider moves"
-        )
+    if len(recording.t) < PAST + 2 * FEWEST:
+        words = f"{PAST + 2 * FEWEST} are needed to see how the slider moves"
+        raise InputError(f"{recording.name} has {len(recording.t)} samples; {words}")
 
 
 def _followed(known: Speed, future: Speed, begin: float) -> Speed:
@@ -132,11 +131,13 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
     since = (t - t[0]) / (t[-1] - t[0])
     b = np.linalg.lstsq(np.vander(since, 4, increasing=True), x, rcond=None)[0]
 
+    held = _hidden(model, course, float(t[0]), recording)
+
     def run(start: Floats) -> Trajectory:
         return simulate(
             model,
             drive=course,
-            initial=start,
+            initial=[*start, *held(start)],
             t_start=float(t[0]),
             t_end=float(t[-1]),
             t_eval=t,
@@ -161,8 +162,38 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
     return best
 
 
-def _errors(model: Model, known: Speed, recording: Recording, count: int) -> Floats:
-    """How far off readings so many samples ahead have been, (count,): root mean squares over starts in the record."""
+def _hidden(
+    model: Model, course: Speed, begin: float, recording: Recording
+) -> Callable[[Floats], list[float]]:
+    """What gives the hidden states at an instant from a start there: a lagging drive as the record has driven it."""
+    lag = next((one.parameters["tau"] for one in model.effects if one.name == "drive_lag"), None)
+    if lag is None:
+        return lambda _: []
+    late = sum(one.parameters["delay"] for one in model.effects if one.name == "drive_delay")
+    assert recording.drive is not None
+    past = recording.t + late < begin
+    ends = np.append(recording.t[past][1:] + late, begin)
+    force = float(recording.drive[0])
+    for own, lasts in zip(recording.drive[past], ends - (recording.t[past] + late), strict=True):
+        force = own + (force - own) * np.exp(-lasts / lag)
+
+    def states(start: Floats) -> list[float]:
+        first = simulate(
+            model, drive=course, initial=start, t_start=begin, t_end=begin + 1e-9, t_eval=[begin]
+        )
+        return [
+            force if name == "drive_lag.f" else float(first.hidden[name][0]) for name in first.hidden_names
+        ]
+
+    return states
+
+
+def _half_width(model: Model, known: Speed, recording: Recording, count: int) -> Floats:
+    """
+    Half of the band of readings so many samples ahead, (count,): by how far such forecasts were off within the record.
+
+    Forecasts that overlap are no two: of few that do not, the band is that of Student's t.
+    """
     n = len(recording.t)
     reach = max(min(count, (n - PAST) // 2), 1)
     at = np.unique(np.linspace(PAST - 1, n - 1 - reach, STARTS).astype(int))
@@ -171,7 +202,9 @@ def _errors(model: Model, known: Speed, recording: Recording, count: int) -> Flo
         raise StickslipError("the model does not follow the record: no band of what follows is known")
     seen = np.maximum.accumulate(np.sqrt(np.mean(missed**2, axis=0)))
     beyond = seen[-1] * (np.arange(reach + 1, count + 1) / reach) ** GROWS
-    return np.concatenate([seen, beyond])
+    ahead = np.arange(1, count + 1)
+    apart = np.clip((n - PAST) / np.minimum(ahead, reach), 1.0, len(missed))
+    return np.asarray(scipy.stats.t.ppf(0.975, apart) * np.concatenate([seen, beyond]))
 
 
 def _misses(

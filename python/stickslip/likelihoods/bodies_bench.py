@@ -14,7 +14,7 @@ from stickslip.declared.uncertainty import Uncertainty
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_cuts import Cut, cuts
-from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.bodies_windows import BELT_OFF, BodiesWindows
 from stickslip.likelihoods.declared_numbers import FAR, FAR_GAIN, STRIDE_CONSTANT, held_loosely
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, SharedNumber
@@ -47,10 +47,10 @@ class BodiesBench:
 
     def windows(self, model: Model | None = None, more: Sequence[SharedNumber] = ()) -> BodiesWindows:
         """Return the windows of a hypothesis: the declared model, or another with further numbers."""
-        numbers = [*self.of_law(), *self.of_rig(), *self.of_sensors(), *more]
-        return BodiesWindows(
-            model or self.model, self.data, self.stretches, numbers, self.declared, self.policy
-        )
+        own = model or self.model
+        of_runs = (n for r, run in enumerate(self.data) for n in of_run(own, run, r, self.policy))
+        numbers = [*self.of_law(), *self.of_rig(), *self.of_sensors(), *of_runs, *more]
+        return BodiesWindows(own, self.data, self.stretches, numbers, self.declared, self.policy)
 
     def of_law(self) -> list[SharedNumber]:
         """Return the numbers of the laws, held loosely about what is declared."""
@@ -74,14 +74,21 @@ class BodiesBench:
         return [SharedNumber(f"offset.{name}", 0.0, 0.0, size) for name, (_, size) in given.items()]
 
 
-def of_drive(model: Model, run: BodiesData, number: int, policy: Policy) -> list[SharedNumber]:
-    """Return the speed of a run's drive, as well known as a belt's; none where nothing is driven, or by a formula."""
+def of_run(model: Model, run: BodiesData, number: int, policy: Policy) -> list[SharedNumber]:
+    """
+    Return the speeds of a run's belt and drive, which are nearly as set; none where one is a formula.
+
+    The belt's is the share by which it is faster than set, for all of the run's windows: without it the gain of a
+    sensor, which reads that speed in every stick, would be known as well as it is read.
+    """
     assert isinstance(model.rig, GeneralRig)
-    speed = run.drive.constant
-    if not model.rig.equations.driven or not speed:
-        return []
-    sd = policy.belt_sd * abs(speed)
-    return [SharedNumber("drive_speed", speed, speed, sd, run=number, stride=sd)]
+    own, out, sd = model.rig.equations, list[SharedNumber](), policy.belt_sd
+    if own.on_belt and run.belt.constant:
+        out.append(SharedNumber(BELT_OFF, 0.0, 0.0, sd, run=number, stride=sd))
+    if own.driven and (speed := run.drive.constant):
+        off = sd * abs(speed)
+        out.append(SharedNumber("drive_speed", speed, speed, off, run=number, stride=off))
+    return out
 
 
 def bench_of(

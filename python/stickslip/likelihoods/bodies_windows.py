@@ -43,6 +43,7 @@ from stickslip.simulated.sensed import everything, everything_moves, weights_mov
 
 Floats = NDArray[np.float64]
 BELT = "belt_speed"
+BELT_OFF = "belt_off"  # by what share a run's belt is faster than set
 STEPS_A_PERIOD, LEAST_STEPS = (
     300,
     1000,
@@ -248,6 +249,8 @@ class RunWindows:
             return None
         if one.name in self.of.of_rig:
             return self.of.of_rig[one.name]
+        if one.name == BELT_OFF:
+            return np.zeros(len(self.base))  # as each window's own belt does, which moves its start too
         if one.name not in self.lowered.places:
             return None
         row = np.zeros(len(self.base))
@@ -274,6 +277,16 @@ class RunWindows:
         return rows, offset
 
     @cached_property
+    def belt_off(self) -> float:
+        """By what share the run's belt is faster than set."""
+        of = self.of.numbers
+        return sum(
+            float(x)
+            for one, x in zip(of, self.at, strict=True)
+            if one.name == BELT_OFF and one.run == self.run
+        )
+
+    @cached_property
     def named(self) -> dict[str, float]:
         """Numbers of effects by name."""
         return {name: float(self.base[self._place(name)]) for name in self.lowered.own.effects.numbers}
@@ -293,8 +306,11 @@ class RunWindows:
         """Return the core's numbers at the start of a window, and seeds: of shared numbers, then of its own."""
         of, w = self.of, self.of.stretches[i]
         rows, offset = self._own_rows(of.starts[i])
-        values = self.base + offset + own @ rows
-        moved = [row for row in self.rows if row is not None]
+        belt = [self.of.numbers[j].name == BELT_OFF for j in self.shared]
+        values = self.base + offset + own @ rows + self.belt_off * rows[-1]
+        moved = [
+            rows[-1] if off else row for row, off in zip(self.rows, belt, strict=True) if row is not None
+        ]
         seeds = np.concatenate([np.array(moved).reshape(-1, len(values)), rows])
         layout = self.lowered.layout
         self.begins.put(values, seeds, float(self.data.t[w.start]))
@@ -372,7 +388,10 @@ class RunWindows:
         """The belt's own sensor sees the window's own belt."""
         speed = self.data.belt(t)
         wobbles = self.of.differs.names[-1] == "belt"
-        read[:, c] = speed * (1.0 + (own[-1] if wobbles else 0.0))
+        read[:, c] = speed * (1.0 + self.belt_off + (own[-1] if wobbles else 0.0))
+        for i, j in enumerate(self.shared):
+            if self.of.numbers[j].name == BELT_OFF and self.rows[i] is not None:
+                by[:, c, i] = speed
         if local and wobbles:
             by[:, c, -1] = speed
 

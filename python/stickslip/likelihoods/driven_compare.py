@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.declared.model import Model
+from stickslip.errors import InputError
 from stickslip.fitted.comparison_rows import Row
 from stickslip.fitted.driven import followed
 from stickslip.likelihoods.bodies_compare import RigComparison
@@ -46,6 +47,10 @@ def compare_driven(
     ahead = float(np.mean(found.t[found.ends] - found.t[begins]))
     unit = "1" if recording.channels["x1"].unit == "1" else "m"
     of_time = "" if unit == "1" else " s"
+    if not far:
+        raise InputError(
+            f"{recording.name}: the slider is at the same place at the end of every piece", key="x1"
+        )
     speed, second = (_fastest(one, found.t, begins) for one in (found.read, found.made))
     how = f"{ahead:.3g}{of_time} ahead"
     rows = (
@@ -62,7 +67,7 @@ def compare_driven(
             "forecast error",
             "1",
             None,
-            error / far if far else np.nan,
+            error / far,
             None,
             f"{how}, over how far it moves meanwhile",
         ),
@@ -76,9 +81,8 @@ def compare_driven(
 
 def _fastest(x: Floats, t: Floats, begins: NDArray[np.intp]) -> float:
     """The largest speed within pieces, by parabolas over a few samples."""
-    slopes = [
-        np.gradient(_smooth(part), t[1] - t[0]) for part in np.split(x, begins[1:]) if len(part) > 3 * WIDTH
-    ]
+    parts = zip(np.split(x, begins[1:]), np.split(t, begins[1:]), strict=True)
+    slopes = [np.gradient(_smooth(a), _smooth(b)) for a, b in parts if len(a) > WIDTH + 1]
     return float(np.quantile(np.abs(np.concatenate(slopes)), FASTEST)) if slopes else np.nan
 
 

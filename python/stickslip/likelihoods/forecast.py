@@ -73,8 +73,8 @@ def forecast(
     drive_speed
         The same of the drive of such a rig.
     drive
-        Force on a driven slider after the record, as `simulate` takes it; t and times are the record's. The band is
-        as wide as such forecasts erred within the record.
+        Force on a driven slider after the record, as `simulate` takes it, by the record's clock but in the model's unit
+        of time. The band is as wide as such forecasts erred within the record.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What every run has of its own, of a run that a model was not fitted to: its phases, and the speed of its drive."""
+"""What a run has of its own that no model was fitted to: its phases, and the speeds of its belt and drive."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from stickslip.declared.effect import Effect
 from stickslip.declared.model import Model
 from stickslip.declared.speeds import Speed
 from stickslip.fitted.bodies_data import BodiesData
-from stickslip.likelihoods.bodies_bench import of_drive
+from stickslip.likelihoods.bodies_bench import of_run
 from stickslip.likelihoods.bodies_cuts import Cut
-from stickslip.likelihoods.bodies_windows import BodiesWindows
+from stickslip.likelihoods.bodies_windows import BELT_OFF, BodiesWindows
 from stickslip.likelihoods.fit import fitted
 from stickslip.likelihoods.fit_state import begin
 from stickslip.likelihoods.policy import POLICY
@@ -52,21 +52,26 @@ def with_own_phases(model: Model, run: BodiesData, windows: Sequence[Cut]) -> Mo
     return model.replace({one.name: float(np.mod(found[one.name], 2 * math.pi)) for one in numbers})
 
 
-def with_own_drive(model: Model, run: BodiesData, windows: Sequence[Cut]) -> BodiesData:
+def with_own_speeds(model: Model, run: BodiesData, windows: Sequence[Cut]) -> BodiesData:
     """
-    Return a run with the speed that its drive had, by its readings; the run itself where nothing is driven.
+    Return a run with the speeds that its belt and drive had, by its readings; the run itself where none is a number.
 
     Parameters
     ----------
     model : of a rig of bodies or matrices
     run, windows : the run, and where it is cut
     """
-    numbers = of_drive(model, run, 0, POLICY)
+    numbers = of_run(model, run, 0, POLICY)
     if not numbers:
         return run
     fit = begin(BodiesWindows(model, [run], windows, numbers, Declared()))
     fit = fitted(replace(fit, own=settled(fit, TURNS)[0]), POLICY)
-    return replace(run, drive=Speed.of(fit.values()["drive_speed"]))
+    found, belt = fit.values(), run.belt
+    if BELT_OFF in found:
+        belt = Speed.of((run.belt.constant or 0.0) * (1 + found[BELT_OFF]))
+    return replace(
+        run, belt=belt, drive=Speed.of(found["drive_speed"]) if "drive_speed" in found else run.drive
+    )
 
 
 def _cost(model: Model, run: BodiesData, windows: Sequence[Cut]) -> float:

@@ -39,6 +39,9 @@ NOMINAL = (
 )
 
 
+MODERATE = 64  # the largest power that the core takes as whole
+
+
 class _Parameters:
     """The numbers of formulas: by name, and constants by value."""
 
@@ -91,6 +94,8 @@ class _Tape:
             if tree.name in VARIABLES:
                 return OPERATIONS[tree.name], 0, 0
             return OPERATIONS["parameter"], self.numbers[tree.name], 0
+        if (whole := _in_whole_powers(tree)) is not None:
+            return self._row(whole)
         places = [self.add(one) for one in tree.operands]
         return OPERATIONS[tree.operation], places[0], places[-1] if len(places) > 1 else 0
 
@@ -157,7 +162,9 @@ class LoweredBodies:
         elif name in self.places:
             row[self.layout["parameters"] + self.places[name]] = 1.0
         elif name.startswith("tabulated_"):
-            raise InputError("beside a formula no derivative by a curve is known", key=name)
+            raise InputError("no derivative by a curve is known here", key=name)
+        elif name == "drive_delay.delay":
+            raise InputError("no derivative by a delay is known; give a difference of two runs", key=name)
         elif name in self.model.parameters and name not in self.model.friction.numbers:
             self._refuse_lengths(name)
             row[: self.layout["parameters"]] = self._rig_moves(name)
@@ -240,6 +247,23 @@ class LoweredBodies:
         known = dict(self.model.friction.laws)
         owner, _, number = name.partition(".")
         return number if owner == (law or next(iter(known))) and owner in known else None
+
+
+def _in_whole_powers(tree: Apply) -> Tree | None:
+    """A large whole power as powers of powers: the core has a series of a base that is 0 of moderate ones alone."""
+    if tree.operation != "power" or not isinstance(tree.operands[1], Number):
+        return None
+    base, p = tree.operands[0], tree.operands[1].value
+    if not (MODERATE < p < 1e6 and p == int(p)):
+        return None
+    much, rest = divmod(int(p), MODERATE)
+    out: Tree = Apply("power", (Apply("power", (base, Number(float(MODERATE)))), Number(float(much))))
+    if much == 1:
+        out = Apply("power", (base, Number(float(MODERATE))))
+    if rest:
+        more = base if rest == 1 else Apply("power", (base, Number(float(rest))))
+        out = Apply("multiply", (out, more))
+    return out
 
 
 def _at(tree: Tree, by: str, of: Mapping[str, float]) -> float:
@@ -362,6 +386,9 @@ def moved_equations(model: Model, name: str, size: float) -> Equations:
     """Return the equations of a model with one number of its rig changed."""
     if isinstance(model.rig, GeneralRig):
         return model.rig.moved({name: size})
+    if name not in model.rig.__dataclass_fields__:  # an effect that corrects a number of the rig
+        other = model.replace({name: size})
+        return stiffened(other, *equations_of(corrected(other)))[0]
     rig = copy(corrected(model))
     share = getattr(rig, name) / model.parameters[name] if model.parameters[name] else 1.0
     object.__setattr__(rig, name, size * share)  # a damping of 0 may be moved below it here

@@ -44,14 +44,16 @@ def driven(model: Model, drive: Speed, curve: Callable[[Tabulated, Places], Plac
     places = Places(rig, own, order)
     law = law_of(model.friction, own.contacts[0]).form()
     acting = [one for one in model.effects if not of_drive(one) and one.name not in CONSTANTS]
-    found = [curve(one, places) if isinstance(one, Tabulated) else _placed(one, places) for one in acting]
+    found = [
+        curve(_read(one), places) if isinstance(one, Tabulated) else placed(one, places) for one in acting
+    ]
     effects = of_placed(_in_order(found, law), places.states)
     numbers, pushes = dict(effects.numbers), list(effects.pushes)
     for one in model.effects:
-        if of_drive(one):
+        if one.name == "drive_delay":  # it moves times, and is no number of a formula
+            drive = drive.delayed(one.parameters["delay"])
+        elif of_drive(one):
             numbers |= {f"{one.name}.{name}": size for name, size in one.parameters.items()}
-            if one.name == "drive_delay":
-                drive = drive.delayed(one.parameters["delay"])
     if (push := _of_drive([one for one in model.effects if isinstance(one, Effect)])) is not None:
         pushes.append(push)
     effects = replace(effects, numbers=numbers, pushes=tuple(pushes), prescribed=(REST, drive))
@@ -59,11 +61,9 @@ def driven(model: Model, drive: Speed, curve: Callable[[Tabulated, Places], Plac
     return General(own, (law,), REST, drive, order, rig.state_names, effects, drive_name="drive")
 
 
-def _placed(one: AnyEffect, places: Places) -> Placed:
-    """An effect at its place; what is a force acts on the block, though it comes from the contact."""
-    if isinstance(one, Effect) and one.kind.anywhere.place == "force":
-        one = replace(one, where="block")
-    return placed(one, places)
+def _read(one: Tabulated) -> Tabulated:
+    """A curve as the rig's states have what it reads: the slider slides as fast as it moves."""
+    return replace(one, variable="x2") if one.variable == "v_w" else one
 
 
 def with_mass(model: Model) -> DrivenSlider:
@@ -83,13 +83,16 @@ def _in_order(found: Sequence[Placed], law: LawForm) -> list[Placed]:
     """Effects at the contact as the fit adds them: shares of friction in one sum, then peaks, then a bristle."""
     shares = [one for one in found if "factor" in (one.acts or {})]
     peaks = [one for one in found if "peak" in (one.acts or {})]
-    bristles = [_bent(one, law) for one in found if "bristle" in (one.acts or {})]
+    bristles = [one for one in found if "bristle" in (one.acts or {})]
     others = [one for one in found if one.contact is None]
     if len(shares) > 1:
         factors = [one.acts["factor"] for one in shares if one.acts is not None]
         acts = {"factor": _whole(factors)}
         numbers = {name: size for one in shares for name, size in one.numbers.items()}
         shares = [replace(shares[0], numbers=numbers, acts=acts)]
+    if bristles:  # bent by friction as the others have made it
+        law = of_placed([*shares, *peaks], {}).changed(0, law)
+        bristles = [_bent(one, law) for one in bristles]
     return [*shares, *peaks, *bristles, *others]
 
 

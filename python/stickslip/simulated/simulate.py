@@ -17,6 +17,7 @@ from stickslip.declared.drive import Drive, pull_or_force
 from stickslip.declared.effect import Effect
 from stickslip.declared.friction_sign import driving_friction
 from stickslip.declared.model import Model
+from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.scale import written_speed, written_time
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError, ModelWarning, number
@@ -159,6 +160,8 @@ def simulate(
         if order is not None or step is not None:
             key = "step" if order is None else "order"
             raise InputError("is for a named rig under its own laws; leave it out", key=key)
+        if isinstance(model.rig, DrivenSlider):
+            _warn_of_driving(model, start, end)
         return simulate_any(
             model, belt_speed, drive_speed, begun, contact, names, times, before=before, **shared
         )
@@ -166,8 +169,7 @@ def simulate(
         raise lacks_belt_speed()
     speed = constant_speed(belt_speed)
     if model.effects:
-        for said in driving_friction(model, start, end):
-            warnings.warn(said, ModelWarning, stacklevel=3)
+        _warn_of_driving(model, start, end)
     lowered = lower(model, speed)
     if not isinstance(contact, str) or contact not in CONTACTS:
         raise InputError(f"must be one of {', '.join(CONTACTS)}", key="contact", value=contact)
@@ -193,6 +195,11 @@ def simulate(
         return out
 
     return _trajectory(raw, model, names, speed, earlier)
+
+
+def _warn_of_driving(model: Model, start: float, end: float) -> None:
+    for said in driving_friction(model, start, end):
+        warnings.warn(said, ModelWarning, stacklevel=4)
 
 
 def _span(t_start: float, t_end: float) -> tuple[float, float]:

@@ -74,6 +74,8 @@ def simulate_any(
     visible, hidden = split_initial(own, initial)
     modes = contact_modes(own, contact)
     z = own.start(visible, hidden, settings["t_start"])
+    if before is None:
+        _refuse_other_slip(own, z, modes, settings["t_start"])
     seeds = lowered.seeds(map(model.full_name, names), z, frozenset(hidden))
     settings |= {"t_eval": times, "sensed": isinstance(model.rig, GeneralRig)}
     values = lowered.started(z)
@@ -84,6 +86,16 @@ def simulate_any(
         for place, key in enumerate(_ways(own), lowered.layout["initial"] + len(z)):
             values[place] = before.travelled[key][-1]
     return run_bodies(lowered, values, modes, names, seeds, belt_speed, rested, **settings)
+
+
+def _refuse_other_slip(own: General, z: Floats, modes: Sequence[int], t: float) -> None:
+    """Refuse a slip that goes the other way than its mode says."""
+    n, belt = len(own.equations.names), float(own.belt(t))
+    for one, mode in zip(own.equations.contacts, modes, strict=True):
+        v = float(one.slip(z[n : 2 * n], belt))
+        if mode in (-1, 1) and v * mode < -1e-12 * max(abs(belt), float(np.abs(z[n : 2 * n]).max())):
+            words = f"'{one.name}' starts at v = {v:g} and slips the other way"
+            raise InputError(words, key="contact", value="slip+" if mode > 0 else "slip-")
 
 
 def run_bodies(

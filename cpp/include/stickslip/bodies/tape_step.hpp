@@ -18,10 +18,28 @@ Real<T> step_of(const T* c, const Real<T>& scale, int order, double rtol, double
 
 // Functions whose nearest singularity hides from the last terms when it is far off: tanh, asinh; and exponentials that
 // are next to nothing but grow. `height` of an exponential is what it weighs beside the allowed.
+// A power that is whole, of what is next to 0: with more factors than the series has terms it is nothing in all of them.
+// It may grow to no more than the allowed, or its base by a share of itself.
+template <class T>
+bool power_seen(const Instruction<T>& in, int order, double step, double height) {
+  const double p = static_cast<double>(value(in.x)), start = std::abs(static_cast<double>(value(in.a[0])));
+  double moves = 0, first = 0, term[series_size], power = 1;
+  for (int k = 0; k <= order; ++k, power *= step) {
+    term[k] = std::abs(static_cast<double>(value(in.a[k]))) * power;
+    if (k > 0) moves += term[k];
+  }
+  for (int k = 1; k <= order && first == 0; ++k)
+    if (term[k] >= 1e-3 * moves) first = k;
+  if (p * first <= order - 2 || moves <= 0.5 * order / (p * first) * start) return true;
+  return p * std::log(start + moves + 1e-300) + std::log(height) <= 0;
+}
+
 template <class T>
 Real<T> hidden_step(const Instruction<T>* list, int count, int order, Real<T> h, double height) {
   for (int i = 0; i < count; ++i) {
     const Instruction<T>& in = list[i];
+    if (in.code == Code::whole_power)
+      h = shortened(h, [&](int, double step) { return power_seen(in, order, step, height); });
     const bool root = in.code == Code::asinh, tanh = in.code == Code::tanh, grows = in.code == Code::exponential;
     if (!root && !tanh && !grows) continue;
     const double start = static_cast<double>(value(in.a[0]));

@@ -12,10 +12,9 @@ from stickslip.cli.drive import is_record, read_drive
 from stickslip.cli.printed import console, say_lines, say_written
 from stickslip.declared.model import Model, load_model, model_file
 from stickslip.declared.quantity import sized, with_unit
-from stickslip.declared.rig import Rig
+from stickslip.declared.rig import DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.scale import read_quantity, scales
-from stickslip.declared.speeds import Speed
 from stickslip.declared.units import Channel
 from stickslip.errors import InputError, ModelWarning, Place
 from stickslip.files import chosen, time_digits, with_figure, write_csv
@@ -48,10 +47,10 @@ def perform(
         if loaded.channels is None and isinstance(loaded.rig, Rig) and loaded.rig.scales is not None:
             words = "the rig is in SI and the units of the readings are not given; add [channels]"
             raise InputError(f"{words}, as in rig.toml", place=Place(str(model)))
-        force_to_come = read_drive(drive, loaded)
-        if force_to_come is not None:
-            say_written(_of_slider(loaded, run, moved_by, force_to_come, horizon, out, figure))
+        if isinstance(loaded.rig, DrivenSlider):
+            say_written(_of_slider(loaded, run, moved_by, horizon, out, figure))
             return
+        read_drive(drive, loaded)
         of_rig = _of_bodies if isinstance(loaded.rig, GeneralRig) else _of_named_rig
         say_written(of_rig(loaded, run, belt_speed, drive_speed, horizon, out, figure))
 
@@ -114,7 +113,6 @@ def _of_slider(
     model: Model,
     run: Path,
     moved_by: tuple[str | None, str | None, str | None],
-    drive: Speed,
     horizon: str,
     out: Path,
     figure: bool,
@@ -123,9 +121,12 @@ def _of_slider(
     for key, one in zip(("--belt-speed", "--drive-speed"), moved_by, strict=False):
         if one is not None:
             raise InputError("a driven slider has neither belt nor spring; leave it out", key=key)
+    if moved_by[2] is None:
+        read_drive(None, model)
     channels, noise = _recorded(model, run)
     past = load_recording(run, model.rig, channels=channels, noise=noise)
     ahead = sized(horizon, "s", "--horizon") * (1.0 if with_unit(horizon)[1] else past.factors["t"])
+    drive = read_drive(moved_by[2], model, float(past.t[-1]))
     return _told(past, run_forecast(model, past, drive=drive, horizon=ahead), out, figure)
 
 

@@ -78,7 +78,7 @@ class Settings(BaseModel):
     after: float = 0.0
     belt_speed: float | None = None
     drive_speed: float | None = None
-    drive: float | str | None = None
+    drive: float | str | list[list[float]] | None = None  # the last: [times, forces]
     initial: list[float] | None = None
     rtol: float = 1e-8
     atol: float = 1e-8

@@ -71,11 +71,7 @@ class GeneralBench(Bench):
         """See `Bench.windows`."""
         effects = tuple(one.effect for one in terms)
         model = Model(self.model.rig, friction=self.model.friction, effects=effects)
-        plain = self._plain
-        of_runs = [
-            n for r, run in enumerate(self.data) for n in bodies_bench.of_drive(model, run, r, self.policy)
-        ]
-        return plain.windows(model, [*of_runs, *(n for one in terms for n in of_term(one, self.policy))])
+        return self._plain.windows(model, [n for one in terms for n in of_term(one, self.policy)])
 
     def kinds(self) -> Sequence[EffectKind]:
         """See `Bench.kinds`."""

@@ -73,7 +73,8 @@ class BodiesRequest(Request):
 
     def more_settings(self) -> Mapping[str, object]:
         """Return the prescribed speeds, which a store is known by too."""
-        return {f"prescribed_{key}": repr(one) for key, one in zip(self._called, self.speeds, strict=True)}
+        given = zip(self._called, self.speeds, strict=True)
+        return {f"prescribed_{key}": None if one is None else one.digest for key, one in given}
 
     def compute(self, start: int, stop: int) -> Arrays:
         """Compute members start..stop and return their results by name, members first."""
@@ -140,7 +141,8 @@ class BodiesRequest(Request):
     def _lowered(self, given: Mapping[str, float]) -> LoweredBodies:
         """Return a member as the core takes it: the same for all, but where a number of the rig or a start moves."""
         others = {name for name in given if not name.startswith("initial.")}
-        starts = any(law.states for law in self.base.own.laws)
+        own = self.base.own
+        starts = any(law.states for law in own.laws) or any(push.states for push in own.effects.pushes)
         if not starts and others <= self.base.places.keys():
             return self.base
         model = self.model.replace(
