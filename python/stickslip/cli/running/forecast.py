@@ -118,11 +118,11 @@ def _of_slider(
     figure: bool,
 ) -> list[Path]:
     """The forecast of a driven slider, written; the files."""
+    if moved_by[2] is None:
+        read_drive(None, model)  # says what is missing
     for key, one in zip(("--belt-speed", "--drive-speed"), moved_by, strict=False):
         if one is not None:
             raise InputError("a driven slider has neither belt nor spring; leave it out", key=key)
-    if moved_by[2] is None:
-        read_drive(None, model)
     channels, noise = _recorded(model, run)
     past = load_recording(run, model.rig, channels=channels, noise=noise)
     ahead = sized(horizon, "s", "--horizon") * (1.0 if with_unit(horizon)[1] else past.factors["t"])
