@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip.declared.law_form import LawForm
 from stickslip.declared.model import Model
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.errors import InputError
 from stickslip.fitted.bodies_data import BodiesData
 from stickslip.likelihoods.bodies_cuts import Cut
 from stickslip.likelihoods.bodies_effects import Beginnings, Reads
+from stickslip.likelihoods.bodies_own_friction import lowered, places_of
 from stickslip.likelihoods.bodies_readings import gained, sensor_rows, shifted
 from stickslip.likelihoods.bodies_release import let_go
 from stickslip.likelihoods.bodies_starts import BodiesStart, scales_of, start_of
@@ -31,14 +31,11 @@ from stickslip.likelihoods.contact_scatter import (
     ContactScatter,
     differing,
     kinds,
-    scattering,
 )
 from stickslip.likelihoods.event_windows import EventWindows
 from stickslip.likelihoods.motion import WindowMotion
 from stickslip.likelihoods.policy import POLICY, Policy
 from stickslip.likelihoods.shared import Declared, SharedNumber
-from stickslip.simulated.bodies_lowering import LoweredBodies, lower_bodies
-from stickslip.simulated.general import general
 from stickslip.simulated.sensed import everything, everything_moves, weights_move
 
 Floats = NDArray[np.float64]
@@ -79,7 +76,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         super().__init__(model, data, stretches, numbers, declared, policy)
         self.rig = model.rig
         self.gains = tuple(f"gain.{name}" for name in data[0].channels)
-        self.lowered = [_lowered(model, run) for run in data]
+        self.lowered = [lowered(model, run) for run in data]
         own = self.lowered[0].own
         self.dimension = len(own.equations.names)
         self.begins = 2 * self.dimension
@@ -101,7 +98,7 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         self.kinetics = tuple([k] for k in kinetic)
         self.places = [np.zeros(0)] * len(self.data)
         self.scales = [scales_of(run) for run in data]
-        self.reads = _reads(data[0].reads, own.equations.names)
+        self.reads = places_of(data[0].reads, own.equations.names)
         self.sensed = tuple(name for name in data[0].reads if name in own.equations.sensed)
         self.offsets = tuple(f"offset.{name}" for name in data[0].channels)
         self.begun = [Beginnings(one, run) for one, run in zip(self.lowered, self.data, strict=True)]
@@ -191,29 +188,6 @@ class BodiesWindows(EventWindows[BodiesData, Cut]):
         """See `EventWindows.motions`."""
         points = [RunWindows(self, run, at, []) for run in range(len(self.data))]
         return [points[w.run].motion(i, own[i]) for i, w in enumerate(self.stretches)]
-
-
-def _reads(quantities: Sequence[str], names: Sequence[str]) -> list[int | str]:
-    """Place of what each channel reads among (q, v), else its name."""
-    states = [*names, *(f"v_{name}" for name in names)]
-    return [states.index(name) if name in states else name for name in quantities]
-
-
-def _lowered(model: Model, run: BodiesData) -> LoweredBodies:
-    own = general(
-        model,
-        run.belt if model.rig.equations.on_belt else None,  # type: ignore[union-attr]
-        run.drive if model.rig.equations.driven else None,  # type: ignore[union-attr]
-        differing=_scattering,
-    )
-    return lower_bodies(own, model)
-
-
-def _scattering(law: LawForm, place: int) -> LawForm:
-    if law.states:
-        words = "a law with states of its own can be simulated, and no more as yet: no reading shows them"
-        raise InputError(words, key="friction")
-    return scattering(law, place)
 
 
 class RunWindows:

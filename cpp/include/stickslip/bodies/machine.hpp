@@ -20,9 +20,8 @@ struct BodiesMachine {
   bool linear = false;  // the present piece, and all that may end it
   Summary summary;
   Chatter<R> chatter;
-  long calm = 0;                                             // as of a named rig (trajectory.hpp)
-  R asked = R(std::numeric_limits<double>::infinity());      // likewise
-  R seen_from = R(std::numeric_limits<double>::infinity());  // the observer wants every step from then on
+  long calm = 0;  // as of a named rig (trajectory.hpp); so is `asked`. From `seen_from` on every step is wanted
+  R asked = R(std::numeric_limits<double>::infinity()), seen_from = asked;
   BodiesStretch<T> stretch;
 
   BodiesMachine(BodiesSystem<T>& system, const Options& options) : sys(system), opt(options) {
