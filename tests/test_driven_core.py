@@ -304,3 +304,16 @@ def test_a_curve_in_the_sliding_speed_acts_on_the_block_too() -> None:
     np.testing.assert_array_equal(runs[0].state[-1], runs[1].state[-1])
     with pytest.raises(InputError, match="no derivative by a delay"):
         ss.simulate(model(usual("drive_delay")), drive=25, t_end=1.0, sensitivity=("drive_delay.delay",))
+
+
+@pytest.mark.parametrize("delay", [0.3, -0.2])
+def test_a_delay_puts_off_formulas_and_samples(delay: float) -> None:
+    late = model(ss.effect("drive_delay", delay=delay))
+    settings: dict[str, Any] = {"initial": (0.0, 0.1), "t_end": 1.5, **TIGHT}
+    ours = ss.simulate(late, drive="25*sin(4*t)", **settings)
+    theirs = ss.simulate(model(), drive=f"25*sin(4*(t - {delay}))", **settings)
+    np.testing.assert_allclose(ours.state[-1], theirs.state[-1], atol=1e-12)
+    t, forces = held(1.5)
+    ours = ss.simulate(late, drive=(t, forces), **settings)
+    theirs = ss.simulate(model(), drive=(t + delay, forces), **settings)
+    np.testing.assert_allclose(ours.state[-1], theirs.state[-1], atol=1e-12)
