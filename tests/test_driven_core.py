@@ -46,6 +46,7 @@ def test_turns_and_rests_under_a_held_drive_are_the_closed_form() -> None:
     assert set(run.mode) == {-1, 0, 1}
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_each_effect_moves_it_as_its_formula_says(name: str) -> None:
     numbers, force = SMOOTH[name]
@@ -88,6 +89,7 @@ def usual(name: str) -> ss.Effect:
     return ss.effect(name, **(OWN[name] if name in OWN else SMOOTH[name][0]))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("names", [*((one,) for one in sorted(OWN)), *BESIDE], ids="-".join)
 def test_it_is_what_the_fit_of_a_record_steps_through(names: tuple[str, ...]) -> None:
     """Effects beside each other, to and fro and at rest, against the time stepping of `discover`, which converges."""
