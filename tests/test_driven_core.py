@@ -196,9 +196,9 @@ def test_a_drive_is_given_in_every_way_that_makes_sense() -> None:
     ("given", "words"),
     [
         ({}, "drive: missing: the force on the slider"),
-        ({"drive": "25 mm"}, "must be a force"),
+        ({"drive": "25 mm"}, "measures no force"),
         ({"drive": "sin(x)"}, "unknown name|x"),
-        ({"drive": ([0.0, 1.0], [1.0])}, "has 1 forces at 2 times"),
+        ({"drive": ([0.0, 1.0], [1.0])}, "has 1 samples at 2 times"),
         ({"drive": ([0.0, 0.0], [1.0, 2.0])}, "must increase; entry 1 is 0 after 0"),
         ({"drive": ([0.0, 1.0], [1.0, np.nan])}, "not finite"),
         ({"drive": 1.0, "belt_speed": 0.1}, "a driven slider has no belt"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,7 @@ from stickslip.discovery.laboratory import trials, verdicts
 from stickslip.discovery.laboratory.belt_bench import BeltBench
 from stickslip.discovery.laboratory.hypothesis import term
 from stickslip.discovery.laboratory.screen import Candidate, Screen
-from stickslip.discovery.laboratory.search import Searched
+from stickslip.discovery.laboratory.search import Searched, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
 from stickslip.discovery.workers import ALONE
 from stickslip.likelihoods.belt_windows import BeltWindows
@@ -251,3 +252,16 @@ def test_the_model_before_is_as_declared_where_what_lacks_drives_its_constants_f
         assert "alpha1" not in [one.name for one in said.before.fit.windows.numbers]
     else:
         assert said.before is away
+
+
+def test_a_size_at_its_bound_is_not_told(bench: BeltBench, fit: Fit) -> None:
+    """A ripple of a drive's speed by 100 % of it, as large as it may be, was named: it stood in for what acted."""
+    (kind,) = [one for one in bench.kinds() if one.name == "belt_speed_ripple"]
+    for size, told in ((0.9, True), (1.0, False), (-1.0, False)):
+        one = term(kind, {"a": size, "w": 3.0, "phi": 0.0})
+        windows = bench.windows((one,))
+        at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
+        assert fit.solution is not None
+        known = replace(fit.solution, covariance=1e-6 * np.eye(len(at)))
+        there = replace(fit, windows=windows, at=at, solution=known)
+        assert math.isfinite(told_by_sizes(Trial((one,), there))) == told

@@ -136,19 +136,6 @@ def test_a_size_that_only_its_width_leaves_open_is_told(bench: BeltBench, fit: F
     assert size**2 / covariance[p, p] < 1.1
 
 
-def test_a_size_at_its_bound_is_not_told(bench: BeltBench, fit: Fit) -> None:
-    """A ripple of a drive's speed by 100 % of it, as large as it may be, was named: it stood in for what acted."""
-    (kind,) = [one for one in bench.kinds() if one.name == "belt_speed_ripple"]
-    for size, told in ((0.9, True), (1.0, False), (-1.0, False)):
-        one = term(kind, {"a": size, "w": 3.0, "phi": 0.0})
-        windows = bench.windows((one,))
-        at = np.array([*fit.at, *(n.start for n in windows.numbers[len(fit.at) :])])
-        assert fit.solution is not None
-        known = replace(fit.solution, covariance=1e-6 * np.eye(len(at)))
-        there = replace(fit, windows=windows, at=at, solution=known)
-        assert math.isfinite(told_by_sizes(Trial((one,), there))) == told
-
-
 @pytest.mark.parametrize("name", ["friction_memory", "sensor_lag", "sensor_delay"])
 def test_a_time_alone_tells_as_much_as_its_own_error_does(bench: BeltBench, fit: Fit, name: str) -> None:
     """A memory of friction 0.0052 +- 0.0025 long gained 26: its fit had come further than the one without."""

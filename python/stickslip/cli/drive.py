@@ -11,9 +11,10 @@ from stickslip.declared.drive import drive_of
 from stickslip.declared.model import Model
 from stickslip.declared.rig import DrivenSlider
 from stickslip.declared.speeds import Speed
+from stickslip.declared.units import Channel
 from stickslip.errors import InputError
-from stickslip.measured.channels import channel_factor
-from stickslip.measured.readers.tables import column_names, read_columns
+from stickslip.measured.channels import by_heads, channel_factor, head_of
+from stickslip.measured.readers.tables import open_table
 
 Floats = NDArray[np.float64]
 KEY = "--drive"
@@ -64,14 +65,14 @@ def read_drive(text: str | None, model: Model, after: float | None = None) -> Sp
 
 def _recorded(text: str, model: Model) -> tuple[Floats, Floats]:
     """Times and forces of a file, SI."""
-    known, names = model.channels or {}, column_names(text)
-    if "drive" not in known or known["drive"].column not in names:
-        values = read_columns(text, ("t", "drive")).values
-        return values["t"], values["drive"]
-    both = [known["t"], known["drive"]]
-    values = read_columns(text, [one.column for one in both]).values
-    t, force = (
-        values[one.column] * channel_factor(key, one, model.rig)
-        for key, one in zip(("t", "drive"), both, strict=True)
-    )
+    own = {"t": Channel("t", "s"), "drive": Channel("drive", "N")}
+    known = own if model.channels is None or "drive" not in model.channels else model.channels
+    both = {key: known[key] for key in ("t", "drive")}
+    opened = open_table(text, [one.column for one in both.values()])
+    if head_of(both["drive"].column, opened.contents) is None:  # not as the model's channels call it
+        both = own
+    both, _ = by_heads(opened, both, text)
+    units = {one.column: one.unit for one in both.values()}
+    values = opened.read(list(units), units).values
+    t, force = (values[one.column] * channel_factor(key, one, model.rig) for key, one in both.items())
     return t, force

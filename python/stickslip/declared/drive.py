@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.arguments import vector
-from stickslip.declared.formula.dimension import dimensions, said, to_si
-from stickslip.declared.formula.tree import Number
-from stickslip.declared.quantity import with_unit
 from stickslip.declared.rig import AnyRig, DrivenSlider
+from stickslip.declared.scale import written_speed
 from stickslip.declared.speeds import Speed
 from stickslip.errors import InputError
 
@@ -43,11 +37,10 @@ def drive_of(given: object, rig: AnyRig) -> Speed | None:
         return None
     if given is None:
         raise InputError(f"missing: the force on the slider; give {LIKE}", key=KEY)
-    if isinstance(given, str):
-        return _written(given)
     if isinstance(given, (tuple, list)) and len(given) == 2:
-        return _held(*given)
-    return Speed.of(given, KEY)
+        times, forces = given
+        return Speed.held(times, forces, KEY)
+    return Speed.of(written_speed(given, rig, KEY), KEY)
 
 
 def pull_or_force(rig: AnyRig, pull: Pull, drive: object) -> Pull:
@@ -62,35 +55,3 @@ def pull_or_force(rig: AnyRig, pull: Pull, drive: object) -> Pull:
     if force is not None and pull is not None:
         raise InputError("nothing is pulled in this rig; `drive` is the force on it", key="drive_speed")
     return pull if force is None else force
-
-
-def _written(text: str) -> Speed:
-    try:
-        size, unit = with_unit(text)
-    except ValueError:
-        return Speed.of(text, KEY)
-    if unit and not unit[:1].isalpha():
-        return Speed.of(text, KEY)
-    try:
-        size, own = to_si(size, unit) if unit else (size, "N")
-    except InputError as error:
-        raise InputError(error.what, key=KEY, value=text) from None
-    if dimensions(own) != dimensions("N"):
-        raise InputError(f"is {said(dimensions(own))}; it must be a force, like '4 N'", key=KEY, value=text)
-    return Speed.of(size, KEY)
-
-
-def _held(times: Any, forces: Any) -> Speed:
-    t, f = vector(f"{KEY} times", times, "times"), vector(KEY, forces, "forces")
-    if len(t) != len(f) or not len(t):
-        raise InputError(f"has {len(f)} forces at {len(t)} times; give one for each", key=KEY)
-    if not (np.isfinite(t).all() and np.isfinite(f).all()):
-        raise InputError("has samples that are not finite", key=KEY)
-    falls = np.flatnonzero(np.diff(t) <= 0)
-    if len(falls):
-        i = int(falls[0]) + 1
-        words = f"its times must increase; entry {i} is {t[i]:g} after {t[i - 1]:g}"
-        raise InputError(words, key=KEY)
-    new = np.concatenate([[True], f[1:] != f[:-1]])
-    pieces = tuple(Number(float(one)) for one in f[new])
-    return Speed(tuple(t[new].tolist()), pieces, f"{len(t)} samples, each held until the next")

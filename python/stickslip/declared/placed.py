@@ -184,9 +184,8 @@ class Places:
     def _named(self) -> dict[str, int]:
         if isinstance(self.rig, GeneralRig):
             return {}
-        of_contact = (
-            {"contact": 0} if isinstance(self.rig, DrivenSlider) else {}
-        )  # its damping comes from there
+        # of a slider the damping comes from its contact
+        of_contact = {"contact": 0} if isinstance(self.rig, DrivenSlider) else {}
         return of_contact | {k: i for k, i in NAMED_PLACES.items() if i < self.n}
 
     def contact(self, where: str) -> tuple[int, str | None, Site]:

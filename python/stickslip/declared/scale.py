@@ -10,7 +10,7 @@ from typing import Literal, TypeVar, get_args
 from stickslip.declared.dimensions import FORCE
 from stickslip.declared.formula.dimension import dimensions, to_si
 from stickslip.declared.quantity import sized, with_unit
-from stickslip.declared.rig import AnyRig, Rig
+from stickslip.declared.rig import AnyRig, DrivenSlider, Rig
 from stickslip.declared.rigs.general import GeneralRig
 from stickslip.declared.si import si_of
 from stickslip.declared.units import Channel, default_speed_unit, factor, in_si, is_angle
@@ -129,14 +129,15 @@ def read_quantity(text: str | float, quantity: Quantity, usual: Scale, rig: AnyR
 
 def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
     """
-    Return a speed in the model's numbers where it is written as one number ("12 mm/s"); all else as it is.
+    Return a speed in the model's numbers where it is written as one number ("12 mm/s"), of a driven slider the force of
+    its drive; all else as it is.
 
     Text without a unit is the model's number, as it is of every parameter.
 
     Raises
     ------
     InputError
-        The unit measures no speed of this rig, or the rig has no units.
+        The unit measures no speed of this rig, or no force, or the rig has no units.
     """
     if not isinstance(given, str):
         return given
@@ -148,12 +149,16 @@ def written_speed(given: T, rig: AnyRig, key: str) -> T | float:
         return size
     if not unit[:1].isalpha():
         return given
-    if not isinstance(rig, GeneralRig):
+    if not isinstance(rig, (GeneralRig, DrivenSlider)):
         return read_quantity(given, "belt", Scale(), rig, key)
     try:
         size, own = to_si(size, unit)
     except InputError as error:
         raise InputError(error.what, key=key, value=given) from None
+    if isinstance(rig, DrivenSlider):
+        if dimensions(own) != dimensions("N"):
+            raise InputError("measures no force; give one like '4 N'", key=key, value=given)
+        return size
     moved = rig.equations.drive_unit if key == "drive_speed" else rig.equations.belt_unit
     right = [dimensions(moved)] if moved != "1" else [dimensions("m/s"), dimensions("rad/s")]
     if dimensions(own) not in right:

@@ -98,14 +98,7 @@ class Speed(Drawn):
     @classmethod
     def measured(cls, t: ArrayLike, values: ArrayLike, key: str = "belt_speed") -> Self:
         """Return what was measured: straight between the samples, constant before the first and after the last."""
-        times, speeds = vector("t", t, "times"), vector(key, values, "speeds")
-        if len(times) != len(speeds) or len(times) < 2:
-            raise InputError(
-                f"has {len(speeds)} samples at {len(times)} times; give two or more of each", key=key
-            )
-        if not (np.isfinite(times).all() and np.isfinite(speeds).all()):
-            raise InputError("has samples that are not finite", key=key)
-        _check_times(times, key)
+        times, speeds = _samples(t, values, key, 2)
         begins, pieces = [float(times[0])], list[Tree]()
         slopes = np.diff(speeds) / np.diff(times)
         for start, first, slope in zip(times, speeds, slopes, strict=False):
@@ -116,6 +109,14 @@ class Speed(Drawn):
         before: list[Tree] = [Number(float(speeds[0]))]
         text = f"measured, {len(times)} samples"
         return cls((float(times[0]) - 1.0, *begins), (*before, *pieces), text)
+
+    @classmethod
+    def held(cls, t: ArrayLike, values: ArrayLike, key: str = "belt_speed") -> Self:
+        """Return what holds from each sample to the next, the first before all and the last after."""
+        times, sizes = _samples(t, values, key, 1)
+        new = np.concatenate([[True], sizes[1:] != sizes[:-1]])
+        pieces = tuple(Number(float(one)) for one in sizes[new])
+        return cls(tuple(times[new].tolist()), pieces, f"{len(times)} samples, each held until the next")
 
     @property
     def digest(self) -> str:
@@ -188,6 +189,20 @@ def _check_roots(tree: Tree, at: float, key: str, given: object) -> None:
             f"takes a root, or a power that is not whole, of what is 0 at t = {at:g}; begin a little above 0"
         )
         raise InputError(words, key=key, value=given)
+
+
+def _samples(
+    t: ArrayLike, values: ArrayLike, key: str, fewest: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times that increase and as many values, all finite."""
+    times, sizes = vector("t", t, "times"), vector(key, values, "values")
+    if len(times) != len(sizes) or len(times) < fewest:
+        words = f"has {len(sizes)} samples at {len(times)} times; give one for each, {fewest} at least"
+        raise InputError(words, key=key)
+    if not (np.isfinite(times).all() and np.isfinite(sizes).all()):
+        raise InputError("has samples that are not finite", key=key)
+    _check_times(times, key)
+    return times, sizes
 
 
 def _check_times(times: NDArray[np.float64], key: str) -> None:

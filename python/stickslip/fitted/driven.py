@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -133,33 +134,37 @@ def _begun(model: Model, course: Speed, recording: Recording, at: int) -> Trajec
 
     held = _hidden(model, course, float(t[0]), recording)
 
-    def run(start: Floats) -> Trajectory:
+    @lru_cache(maxsize=4)
+    def run(*start: float) -> Trajectory:
         return simulate(
             model,
             drive=course,
-            initial=[*start, *held(start)],
+            initial=[*start, *held(np.array(start))],
             t_start=float(t[0]),
             t_end=float(t[-1]),
             t_eval=t,
             sensitivity=("initial.x1", "initial.x2"),
         )
 
-    def cost(made: Trajectory) -> float:
-        return float(np.sum((made.x1 - x) ** 2)) if len(made.t) == len(t) else np.inf
+    def missed(start: Floats) -> Floats:
+        made = run(*start.tolist())
+        return made.x1 - x if len(made.t) == len(t) else np.full(len(t), np.ptp(x) + 1.0)
+
+    def slopes(start: Floats) -> Floats:
+        return run(*start.tolist()).sensitivity[:, 0]
 
     starts = [np.array([b[0], b[1] / (t[-1] - t[0])]), np.array([float(x.mean()), 0.0])]
-    start, best = min(((one, run(one)) for one in starts), key=lambda pair: cost(pair[1]))
-    for _ in range(TURNS):
-        if not np.isfinite(cost(best)):
-            raise StickslipError(f"the model's run {best.status}")
-        slopes = best.sensitivity[:, 0]
-        scale = np.maximum(np.abs(slopes).max(axis=0), 1e-300)
-        move = np.linalg.lstsq(slopes / scale, x - best.x1, rcond=1e-6)[0] / scale
-        made = run(start + move)
-        if not cost(made) < cost(best) * (1 - 1e-6):
-            break
-        start, best = start + move, made
-    return best
+    first = min(starts, key=lambda one: float(missed(one) @ missed(one)))
+    if len(run(*first.tolist()).t) < len(t):
+        raise StickslipError(f"the model's run {run(*first.tolist()).status}")
+    found = scipy.optimize.least_squares(
+        missed,
+        first,
+        jac=slopes,
+        x_scale="jac",
+        max_nfev=TURNS,
+    )
+    return run(*found.x.tolist())
 
 
 def _hidden(

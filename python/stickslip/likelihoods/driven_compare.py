@@ -16,6 +16,7 @@ from stickslip.measured.recording import Recording
 
 Floats = NDArray[np.float64]
 FASTEST = 0.999  # quantile that counts as the largest speed
+WIDTH = 9  # samples of a mean, which takes the noise off a speed
 
 
 def compare_driven(
@@ -80,13 +81,10 @@ def compare_driven(
 
 
 def _fastest(x: Floats, t: Floats, begins: NDArray[np.intp]) -> float:
-    """The largest speed within pieces, by parabolas over a few samples."""
+    """The largest speed within pieces, of means over a few samples."""
     parts = zip(np.split(x, begins[1:]), np.split(t, begins[1:]), strict=True)
     slopes = [np.gradient(_smooth(a), _smooth(b)) for a, b in parts if len(a) > WIDTH + 1]
     return float(np.quantile(np.abs(np.concatenate(slopes)), FASTEST)) if slopes else np.nan
-
-
-WIDTH = 9  # samples of a mean
 
 
 def _smooth(x: Floats) -> Floats:

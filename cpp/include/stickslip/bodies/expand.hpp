@@ -73,13 +73,16 @@ void expand_motion(BodiesSystem<T>& sys, const int* curved, int count, int order
   }
 }
 
-// Prescribed speeds, which hang on t alone, to one order more than the rest, and where they lead.
+// Does a root, or a power that is not whole, begin at 0? Of a speed there is no series then; a piece that moves the rig has
+// one fitted (onset.hpp).
 template <class T>
 bool has_power_of_zero(const Tape<T>& tape) {
   for (int i = 0; i < tape.inners; ++i)
     if (tape.inner[i].code == Code::power && of_zero(tape.inner[i])) return true;
   return false;
 }
+
+// Prescribed speeds, which hang on t alone, to one order more than the rest, and where they lead.
 template <class T>
 void expand_speeds(BodiesSystem<T>& sys, int order) {
   for (int s = 0; s < sys.speeds; ++s) {
@@ -97,7 +100,7 @@ void expand_speeds(BodiesSystem<T>& sys, int order) {
     for (int k = 0; k <= order + 1; ++k) {
       run(tape.inner, tape.inners, k);
       V[k] = coefficient(tape, tape.formulas->force, k);
-      if (k == 0 && has_power_of_zero(tape)) V[0] = T(std::numeric_limits<double>::quiet_NaN());  // it has no series
+      if (k == 0 && has_power_of_zero(tape)) V[0] = T(std::numeric_limits<double>::quiet_NaN());
       if (k <= order) x[k + 1] = V[k] * inverse<T>(k + 1);
     }
   }

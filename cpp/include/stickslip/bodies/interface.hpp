@@ -2,7 +2,7 @@
 //
 //   M q'' + C q' + K q = force + sum over speeds s of (pull_x_s x_s + pull_v_s V_s(t)) - sum over contacts j of d_j T_j
 //   x_s' = V_s,  v_j = d_j . q' - V_(speed of j)
-//   and on the right + sum over pushes e of g_e F_e(q, q', x, t), the forces that effects add.
+//   and on the right + sum over pushes e of g_e F_e(q, q', x, V, t), the forces that effects add.
 //
 // A law is a tape (nodes.hpp). No templates and nothing of the standard library, as in interface.hpp.
 #pragma once

@@ -16,14 +16,13 @@ Real<T> step_of(const T* c, const Real<T>& scale, int order, double rtol, double
   return step_from<T>(magnitude(value(c[order])), magnitude(value(c[order - 1])), scale, order, rtol, atol);
 }
 
-// Functions whose nearest singularity hides from the last terms when it is far off: tanh, asinh; and exponentials that
-// are next to nothing but grow. `height` of an exponential is what it weighs beside the allowed.
 // A power that is whole, of what is next to 0: with more factors than the series has terms it is nothing in all of them.
 // It may grow to no more than the allowed, or its base by a share of itself.
 template <class T>
 bool power_seen(const Instruction<T>& in, int order, double step, double height) {
   const double p = static_cast<double>(value(in.x)), start = std::abs(static_cast<double>(value(in.a[0])));
-  double moves = 0, first = 0, term[series_size], power = 1;
+  int first = 0;  // order of the first term that moves the base
+  double moves = 0, term[series_size], power = 1;
   for (int k = 0; k <= order; ++k, power *= step) {
     term[k] = std::abs(static_cast<double>(value(in.a[k]))) * power;
     if (k > 0) moves += term[k];
@@ -34,6 +33,8 @@ bool power_seen(const Instruction<T>& in, int order, double step, double height)
   return p * std::log(start + moves + 1e-300) + std::log(height) <= 0;
 }
 
+// Functions whose nearest singularity hides from the last terms when it is far off: tanh, asinh; and exponentials that
+// are next to nothing but grow. `height` of an exponential is what it weighs beside the allowed.
 template <class T>
 Real<T> hidden_step(const Instruction<T>* list, int count, int order, Real<T> h, double height) {
   for (int i = 0; i < count; ++i) {

@@ -56,12 +56,15 @@ def _of_named_rig(loaded: Model, asked: Asked) -> int:
     if asked.drive_speed is not None:
         raise InputError("nothing is pulled by a drive in this rig; leave it out", key="--drive-speed")
     drive = read_drive(asked.drive, loaded)
-    v_b = None if drive is not None else _belt(asked, units, loaded)
-    if drive is not None and asked.belt_speed is not None:
-        raise InputError("a driven slider has no belt; leave it out", key="--belt-speed")
+    if drive is None:
+        v_b: float | Speed | None = (own := _belt(asked, units, loaded))
+        how = f"belt speed {_told(units, own)}"
+    else:
+        if asked.belt_speed is not None:
+            raise InputError("a driven slider has no belt; leave it out", key="--belt-speed")
+        v_b, how = None, f"drive {drive.text} (N)"
     times = asked.times(lambda text, key: read_quantity(text, "t", units["t"], loaded.rig, key))
     start = None if asked.initial is None else _start(loaded, units, asked.initial)
-    how = f"drive {drive.text} (N)" if drive is not None else _told(units, v_b)
     _say_understood(loaded, units, how, times, start)
     drawn = _drawn(loaded, times) if asked.figure else times[:0]
     with warnings.catch_warnings(record=True) as doubts:
@@ -101,12 +104,12 @@ def _belt(asked: Asked, units: dict[Quantity, Scale], model: Model) -> float | S
     return read_speed(asked.belt_speed, units["t"], units["belt"], model.rig)
 
 
-def _told(units: dict[Quantity, Scale], v_b: float | Speed | None) -> str:
+def _told(units: dict[Quantity, Scale], v_b: float | Speed) -> str:
     """What was understood of the belt's speed."""
-    if isinstance(v_b, Speed) or v_b is None:
-        return f"belt speed {v_b.text if v_b is not None else ''}"
+    if isinstance(v_b, Speed):
+        return v_b.text
     own = "" if units["belt"].size == 1 else f" ({v_b:.5g} in the model)"
-    return f"belt speed {units['belt'].of(v_b)}{own}"
+    return f"{units['belt'].of(v_b)}{own}"
 
 
 def _sparse(run: Trajectory, times: Array, unit: Scale) -> list[str]:

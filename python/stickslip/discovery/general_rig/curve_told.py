@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -38,7 +38,8 @@ def told_as_curves(bench: Bench, found: Searched, named: Sequence[FoundEffect]) 
         if isinstance(one.kind, CurveKind):
             i = next(i for i, each in enumerate(out) if each.name == one.name)
             out[i] = _curve(out[i], one.kind, terms, fit)
-    for kind, group, base in _made_of_names(bench, found):
+    if (made_of := _made_of_names(bench, found)) is not None:
+        kind, group, base = made_of
         own = [
             i
             for i, each in enumerate(out)
@@ -52,11 +53,11 @@ def told_as_curves(bench: Bench, found: Searched, named: Sequence[FoundEffect]) 
     return tuple(out)
 
 
-def _made_of_names(bench: Bench, found: Searched) -> Iterator[tuple[CurveKind, list[Term], Trial]]:
-    """Curves that were fitted in the place of several names of the verdict and do what they do, and what is without."""
+def _made_of_names(bench: Bench, found: Searched) -> tuple[CurveKind, list[Term], Trial] | None:
+    """A fitted curve that does what several names of the verdict do; they; what is without."""
     chosen = found.chosen
     if any(isinstance(one.kind, CurveKind) for one in chosen.terms):
-        return
+        return None
     tried = [t for t in (*found.trials, *found.without.values()) if t.freed is chosen.freed]
     for trial in tried:
         kind = trial.terms[-1].kind if trial.terms else None
@@ -68,8 +69,8 @@ def _made_of_names(bench: Bench, found: Searched) -> Iterator[tuple[CurveKind, l
         if len(group) < 2 or sorted(trial.names) != sorted([*rest, kind.name]) or base is None:
             continue
         if base.whole() - trial.whole() >= (1 - bench.policy.stands_in) * (base.whole() - chosen.whole()):
-            yield kind, group, base
-            return
+            return kind, group, base
+    return None
 
 
 def _parts(group: Sequence[Term], found: Searched) -> tuple[Alternative, ...]:
