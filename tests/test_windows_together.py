@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from stickslip.likelihoods.rig_windows import RigSensors
 from stickslip.likelihoods.shared import Declared, SharedNumber
 from stickslip.likelihoods.stretches import stretches
 from stickslip.likelihoods.threads import side_by_side, threads
-from stickslip.simulated.lowering import WIDTH
+from stickslip.simulated.lowering import WIDTH, simulated_windows
 from stickslip.simulated.states import COUNT
 from test_rig_windows import EFFECTS, LAW, MODEL, RIG, recorded
 
@@ -108,6 +109,31 @@ def test_some_of_the_windows_are_what_they_are_among_all(data: list[Data]) -> No
         assert (other is not None) == asked
         if other is not None:
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("kept", [(0,), (1,), (3, 0), (2,), ()])
+def test_derivatives_of_some_states_are_what_they_are_among_all(
+    data: list[Data], monkeypatch: pytest.MonkeyPatch, kept: tuple[int, ...]
+) -> None:
+    """States whose derivatives nobody asked for are sampled without them, and have the same values."""
+    windows = windows_of(data, "memory", range(3))
+    asked = dict[str, Any]()
+
+    def simulated(_: object, **given: object) -> dict[str, object]:
+        asked.update(given)
+        raise KeyboardInterrupt
+
+    own = own_of(windows)
+    monkeypatch.setattr("stickslip.likelihoods.belt_point.simulated_windows", simulated)
+    with pytest.raises(KeyboardInterrupt):
+        windows.blocks(windows.start, own)
+    made = [windows.made[i] for i in windows.batches[0]]
+    every = simulated_windows(made, **asked | {"kept": np.arange(COUNT, dtype=np.int32)})
+    some = simulated_windows(made, **asked | {"kept": np.array(kept, dtype=np.int32)})
+    assert len(asked["seeds"]) > 12  # more than one group of them
+    np.testing.assert_allclose(every["state"], some["state"], rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(every["slopes"][list(kept)], some["slopes"], rtol=1e-13, atol=1e-13)
+    assert all(np.abs(every["slopes"][k]).max() > 0 for k in range(4))
 
 
 def test_threads_change_nothing(data: list[Data]) -> None:

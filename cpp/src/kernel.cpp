@@ -37,7 +37,7 @@ struct Writer {
       const Real<T> t = machine.asked = request.t_eval[next];
       if (!(t < t1 || (inclusive && t <= t1))) return;
       T z[state_count];
-      machine.state_at(T(t) - machine.s.t, order, z);
+      machine.state_at(T(t) - machine.s.t, order, z, request.plain);
       emit(z, request.t_eval[next], machine.mode.contact);
     }
     machine.asked = std::numeric_limits<double>::infinity();

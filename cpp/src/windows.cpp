@@ -64,6 +64,8 @@ void run_window(Shared& shared, long index, bool (*interrupted)(void*)) {
   one.max_transitions = q.max_transitions;
   one.max_steps = q.max_steps;
   one.order = q.order;
+  one.plain = ~std::uint32_t{0};
+  for (int i = 0; i < q.n_kept; ++i) one.plain &= ~(std::uint32_t{1} << q.kept[i]);
   Summary summary;
   for (int group = 0; group < dispatch::seed_groups(q.n_seeds); ++group) {
     const auto [first, count] = dispatch::seed_group(q.n_seeds, group);

@@ -1,8 +1,7 @@
 // How long a step of a run with derivatives may be: their own series against the tolerance.
 #pragma once
 
-#include <algorithm>
-
+#include "stickslip/by_seed.hpp"
 #include "stickslip/step.hpp"
 
 namespace stickslip::inline STICKSLIP_ISA {
@@ -14,20 +13,31 @@ constexpr double derivative_share = 1e3 * tolerance_share;  // beside its own la
 constexpr double derivative_floor =
     1e-3;  // of the motion, for a change of a parameter by itself, or by 1 if it is less
 
+struct NoSeeds {};
+
+// What a change of a parameter by itself, or by 1 if it is less, is of each seed; nothing without seeds.
+template <class T>
+auto change_by_seed(const System<T>& sys) {
+  if constexpr (requires(T x) { x.d[0]; }) {
+    BySeed<T> size(1.0);
+    for (int slot = 0; slot < parameter_count; ++slot) size.raise(sys.p[slot], std::abs(sys.p[slot].v));
+    return size;
+  } else {
+    return NoSeeds{};
+  }
+}
+
 // What is nothing beside the motion need not be resolved: far from a narrow peak its derivatives are 1e-30 and grow.
 template <class T>
-void derivative_floors(const System<T>& sys, double motion, double* floors) {
-  double size[T::size];
-  for (double& one : size) one = 1;
-  for (int slot = 0; slot < parameter_count; ++slot)
-    for (int i = 0; i < T::size; ++i) size[i] = std::max(size[i], std::abs(sys.p[slot].v * sys.p[slot].derivative(i)));
-  for (int i = 0; i < T::size; ++i) floors[i] = derivative_floor * motion / size[i];
+BySeed<T> derivative_floors(const BySeed<T>& change, double motion) {
+  BySeed<T> floors(derivative_floor * motion);
+  for (int i = 0; i < T::chunks; ++i) floors.of[i] /= change.of[i];
+  return floors;
 }
 
 template <class T>
-double derivative_step(const System<T>& sys, const Mode& mode, const State<T>& begin, Piece<T>& piece, int order,
-                       double h, double rtol) {
-  constexpr int seeds = T::size;
+double derivative_step(const System<T>& sys, const BySeed<T>& change, const Mode& mode, const State<T>& begin,
+                       Piece<T>& piece, int order, double h, double rtol) {
   const double frequency = natural_frequency(sys), over_a1 = std::abs(sys.rig.over_a1.v);
   struct Row {
     const T* series;
@@ -52,37 +62,25 @@ double derivative_step(const System<T>& sys, const Mode& mode, const State<T>& b
     });
     if (acts(sys, moves_belt)) add(piece.fx.belt, 1);
   }
-  double floors[seeds];
+  BySeed<T> floors(0.0);
   bool known = false;
-  const auto raise = [&](double* into, int k, double power) {
-    for (int row = 0; row < count; ++row) {
-      const T& c = rows[row].series[k];
-      const double by = rows[row].weight * power;
-      for (int i = 0; i < seeds; ++i) {
-        const double term = std::abs(c.derivative(i)) * by;
-        into[i] = term > into[i] ? term : into[i];
-      }
-    }
+  const auto raise = [&](BySeed<T>& into, int k, double power) {
+    for (int row = 0; row < count; ++row) into.raise(rows[row].series[k], rows[row].weight * power);
   };
   const auto allows = [&](int, double step) {
-    double largest_term[seeds] = {}, last[seeds] = {};
-    if (known) std::copy(floors, floors + seeds, largest_term);
+    BySeed<T> largest_term = floors, last(0.0);
     const double power = std::pow(step, order - 1);
     raise(last, order - 1, power);
     raise(last, order, power * step);
-    const auto small = [&] {
-      bool good = true;
-      for (int i = 0; i < seeds; ++i) good = good && !(last[i] > derivative_share * rtol * largest_term[i]);
-      return good;
-    };
+    const auto small = [&] { return last.below(largest_term, derivative_share * rtol); };
     double now = 1;
     for (int k = 0; k < order - 1; ++k, now *= step) {
       raise(largest_term, k, now);
       if (k < 2 && small()) return true;  // nearly always
       if (k == 1 && !known) {
-        derivative_floors(sys, largest(motion_scale(sys, piece.s), std::abs(sys.rig.v_b.v)), floors);
+        floors = derivative_floors(change, largest(motion_scale(sys, piece.s), std::abs(sys.rig.v_b.v)));
         known = true;
-        for (int i = 0; i < seeds; ++i) largest_term[i] = largest_term[i] > floors[i] ? largest_term[i] : floors[i];
+        largest_term.raise(floors);
       }
     }
     return small();

@@ -4,6 +4,8 @@
 // AVX can be merged into code that must run without it. This namespace is the same in every build.
 #pragma once
 
+#include <cstdint>
+
 #include "stickslip/structure.hpp"
 
 namespace stickslip_abi {
@@ -44,8 +46,9 @@ struct Request {
   int n_seeds;
   const double* seeds;  // n_seeds x (parameter_count + state_count)
   long max_transitions, max_steps;
-  int order;          // 0: from the tolerance
-  double fixed_step;  // 0: from the tolerance
+  int order;                // 0: from the tolerance
+  double fixed_step;        // 0: from the tolerance
+  std::uint32_t plain = 0;  // states whose derivatives no sample needs, by bit: they are 0 there
 };
 
 // Where results go. `sample` is called in time order, with the derivatives laid out as state x seeds.

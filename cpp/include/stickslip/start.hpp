@@ -22,12 +22,22 @@ int expand(const System<T>& sys, const Mode& mode, const State<T>& state, int cu
   return curve_order;
 }
 
-// The state `h` after the start of a piece; hidden states without an equation stay as they are.
+// The state `h` after the start of a piece; hidden states without an equation stay as they are. Those of the bits `plain`
+// have no derivatives.
 template <class T>
 void piece_state(const System<T>& sys, const Mode& mode, Piece<T>& piece, const State<T>& start, int order, const T& h,
-                 T* z) {
+                 T* z, std::uint32_t plain = 0) {
+  const auto is_plain = [&](int i) { return (plain >> i & 1) != 0; };
   if constexpr (requires(T x) { x.d[0]; }) {
-    for (int i = 0; i < 4; ++i) z[i] = evaluate_at(state_series(piece, i), order, h);
+    for (int i = 0; i < 2; ++i) {  // a place of the block and one of the angle body: as many as stay in registers
+      const T *block = state_series(piece, i), *angle = state_series(piece, i + 2);
+      if (is_plain(i) && is_plain(i + 2)) {
+        z[i] = T(evaluate_value(block, order, h.v));
+        z[i + 2] = T(evaluate_value(angle, order, h.v));
+      } else {
+        evaluate_both_at(block, angle, order, h, z[i], z[i + 2]);
+      }
+    }
   } else {
     evaluate_four<T>({piece.s.x1, piece.s.x2, piece.s.y1, piece.s.y2}, order, h, z);
   }

@@ -33,14 +33,44 @@ T with_derivatives(const T* c, const T& bound, int order, const Real<T>& t) {
 template <class T>
 T evaluate_at(const T* c, int order, const T& h) {
   if constexpr (requires(T x) { x.d[0]; }) {
-    T r = evaluate(c, order, h.v);
+    T sum = c[order];
     double slope = 0;
-    for (int k = order; k >= 1; --k) slope = slope * h.v + c[k].v * k;
-    for (int i = 0; i < T::chunks; ++i) r.d[i] += slope * h.d[i];
-    return r;
+    for (int k = order - 1; k >= 0; --k) {
+      slope = slope * h.v + sum.v;
+      sum = sum * h.v + c[k];
+    }
+    for (int i = 0; i < T::chunks; ++i) sum.d[i] += slope * h.d[i];
+    return sum;
   } else {
     return evaluate(c, order, h);
   }
+}
+
+// The same of two series in step, so that neither waits for itself.
+template <class T>
+void evaluate_both_at(const T* a, const T* b, int order, const T& h, T& at_a, T& at_b) {
+  T one = a[order], other = b[order];
+  double slope = 0, other_slope = 0;
+  for (int k = order - 1; k >= 0; --k) {
+    slope = slope * h.v + one.v;
+    other_slope = other_slope * h.v + other.v;
+    one = one * h.v + a[k];
+    other = other * h.v + b[k];
+  }
+  for (int i = 0; i < T::chunks; ++i) {
+    one.d[i] += slope * h.d[i];
+    other.d[i] += other_slope * h.d[i];
+  }
+  at_a = one;
+  at_b = other;
+}
+
+// The value alone.
+template <class T>
+double evaluate_value(const T* c, int order, double h) {
+  double sum = c[order].v;
+  for (int k = order - 1; k >= 0; --k) sum = sum * h + c[k].v;
+  return sum;
 }
 
 // S = c - lo or hi - c, >= 0 inside, as real coefficients.

@@ -23,8 +23,10 @@ struct Machine {
   long calm = 0;                                         // steps of a linear mode since it began or was crossed in vain
   R asked = R(std::numeric_limits<double>::infinity());  // time at which the observer wants to look next
   bool sees_slips = false;                               // the observer wants every step of a slip
+  [[no_unique_address]] decltype(change_by_seed(std::declval<const System<T>&>())) change;
 
-  Machine(const System<T>& system, const Options& options) : sys(system), opt(options) {}
+  Machine(const System<T>& system, const Options& options)
+      : sys(system), opt(options), change(change_by_seed(system)) {}
 
   // Take the state and find (contact = 2) or take the mode to start in.
   void start(const State<T>& state, int contact) {
@@ -49,7 +51,7 @@ struct Machine {
       if (h == 0) {
         h = step_length(sys, mode, s, piece, order, opt.rtol, opt.atol);
         if constexpr (requires(T x) { x.d[0]; })
-          h = derivative_step(sys, mode, s, piece, order, h, opt.rtol > 0 ? opt.rtol : opt.atol);
+          h = derivative_step(sys, change, mode, s, piece, order, h, opt.rtol > 0 ? opt.rtol : opt.atol);
       }
       settle_step(sys, mode, s, piece, order, h, opt.rtol, opt.atol);
       if (!(h > 0)) return finish(Outcome::not_finite);
@@ -89,8 +91,10 @@ struct Machine {
     finish(Outcome::finished);
   }
 
-  // The state `h` after the start of the piece.
-  void state_at(const T& h, int order, T* z) { piece_state(sys, mode, piece, s, order, h, z); }
+  // The state `h` after the start of the piece, those of the bits `plain` without derivatives.
+  void state_at(const T& h, int order, T* z, std::uint32_t plain = 0) {
+    piece_state(sys, mode, piece, s, order, h, z, plain);
+  }
 
  private:
   template <class Observe, class Stepped>

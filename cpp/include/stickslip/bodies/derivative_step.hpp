@@ -7,46 +7,37 @@
 
 namespace stickslip::inline STICKSLIP_ISA {
 
-// A change of a number by itself, or by 1 if it is less, in each seed.
+// As `change_by_seed` of a named rig.
 template <class T>
-void change_by_seed(const BodiesSystem<T>& sys, double* size) {
-  std::fill(size, size + T::size, 1.0);
-  for (int slot = 0; slot < sys.at.size; ++slot)
-    for (int i = 0; i < T::size; ++i)
-      size[i] = std::max(size[i], std::abs(sys.values[slot].v * sys.values[slot].derivative(i)));
+BySeed<T> change_by_seed(const BodiesSystem<T>& sys) {
+  BySeed<T> size(1.0);
+  for (int slot = 0; slot < sys.at.size; ++slot) size.raise(sys.values[slot], std::abs(sys.values[slot].v));
+  return size;
 }
 
 // Shortens h until the last two terms of each derivative of each state are below the tolerance beside the largest term of
 // that state's, or beside a share of the state's own scale.
 template <class T>
 double bodies_derivative_step(const BodiesSystem<T>& sys, int order, double h, double rtol) {
-  constexpr int seeds = T::size;
   const double frequency = static_cast<double>(sys.frequency);
-  double top = 0, size[seeds];
+  double top = 0;
   for (int i = 0; i < sys.n; ++i) {  // a speed of the motion, by energy
     const double by = static_cast<double>(sys.weight[i]);
     top = std::max(top, by * std::abs(sys.v[i * series_size].v));
     top = std::max(top, by * frequency * std::abs(sys.q[i * series_size].v));
   }
-  change_by_seed(sys, size);
+  const BySeed<T> change = change_by_seed(sys);
   const auto shorten = [&](const T* series, double scale) {
+    const BySeed<T> floors = derivative_floors(change, scale);
     const auto allows = [&](int, double step) {
-      double most[seeds], last[seeds] = {};
-      for (int i = 0; i < seeds; ++i) most[i] = derivative_floor * scale / size[i];
-      const auto raise = [&](double* into, int k, double power) {
-        for (int i = 0; i < seeds; ++i) into[i] = std::max(into[i], std::abs(series[k].derivative(i)) * power);
-      };
+      BySeed<T> most = floors, last(0.0);
       const double power = std::pow(step, order - 1);
-      raise(last, order - 1, power);
-      raise(last, order, power * step);
-      const auto small = [&] {
-        bool good = true;
-        for (int i = 0; i < seeds; ++i) good = good && !(last[i] > derivative_share * rtol * most[i]);
-        return good;
-      };
+      last.raise(series[order - 1], power);
+      last.raise(series[order], power * step);
+      const auto small = [&] { return last.below(most, derivative_share * rtol); };
       double now = 1;
       for (int k = 0; k < order - 1; ++k, now *= step) {
-        raise(most, k, now);
+        most.raise(series[k], now);
         if (k < 2 && small()) return true;  // nearly always
       }
       return small();
