@@ -400,7 +400,8 @@ class BeltPoint:
         block = np.empty((*chain.values.shape, chain.slopes.shape[2] + 1))
         np.multiply(chain.slopes, weight[:, :, None], out=block[:, :, :-1])
         block[:, :, -1] = (readings - chain.values) * weight
-        good = done & np.isfinite(np.add.reduceat(block.sum(axis=(1, 2)), self.offset[:-1]))
+        rows = block.reshape(len(block), -1)
+        good = done & np.isfinite(np.add.reduceat(rows @ np.ones(rows.shape[1]), self.offset[:-1]))
         return [
             block[a:b] if ok else None
             for a, b, ok in zip(self.offset[:-1], self.offset[1:], good, strict=True)

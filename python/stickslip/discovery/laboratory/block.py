@@ -193,7 +193,7 @@ def _found(search: BlockSearch, tell: Callable[[str], None], began: float, worke
     bench, found, curve = search.verdicts.bench, search.verdicts.searched, search.verdicts.curve
     case, units = search.case, search.units
     chosen = search.verdicts.told
-    base = search.verdicts.before
+    base = search.verdicts.before(workers)
     before, after = (_model(search, one) for one in (base, chosen))
     train, validate = ([measure(prepare_events(one)) for one in runs] for runs in (case.train, case.validate))
     tell("fitting single events of the validate runs")

@@ -137,7 +137,7 @@ def all_full(
     reached = min([there, *(fit.deviance for fit in fits.values())])
     curve_leads = first is not None and terms[first].kind.nameless and fits[first].deviance < there
     short = [
-        one.term.name
+        one
         for one in every
         if one.term.name in fits.keys() - set(done)
         and not one.term.kind.nameless
@@ -146,9 +146,9 @@ def all_full(
             or (curve_leads and ran_out(fits[one.term.name], bench.policy))
         )
     ]
-    again = workers.map(partial(_sought, bench, base), [(fits[name], terms[name]) for name in short])
-    fits |= dict(zip(short, again, strict=True))
-    done += short
+    again = workers.map(partial(_again, bench, base), [(fits[one.term.name], one) for one in short])
+    fits |= {one.term.name: fit for one, fit in zip(short, again, strict=True)}
+    done += [one.term.name for one in short]
     trials = [
         trial_beside(bench, base, fits[one.term.name], one.term) for one in every if one.term.name in fits
     ]
@@ -164,12 +164,30 @@ def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
     """
     A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it.
 
-    With all its sizes 0 it is that hypothesis: a fit whose steps ran out above it failed, and another start is taken.
-    So is for a curve that no one declared while it is short of its score, as it is not fitted anew later.
+    A curve that no one declared is begun elsewhere, too, while it is short of its score: it is not fitted anew later.
     """
-    enough = _promised(bench, base, candidate) if candidate.term.kind.nameless else base.fit.deviance
+    enough = _promised(bench, base, candidate) if candidate.term.kind.nameless else np.inf
+    return _from_starts(bench, _starts(bench, base, candidate), enough)
+
+
+def _again(bench: Bench, base: Trial, found: tuple[Fit, Candidate]) -> Fit:
+    """
+    A candidate's fit, or a better one from elsewhere.
+
+    With all its sizes 0 it is the hypothesis: a fit whose steps ran out above that failed, and is begun from its other
+    starts, too.
+    """
+    fit, candidate = found
+    if fit.deviance > base.fit.deviance and ran_out(fit, bench.policy):
+        other = _from_starts(bench, _starts(bench, base, candidate)[1:], base.fit.deviance)
+        fit = fit if other is None or other.deviance >= fit.deviance else other
+    return _sought(bench, base, (fit, candidate.term))
+
+
+def _from_starts(bench: Bench, starts: Sequence[Fit], enough: float) -> Fit | None:
+    """The best fit of a candidate from its starts, one after the other while steps run out above `enough`."""
     best: Fit | None = None
-    for start in _starts(bench, base, candidate):
+    for start in starts:
         fit = from_near(bench, start)
         if fit is not None and (best is None or fit.deviance < best.deviance):
             best = fit

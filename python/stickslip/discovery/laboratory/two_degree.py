@@ -178,7 +178,7 @@ def _found(asked: _RigSearch, verdicts: Verdicts[BeltBench], notes: tuple[str, .
     case, tell = asked.case, asked.tell
     bench, found, curve = verdicts.bench, verdicts.searched, verdicts.curve
     validate, declared, chosen = asked.data[len(case.train) :], case.model(), verdicts.told
-    base = verdicts.before
+    base = verdicts.before(asked.workers)
     before, after = (outcome.model(bench, one, declared) for one in (base, chosen))
     tell("forecasting the validate runs")
     error, forecasts = error_block(

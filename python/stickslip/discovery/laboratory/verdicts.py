@@ -65,19 +65,19 @@ class Verdicts(Generic[BenchT]):
             return self.after
         return found.null if self.curve is not None and not self.beside else found.chosen
 
-    @property
-    def before(self) -> Trial:
+    def before(self, workers: Workers = ALONE) -> Trial:
         """
-        The declared model alone; all of it as declared where a constant is wrong, for the others may do its work.
+        Return the declared model alone; all of it as declared where a constant is wrong: others may do its work.
 
-        So is it where what is lacking has driven a constant of the law alone far from what is declared.
+        So is it where what is lacking has driven a constant of the law alone far from what is declared. What is fitted
+        then the `workers` fit from several starts at once.
         """
         null_fit = self.searched.null.fit
         astray = bool(self.told.terms) and null_fit.windows.prior.farthest(null_fit.at) > BEYOND
         if self.told.freed is None and not astray:
             return self.searched.null
         plain = replace(self.bench, declared=Declared())
-        return Trial((), null(plain.windows(), plain.policy, twice=True))
+        return Trial((), null(plain.windows(), plain.policy, twice=True, each=workers.map))
 
     def without(self, before: Trial) -> Fit | None:
         """Return what is held against what was found on runs never used: effects, all else as free as beside them."""
