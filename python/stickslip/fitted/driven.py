@@ -224,6 +224,24 @@ def _misses(
         yield made - recording.x1[i + 1 : i + 1 + reach]
 
 
+def missed_ahead(model: Model, recording: Recording, ahead: float) -> Floats:
+    """Return how far off forecasts of a record are so long ahead, (m,); they begin half as far apart.
+
+    Raises
+    ------
+    InputError
+        The record is of another rig, or too short.
+    StickslipError
+        The model cannot be simulated.
+    """
+    _check_record(recording)
+    known, t = recorded_drive(recording), recording.t
+    steps = max(round(ahead / float(np.median(np.diff(t)))), 1)
+    begins = np.arange(PAST - 1, len(t) - steps, max(steps // 2, 1))
+    made = [_ahead(model, known, recording, int(i), t[[i + steps]])[0] for i in begins]
+    return np.asarray(made - recording.x1[begins + steps])
+
+
 @dataclass(frozen=True)
 class Followed:
     """

@@ -10,8 +10,9 @@ from stickslip.discovery.driven_slider.fitted_motion import MotionFit
 from stickslip.discovery.driven_slider.policy import STEER
 from stickslip.discovery.driven_slider.residual import BandedBalance
 from stickslip.discovery.result import ErrorBlock, RunError
+from stickslip.errors import StickslipError
+from stickslip.fitted.driven import missed_ahead
 from stickslip.measured.case import Case, Recording
-from stickslip.simulated.driven_slider import forecast
 
 Floats = NDArray[np.float64]
 
@@ -70,26 +71,12 @@ def share(part: float, whole: float) -> float:
     return part / whole if whole > 0 else NAN
 
 
-def starts(run: Recording, steps: int) -> tuple[NDArray[np.intp], Floats, Floats]:
-    """Where forecasts begin, and the state there from a cubic through the readings before: samples, x, v (m,)."""
-    assert run.drive is not None
-    at = np.arange(STEER.past, len(run.t) - steps - 1, max(steps // 2, 1))
-    dt = float(np.median(np.diff(run.t)))
-    tau = np.arange(-STEER.past + 1, 1) * dt
-    powers = np.vander(tau, 4, increasing=True)
-    windows = run.x1[at[:, None] + np.arange(-STEER.past + 1, 1)]
-    b = np.linalg.lstsq(powers / tau[0] ** np.arange(4), windows.T, rcond=None)[0]
-    return at, b[0], b[1] / tau[0]
-
-
 def forecasts(model: Model, run: Recording, ahead: float) -> float:
-    """Root mean square error of the position `ahead` seconds on [m], over windows that begin half as far apart."""
-    assert run.drive is not None
-    steps = round(ahead / float(np.median(np.diff(run.t))))
-    at, x, v = starts(run, steps)
-    path = forecast(model, run.t, run.drive, at, x, v, steps)
-    measured = run.x1[at[None, :] + np.arange(steps + 1)[:, None]]
-    return float(np.sqrt(np.mean((path - measured)[-1] ** 2)))
+    """Root mean square error of the position `ahead` seconds on [m]; nan of a model that cannot be simulated."""
+    try:
+        return float(np.sqrt(np.mean(missed_ahead(model, run, ahead) ** 2)))
+    except StickslipError:
+        return NAN
 
 
 def floor_of_forecast(fit: MotionFit, run: Recording, ahead: float) -> float:

@@ -38,7 +38,6 @@ class DrivenPolicy:
     edge : width of that band's edge over its limit
     cycles : periods of the band's limit in a record, at least
     ahead : seconds of a forecast whose error is shown
-    past : samples before its start from which a forecast takes its state
     interval_draws : of the normal distribution behind the intervals
     at_once, together, remembered : columns computed, solved for and kept at hand; memory and speed alone
     """
@@ -68,7 +67,6 @@ class DrivenPolicy:
     edge: float = 0.3
     cycles: float = 40.0
     ahead: float = 0.25
-    past: int = 24
     interval_draws: int = 500
     at_once: int = 768
     together: int = 48
