@@ -16,7 +16,7 @@ from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.refitted import refitted
 from stickslip.discovery.laboratory.screen import Screen, Shapes, columns
 from stickslip.discovery.laboratory.two_degree import bench_of
-from stickslip.discovery.laboratory.waves import WaveColumns, Waves, wave_columns
+from stickslip.discovery.laboratory.waves import WaveColumns, Waves, waves_at
 from stickslip.fitted.data import prepare
 from stickslip.likelihoods.fit import closed, null
 from stickslip.likelihoods.fit_state import begin
@@ -177,7 +177,7 @@ def test_a_window_that_a_slow_wave_makes_another_of_is_drawn_with_a_belt_of_its_
     bench = bench_of(read, prepare(read.train))
     fit = null(bench.windows(), bench.policy)
     ripple = next(kind for kind in bench.kinds() if kind.name == "belt_speed_ripple")
-    plain = wave_columns(bench, fit, (), ripple, 1.0)
+    plain = waves_at(bench, fit, (), ripple, [1.0])[0].columns
     odd = [one if one is None or i != 3 else 1e3 * one for i, one in enumerate(plain)]
     drawn = {}
     for name, columns_of_wave in (("plain", plain), ("odd", odd)):
@@ -195,12 +195,12 @@ def test_a_wave_of_the_readings_is_asked_as_those_of_the_draws_are(tmp_path: Pat
     plain = null(bench.windows(), bench.policy)
     (kind,) = [one for one in bench.kinds() if one.name == "belt_seam"]
     w = 2 * np.pi / 4.0
-    seams = Waves(bench, kind, [WaveColumns(w, wave_columns(bench, plain, (), kind, w))])
+    seams = Waves(bench, kind, waves_at(bench, plain, (), kind, [w]))
     seams.apart = seams.step  # one frequency: a half of it further down
     screen, runs = Screen((), (seams,)), len(bench.data)
     found = refitted(bench, plain, screen, "belt_seam", 0, plain)
     here = w - 0.5 * seams.step
-    made = wave_columns(bench, plain, (), kind, here)
+    made = waves_at(bench, plain, (), kind, [here])[0].columns
     for turned, plain_columns in zip(seams.at(here), made, strict=True):
         assert turned is not None
         assert plain_columns is not None

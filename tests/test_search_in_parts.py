@@ -19,7 +19,7 @@ from stickslip.discovery.laboratory.outcome import evidence
 from stickslip.discovery.laboratory.screen import Screen, screened
 from stickslip.discovery.laboratory.search import Searched, SearchStep, told_by_sizes
 from stickslip.discovery.laboratory.trials import Trial, all_full
-from stickslip.discovery.laboratory.waves import SMALL, wave_columns
+from stickslip.discovery.laboratory.waves import SMALL, waves_at
 from stickslip.discovery.workers import Workers
 from stickslip.likelihoods.fit import null
 from stickslip.likelihoods.fit_state import Fit
@@ -60,12 +60,23 @@ def test_a_wave_s_cosine_is_what_it_is_at_another_phase(bench: BeltBench, fit: F
     )
     at = np.concatenate([fit.at, [n.start for n in of_term(one, bench.policy)]])
     cosine = bench.windows((one,)).blocks(at, fit.own, shared=[len(fit.at)], local=False)
-    for a, b in zip(wave_columns(bench, fit, (), kind, W), cosine, strict=True):
+    for a, b in zip(waves_at(bench, fit, (), kind, [W])[0].columns, cosine, strict=True):
         assert a is not None
         assert b is not None
         assert np.abs(b[:, :, 0]).max() > 1.0
         np.testing.assert_allclose(a[:, :, 1], b[:, :, 0], atol=5e-3 * np.abs(b[:, :, 0]).max())
         assert np.abs(a[:, :, 1] - a[:, :, 0]).max() > 0.1 * np.abs(b[:, :, 0]).max()
+
+
+@pytest.mark.parametrize("name", ["harmonic_forcing", "belt_speed_ripple", "belt_seam"])
+def test_frequencies_at_once_are_what_each_is_alone(bench: BeltBench, fit: Fit, name: str) -> None:
+    (kind,) = [one for one in bench.kinds() if one.name == name]
+    every = [0.5, W, 3.0]
+    together = waves_at(bench, fit, (), kind, every)
+    assert [one.w for one in together] == every
+    for w, one in zip(every, together, strict=True):
+        for a, b in zip(one.columns, waves_at(bench, fit, (), kind, [w])[0].columns, strict=True):
+            np.testing.assert_array_equal(a, b)
 
 
 def test_several_processes_find_the_same_to_the_last_digit(bench: BeltBench, fit: Fit) -> None:

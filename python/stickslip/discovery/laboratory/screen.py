@@ -16,7 +16,7 @@ from stickslip.declared.effect_kind import EffectKind
 from stickslip.discovery.laboratory.hypothesis import LEAST, Bench, Term, label, of_term, sizes_of, term
 from stickslip.discovery.laboratory.null import Null
 from stickslip.discovery.laboratory.rival_kind import RivalKind
-from stickslip.discovery.laboratory.waves import WaveColumns, Waves, coarse, wave_columns
+from stickslip.discovery.laboratory.waves import WaveColumns, Waves, coarse, waves_at
 from stickslip.discovery.workers import ALONE, Workers
 from stickslip.likelihoods.event_windows import own_in
 from stickslip.likelihoods.fit_state import Fit
@@ -146,7 +146,7 @@ def _part(bench: Bench, fit: Fit, terms: Sequence[Term], null: Null, part: tuple
     """The columns of some frequencies; of another effect its candidate and its shapes."""
     kind, frequencies = part
     if kind.wave:
-        return [WaveColumns(float(w), wave_columns(bench, fit, terms, kind, float(w))) for w in frequencies]
+        return waves_at(bench, fit, terms, kind, frequencies.tolist())
     return _shape(bench, fit, terms, kind, null)
 
 
@@ -302,7 +302,8 @@ def _wave(bench: Bench, fit: Fit, terms: Sequence[Term], waves: Waves, null: Nul
     kind = waves.kind
     assert kind.wave is not None
     w = waves.best(null)
-    made, runs = wave_columns(bench, fit, terms, kind, w), len(bench.data)
+    (wave,), runs = waves_at(bench, fit, terms, kind, [w]), len(bench.data)
+    made = wave.columns
     place = [[2 * s.run, 2 * s.run + 1] for s in bench.stretches]
     found = score(fit, made, bench.policy, place=place, count=2 * runs)
     known = 0.0

@@ -112,8 +112,8 @@ def all_full(
     What is worth less than its score promised is fitted anew where no other reaches that much; beside a null that is
     no model of the windows, so is what reaches furthest, before the others are held against it; but nothing is that
     falls short of what is there already. Nor is a curve that no one declared: its shapes reach what is near, and from
-    afar it takes long. Where it leads, names whose steps ran out on the way are fitted anew: what each of them is, it
-    can be.
+    afar it takes long; where it promised more than others reach it has its other starts. Where it leads, names whose
+    steps ran out on the way are fitted anew: what each of them is, it can be.
 
     Parameters
     ----------
@@ -124,6 +124,14 @@ def all_full(
     terms = {one.term.name: one.term for one in every}
     fits = {one.term.name: fit for one, fit in zip(every, near, strict=True) if fit is not None}
     done, there = list[str](), min((one.fit.deviance for one in beyond), default=np.inf)
+    reached = min([there, *(fit.deviance for fit in fits.values())])
+    curves = [
+        one
+        for one in every
+        if one.term.kind.nameless and one.term.name in fits and _promised(bench, base, one) < reached
+    ]
+    more = workers.map(partial(_curve, bench, base), [(fits[one.term.name], one) for one in curves])
+    fits |= {one.term.name: fit for one, fit in zip(curves, more, strict=True)}
     first = min(fits, key=lambda name: fits[name].deviance, default=None)
     if (
         first is not None
@@ -161,27 +169,34 @@ def _promised(bench: Bench, base: Trial, candidate: Candidate) -> float:
 
 
 def _near(bench: Bench, base: Trial, candidate: Candidate) -> Fit | None:
-    """
-    A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it.
+    """A candidate beside a hypothesis, fitted from where that stands; None where no window can be simulated with it."""
+    return _from_starts(bench, _starts(bench, base, candidate), np.inf)
 
-    A curve that no one declared is begun elsewhere, too, while it is short of its score: it is not fitted anew later.
-    """
-    enough = _promised(bench, base, candidate) if candidate.term.kind.nameless else np.inf
-    return _from_starts(bench, _starts(bench, base, candidate), enough)
+
+def _curve(bench: Bench, base: Trial, found: tuple[Fit, Candidate]) -> Fit:
+    """A curve's fit, or a better one from its other starts while steps run out short of what its score promised."""
+    fit, candidate = found
+    enough = _promised(bench, base, candidate)
+    if fit.deviance <= enough or not ran_out(fit, bench.policy):
+        return fit
+    return _better(fit, _from_starts(bench, _starts(bench, base, candidate)[1:], enough))
 
 
 def _again(bench: Bench, base: Trial, found: tuple[Fit, Candidate]) -> Fit:
     """
-    A candidate's fit, or a better one from elsewhere.
+    A name's fit, or a better one from elsewhere.
 
     With all its sizes 0 it is the hypothesis: a fit whose steps ran out above that failed, and is begun from its other
     starts, too.
     """
     fit, candidate = found
     if fit.deviance > base.fit.deviance and ran_out(fit, bench.policy):
-        other = _from_starts(bench, _starts(bench, base, candidate)[1:], base.fit.deviance)
-        fit = fit if other is None or other.deviance >= fit.deviance else other
+        fit = _better(fit, _from_starts(bench, _starts(bench, base, candidate)[1:], base.fit.deviance))
     return _sought(bench, base, (fit, candidate.term))
+
+
+def _better(fit: Fit, other: Fit | None) -> Fit:
+    return fit if other is None or other.deviance >= fit.deviance else other
 
 
 def _from_starts(bench: Bench, starts: Sequence[Fit], enough: float) -> Fit | None:

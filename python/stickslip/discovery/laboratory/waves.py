@@ -37,30 +37,36 @@ def coarse(bench: Bench, kind: EffectKind) -> Floats:
     return np.arange(low, high, apart(bench, kind))
 
 
-def wave_columns(
-    bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, w: float
-) -> list[Floats | None]:
-    """Return the derivatives by the sine's and the cosine's amplitude at a frequency, each window."""
-    assert kind.wave is not None
-    number, runs = 2 * math.pi / w if kind.wave.along_belt else w, len(bench.data)
-    small = SMALL * kind.parameter("a").unit
-    one = term(kind, {"a": small, kind.wave.parameter: number, "phi": 0.0}, (0.0,) * runs)
-    own = of_term(one, bench.policy)
-    at = np.concatenate([fit.at, [n.start for n in own]])
-    # a phase turns the sine into a cosine of the same amplitude
-    wanted = [len(fit.at) + i for i, n in enumerate(own) if n.name.endswith((".a", ".phi"))]
-    made = bench.windows((*terms, one)).columns(at, fit.own, wanted)
-    return [
-        None if x is None else np.stack([x[:, :, 0], x[:, :, 1:].sum(axis=2) / small], axis=2) for x in made
-    ]
-
-
 @dataclass(frozen=True)
 class WaveColumns:
     """A sine and a cosine of a coarse frequency as a window's readings see them."""
 
     w: float
     columns: Columns
+
+
+def waves_at(
+    bench: Bench, fit: Fit, terms: Sequence[Term], kind: EffectKind, frequencies: Sequence[float]
+) -> list[WaveColumns]:
+    """Return the derivatives by the sine's and the cosine's amplitude at some frequencies, each window."""
+    assert kind.wave is not None
+    small = SMALL * kind.parameter("a").unit
+    windows, out = None, []
+    for w in frequencies:
+        number = 2 * math.pi / w if kind.wave.along_belt else w
+        one = term(kind, {"a": small, kind.wave.parameter: number, "phi": 0.0}, (0.0,) * len(bench.data))
+        own = of_term(one, bench.policy)
+        at = np.concatenate([fit.at, [n.start for n in own]])
+        # a phase turns the sine into a cosine of the same amplitude
+        wanted = [len(fit.at) + i for i, n in enumerate(own) if n.name.endswith((".a", ".phi"))]
+        windows = windows or bench.windows((*terms, one))  # how often is one of their numbers
+        out.append(WaveColumns(float(w), [_both(x, small) for x in windows.columns(at, fit.own, wanted)]))
+    return out
+
+
+def _both(made: Floats | None, small: float) -> Floats | None:
+    """A window's sine and cosine of amplitude 1, from its derivatives by the amplitude and by the phase of each run."""
+    return None if made is None else np.stack([made[:, :, 0], made[:, :, 1:].sum(axis=2) / small], axis=2)
 
 
 class Waves:
