@@ -315,6 +315,8 @@ def write_case(
         formula = ss.effect("formula", called="hidden", where=where, **given)
         truth["effects"] = [{"name": "unlisted", "where": where, "parameters": {}, "acts": given}]
     gains = {channel: 1 + GAIN * rng.standard_normal() for channel in plan.channels}
+    truth["gains"] = gains
+    truth["constants"] = {name: float(rig.numbers[name]) for name in plan.rig.uncertain}
     folder.mkdir(parents=True, exist_ok=True)
     text = f'title = "{folder.name}"\n{plan.table}[channels]\nt = {{ column = "t", unit = "s" }}\n'
     for channel, (unit, _) in plan.channels.items():
