@@ -228,8 +228,15 @@ class RunWindows:
         if one.name not in self.lowered.places:
             return None
         row = np.zeros(len(self.base))
-        row[self._place(one.name)] = 1.0
+        row[self._place(one.name)] = one.usual
         return row
+
+    @cached_property
+    def units(self) -> Floats:
+        """What the seeds of the shared numbers that move anything are in units of, those of its own beside them."""
+        of, apart = self.of, (*self.of.of_rig, BELT_OFF)
+        moving = [of.numbers[j] for j, row in zip(self.shared, self.rows, strict=True) if row is not None]
+        return np.array([1.0 if one.name in apart else one.usual for one in moving] + [1.0] * of.own)
 
     def _own_rows(self, start: BodiesStart) -> tuple[Floats, Floats]:
         """Seeds of a window's own numbers, (own, size); what of the start they do not move is in the values."""
@@ -313,7 +320,9 @@ class RunWindows:
             max_steps=self._most_steps(float(t[-1] - t[0])),
             sensed=bool(of.sensed),
         )
-        return raw, raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
+        done = raw["outcome"] == _core.Outcome.finished and len(raw["t"]) == len(t)
+        slopes = [name for name in ("sensitivity", "sensed_sensitivity") if name in raw]
+        return {**raw, **{name: raw[name] / self.units[: raw[name].shape[2]] for name in slopes}}, done
 
     def _most_steps(self, lasts: float) -> int:
         """Steps of a window, some times as many as the rig's motions take: what asks for more is none of them."""

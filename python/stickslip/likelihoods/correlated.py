@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.memory import KINETIC, STATIC, memory
-from stickslip.likelihoods.mixed import eliminated, turned
+from stickslip.likelihoods.mixed import beyond_rounding, eliminated, inverse_of, turned
 from stickslip.likelihoods.population import factor
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,10 @@ def covariance(fit: Fit) -> Floats:
     effects = a[:, local, local][:, :, linear.own :]
     moved = a[:, :p, local][:, :, linear.own :] - cross @ (root @ effects)
     _, prior = windows.prior.at(fit.at)
-    inverse = np.linalg.inv(told.sum(axis=0) + prior + 1e-10 * np.eye(p))
+    whole = np.diagonal(a[:, :p, :p], axis1=1, axis2=2).sum(axis=0)
+    schur = told.sum(axis=0) + prior
+    schur[range(p), range(p)] = beyond_rounding(schur, whole)
+    inverse = inverse_of(schur)
     between = np.zeros((p, p))
     like = _remembered(fit, roots)
     together = likeness(fit)

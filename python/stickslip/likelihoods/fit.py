@@ -330,7 +330,7 @@ def _tried(
         prior = windows.prior.at(fit.at)
         solution = solve(fit.linear, roots, noise, *prior, fit.random, damping, windows.steps(fit.at))
     stride = np.array([n.stride for n in windows.numbers])
-    share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-12), initial=np.inf)))
+    share = min(1.0, float(np.min(stride / np.maximum(np.abs(solution.shared), 1e-300), initial=np.inf)))
     cost = Cost(fit, population, noise)
     each, now = cost.total(fit.blocks, fit.own, fit.at)
     least, added = (now, 0.0) if deviance is None else (deviance, found.solution.volume + found.held)

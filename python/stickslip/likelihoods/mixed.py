@@ -17,6 +17,7 @@ Bounds = tuple[Floats, Floats]
 TINY = 1e-9  # share added to a diagonal, against numbers that say the same
 FAR_OUT = 50.0  # standard deviations beyond which a Gaussian's tail is an exponential
 ROUNDING = 1e-14  # share of a product that sums of many lose
+NOTHING = 1e-10  # information of a number that nothing depends on: it stays where it is
 
 
 @dataclass(frozen=True)
@@ -135,10 +136,9 @@ def solve(
     cross, right = seen[:, :, :p], seen[:, :, p]
     schur = (a[:, :p, :p] - cross.transpose(0, 2, 1) @ cross).sum(0) + precision
     schur[range(p), range(p)] *= 1.0 + damping + TINY
-    schur[range(p), range(p)] += 1e-10
     schur[range(p), range(p)] = beyond_rounding(schur, np.diagonal(a[:, :p, :p], axis1=1, axis2=2).sum(0))
     pull = (a[:, :p, -1] - np.einsum("wlp,wl->wp", cross, right)).sum(0) + precision @ mean
-    covariance = np.linalg.inv(schur)
+    covariance = inverse_of(schur)
     step = covariance @ pull
     if bounds is not None and ((step < bounds[0]) | (step > bounds[1])).any():
         step, held = within(schur, pull, bounds)
@@ -165,13 +165,21 @@ def beyond_rounding(schur: Floats, whole: Floats) -> Floats:
     """
     Return the diagonal of products from which others were taken, (n,), where that left more than rounding.
 
-    Where windows' own numbers explain a number whole, rounding is left, which may be less than nothing.
+    Where windows' own numbers explain a number whole, rounding is left, which may be less than nothing. What is added
+    is a share of what there was: a number may be in any unit, and known to 1e-6 of one or to 1e6.
 
     Parameters
     ----------
     schur, whole : (n, n) what is left, and (n,) the diagonal that there was
     """
-    return np.maximum(np.diag(schur), ROUNDING * whole)
+    left = np.maximum(np.diag(schur), ROUNDING * whole)
+    return np.where(left > 0, left, NOTHING)
+
+
+def inverse_of(products: Floats) -> Floats:
+    """Return the inverse of products of numbers in whatever units, (n, n)."""
+    scale = 1.0 / np.sqrt(np.diag(products))
+    return np.asarray(np.linalg.inv(products * scale * scale[:, None]) * scale * scale[:, None])
 
 
 def within(schur: Floats, pull: Floats, bounds: Bounds) -> tuple[Floats, NDArray[np.bool_]]:
@@ -207,7 +215,7 @@ def beside_bounds(schur: Floats, pull: Floats, step: Floats, held: NDArray[np.bo
     """
     free = ~held
     out = np.zeros_like(schur)
-    out[np.ix_(free, free)] = inner = np.linalg.inv(schur[np.ix_(free, free)])
+    out[np.ix_(free, free)] = inner = inverse_of(schur[np.ix_(free, free)])
     across = schur[np.ix_(free, held)]
     whole = schur[np.ix_(held, held)]
     stiff = beyond_rounding(whole - across.T @ inner @ across, np.diag(whole))  # of each, the others held

@@ -47,6 +47,13 @@ class SharedNumber:
         """Return d number/d coordinate."""
         return math.exp(at) if self.logarithmic else 1.0
 
+    @property
+    def usual(self) -> float:
+        """How far it usually goes, in its unit: 0 says nothing of that. 1 where that is not known."""
+        if self.logarithmic:  # it says so itself
+            return 1.0
+        return next((x for x in (self.sd, self.stride) if 0 < x < math.inf), 1.0)
+
 
 @dataclass(frozen=True)
 class Declared:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.likelihoods.fit_state import Fit
-from stickslip.likelihoods.mixed import beyond_rounding, within
+from stickslip.likelihoods.mixed import beyond_rounding, inverse_of, within
 from stickslip.likelihoods.population import factor
 from stickslip.likelihoods.score import Columns
 
@@ -91,7 +91,7 @@ class Null:
         at_bound = (bounds[0] >= 0) | (bounds[1] <= 0)
         free = ~(within(schur, self.pull, bounds)[1] & at_bound) if at_bound.any() else ~at_bound
         self.inverse = np.zeros_like(schur)  # what a bound holds does not move beside a new number
-        self.inverse[np.ix_(free, free)] = np.linalg.inv(schur[np.ix_(free, free)])
+        self.inverse[np.ix_(free, free)] = inverse_of(schur[np.ix_(free, free)])
 
     def over_noise(self, block: Floats, window: int) -> Floats:
         """Columns of a window over its noise, (n, k)."""
@@ -143,7 +143,8 @@ class Null:
     def _left(self, cross: Floats, square: Floats, pull: Floats, shared: Floats) -> tuple[Floats, Floats]:
         """Products of columns with themselves and with draws, the shared numbers eliminated."""
         left = square - cross @ self.inverse @ cross.T
-        left[range(len(left)), range(len(left))] += TINY * np.abs(np.diag(square)) + 1e-12
+        size = np.abs(np.diag(square))  # in whatever unit the column's number is
+        left[range(len(left)), range(len(left))] += np.where(size > 0, TINY * size, NOTHING)
         return left, pull - cross @ (self.inverse @ shared)
 
     def scored(self, made: Projected) -> tuple[float, Floats]:
