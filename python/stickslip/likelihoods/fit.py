@@ -35,9 +35,7 @@ ALONE = 15  # steps of each window alone before all are fitted
 WIDE = 10.0  # times the usual scatter
 
 
-def null(
-    windows: Windowed, policy: Policy, twice: bool = False, each: Each = map, near: Fit | None = None
-) -> Fit:
+def null(windows: Windowed, policy: Policy, twice: bool = False, each: Each = map) -> Fit:
     """
     Return the fit from the declared numbers.
 
@@ -52,12 +50,11 @@ def null(
         and keep the better: what a search calls lacking must not be what a fit missed. Scatter that is more than
         friction has, which may be what is lacking, is held as usual, too
     each : calls a function with every item, as `map` does; fits that do not wait for one another may be made at once
-    near : of bodies, a fit of these windows and others, to go on from
 
     """
     first = begun(windows)
     if isinstance(windows, BodiesWindows):
-        fit = _of_bodies(first, policy) if near is None else fitted(_some_of(near, first), policy)
+        fit = _of_bodies(first, policy)
         if not twice:
             return fit
     elif (shown := shown_levels(windows, first.at)) is not None:
@@ -75,13 +72,6 @@ def _of_bodies(first: Fit, policy: Policy) -> Fit:
     """The fit of a rig of bodies; where it explains little, one from windows that settle alone may do better."""
     fit = fitted(first, policy)
     return fit if unexplained(fit) < policy.noise_left else _best(fit, _alone_first(_wide(first), policy))
-
-
-def _some_of(near: Fit, first: Fit) -> Fit:
-    """Where a fit stands, of some of its windows: those of another."""
-    places = {id(one): i for i, one in enumerate(near.windows.stretches)}
-    own = near.own[[places[id(one)] for one in first.windows.stretches]]
-    return replace(first, at=near.at, own=own, population=near.population, noise=near.noise)
 
 
 def _best_of_shown(first: Fit, shown: Fit, policy: Policy, twice: bool, each: Each) -> Fit:

@@ -27,7 +27,6 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.fitted.bodies_data import BodiesData, prepare_bodies
 from stickslip.likelihoods.bodies_ahead import WindowForecasts
 from stickslip.likelihoods.fit import closed, null
-from stickslip.likelihoods.fit_state import Fit
 from stickslip.likelihoods.repeating import lost
 from stickslip.likelihoods.single_windows import settled
 from stickslip.measured.case import Case
@@ -66,14 +65,13 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
         two_windows(run)
     try:
         tell("fitting the declared laws, their constants and their scatter")
-        whole = null(bench.windows(), bench.policy)
-        every, bench = bench, of_single_events(bench, whole)
+        every, bench = bench, of_single_events(bench, null(bench.windows(), bench.policy))
         others = partial(_other_windows, every, bench)
-        found = search(bench, case.uncertainty, tell, seed, _alone(bench, whole), workers, ends=others)
+        found = search(bench, case.uncertainty, tell, seed, workers=workers, ends=others)
         if found.chosen.terms and others(found.chosen):
             tell("beside what was found other windows stand out: once more with the rest")
             bench = beside(every, found.chosen)
-            found = search(bench, case.uncertainty, tell, seed, _alone(bench, whole), workers)
+            found = search(bench, case.uncertainty, tell, seed, workers=workers)
     except (FloatingPointError, np.linalg.LinAlgError):
         words = (
             "no window of the runs can be simulated with laws of this kind; are rig, units and speeds right?"
@@ -90,11 +88,6 @@ def discover(case: Case, tell: Callable[[str], None], seed: int, workers: Worker
     return claimed(
         said(found), (said(less) for less in fewer(found)), lambda: said(replace(found, chosen=found.null))
     )
-
-
-def _alone(bench: GeneralBench, whole: Fit) -> Trial:
-    """The declared model alone beside some windows, from where it stands beside all."""
-    return Trial((), null(bench.windows(), bench.policy, twice=True, near=whole))
 
 
 def beside(every: GeneralBench, trial: Trial) -> GeneralBench:
